@@ -27,10 +27,10 @@ play: $(VENV)/.play ## Play; ARGS="play LEVEL" passes arguments on
 test: $(VENV)/.dev ## Run the tests on all cores, a quick choice of them or ALL=1; ARGS="-k wall" passes arguments on
 	$(PYTEST) $(ARGS)
 
-lowest: $(VENV)/.dev ## Run snapshots and tests of private parts with the lowest Textual, in VENV; it stays there
+lowest: $(VENV)/.dev ## Run the tests of the screen with the lowest Textual, in VENV; it stays there
 	@$(PIP) install --quiet --no-deps \
 		textual==$$(sed -n 's/.*"textual>=\([0-9.]*\),.*/\1/p' pyproject.toml)
-	$(PYTEST) tests/tui/terminal/test_textual_internals.py tests/snapshots $(ARGS)
+	$(PYTEST) tests/tui tests/snapshots $(ARGS)
 
 lint: $(VENV)/.dev ## Check layout, style, types and which part may use which
 	$(BIN)/python -m ruff format --check .

@@ -16,12 +16,13 @@ from rich.table import Table
 
 from benchmarks.answers import answers
 from benchmarks.breakpoints import breakpoints
-from benchmarks.classes import classes
+from benchmarks.classes import classes, large_classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
 from benchmarks.history import history
 from benchmarks.inspector import inspector
+from benchmarks.lab import laboratory
 from benchmarks.machine import machine
 from benchmarks.measure import Effort, Measurement
 from benchmarks.memory import memory
@@ -57,13 +58,17 @@ BENCHMARKS = {
     "traffic": traffic,
     "ssh": ssh,
     "class": classes,
+    "large-class": large_classes,
+    "lab": laboratory,
     "processor": processor,
     "first-frame": first_frame,
 }
+LONGEST = {"large-class", "lab"}
+"""Left out of a run that names no benchmarks."""
 LONG = {"memory", "traffic", "ssh", "class"}
-"""Left out of a quick run that names no benchmarks."""
+"""Left out of a quick run as well."""
 
-THOROUGH = Effort(repeats=7, ticks=400)
+THOROUGH = Effort(repeats=5, ticks=200)
 QUICK = Effort(repeats=2, ticks=60, is_quick=True)
 
 
@@ -78,8 +83,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     collect_seldom()  # as the commands do
     os.environ["LOGICAL_ROBOTS_CACHE_DIR"] = ""  # cached programs would make the numbers too good
     effort = QUICK if options.quick else THOROUGH
-    names = [name for name in BENCHMARKS if not (options.quick and name in LONG)]
-    found = _measure(options.only or names, effort)
+    left_out = LONGEST | LONG if options.quick else LONGEST
+    names = options.only or [name for name in BENCHMARKS if name not in left_out]
+    found = _measure(names, effort)
     wide = None if sys.stdout.isatty() else 120
     Console(width=wide).print(_table(found, earlier))
     if options.json:
@@ -113,12 +119,13 @@ def _measure(names: Sequence[str], effort: Effort) -> list[Measurement]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("only", nargs="*", metavar="BENCHMARK", help=", ".join(BENCHMARKS))
+    names = f"{', '.join(BENCHMARKS)}; by default all but {', '.join(sorted(LONGEST))}"
+    parser.add_argument("only", nargs="*", metavar="BENCHMARK", help=names)
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write JSON to a file")
     parser.add_argument(
         "--compare", type=Path, metavar="FILE", help="also show the numbers of an earlier --json"
     )
-    without = f"fewer repeats, less exact; by default without {', '.join(sorted(LONG))}"
+    without = f"fewer repeats, less exact; by default without {', '.join(sorted(LONG))} as well"
     parser.add_argument("--quick", action="store_true", help=without)
     return parser
 

@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, harmless, new_command
+from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, harmless, new_command
 
 if TYPE_CHECKING:
     import argparse
@@ -44,6 +44,7 @@ def declare(commands: Commands) -> None:
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
+    add_no_solutions(command)
 
 
 def start(options: argparse.Namespace) -> int:
@@ -53,8 +54,9 @@ def start(options: argparse.Namespace) -> int:
 
     results = []
     status = FINE
+    own = own_programs(options)
     for name in options.programs:
-        text = load_program(name, own_programs(options.data_dir), pipes=True).text
+        text = load_program(name, own, pipes=True).text
         found = diagnostics(text)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG

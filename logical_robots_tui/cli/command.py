@@ -22,6 +22,7 @@ __all__ = [
     "add_data_dir",
     "add_json",
     "add_no_solutions",
+    "add_start",
     "columns",
     "finite",
     "folder_of",
@@ -83,6 +84,19 @@ def number_from(least: int) -> Callable[[str], int]:
     return read
 
 
+def add_start(command: argparse.ArgumentParser) -> None:
+    """Add the option that chooses a start; its value is `start_number`."""
+    command.add_argument(
+        "--start",
+        dest="start_number",
+        type=number_from(0),
+        default=0,
+        metavar="N",
+        help="a shifted start by its number, as laboratory and robustness try it "
+        "(default: 0, the given one)",
+    )
+
+
 def add_data_dir(command: argparse.ArgumentParser) -> None:
     """Add the option that names the folder for the player's files."""
     command.add_argument(
@@ -122,13 +136,19 @@ def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
     return data_dir / "players" / player if player else data_dir
 
 
-def own_programs(data_dir: Path | None) -> Path:
-    """Return the folder with the player's own programs.
+def own_programs(options: argparse.Namespace) -> Path:
+    """Return the folder with the player's own programs, and hide solutions if that is wanted.
 
     Args:
-        data_dir: The folder for all of the player's files, or None for the system's default.
+        options: Of a command with `add_data_dir` and `add_no_solutions`.
     """
-    return folder_of(data_dir) / "programs"
+    folder = folder_of(options.data_dir)
+    if options.no_solutions:
+        from logical_robots_tui.game.source import hide_solutions
+        from logical_robots_tui.progress import FILE_NAME, Progress
+
+        hide_solutions(Progress(folder / FILE_NAME))
+    return folder / "programs"
 
 
 def add_json(command: argparse.ArgumentParser) -> None:

@@ -55,10 +55,10 @@ def start(options: argparse.Namespace) -> int:
 
         print(*shipped_names("levels", ".toml"), sep="\n")
     elif options.what == "programs":
-        from logical_robots_tui.cli.command import own_programs
+        from logical_robots_tui.cli.command import folder_of
         from logical_robots_tui.game.source import list_programs
 
-        print(*list_programs(own_programs(None)), sep="\n")
+        print(*list_programs(folder_of(None) / "programs"), sep="\n")
     else:
         from shtab import complete
 

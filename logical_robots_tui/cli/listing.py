@@ -75,12 +75,8 @@ def list_all_programs(options: argparse.Namespace) -> int:
     """Print the name and file of each program."""
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import list_programs, load_program
-    from logical_robots_tui.game.source import hide_solutions
-    from logical_robots_tui.progress import FILE_NAME, Progress
 
-    own = own_programs(options.data_dir)
-    if options.no_solutions:
-        hide_solutions(Progress(own.parent / FILE_NAME))
+    own = own_programs(options)
     sources = [load_program(name, own) for name in list_programs(own)]
     if options.json:
         found = [

@@ -37,8 +37,12 @@ _HOMES = {
     "levels": "listing",
     "programs": "listing",
     "config": "listing",
+    "replay": "runs.replay",
     "progress": "progress",
     "level": "level",
+    "sweep": "lab",
+    "grade": "lab",
+    "lab": "lab",
     "doctor": "doctor",
     "completion": "completion",
 }
@@ -69,9 +73,13 @@ examples:
                                        find out where a value comes from
   logical-robots diagnose 01-first-steps first-steps
                                        scan a run for likely mistakes
+  logical-robots replay record 01-first-steps first-steps -o first.replay
+                                       record a run in a file
   logical-robots help ArgMin           explain a function of the language
   logical-robots progress              list your results
   logical-robots level new maze.toml   create a level
+  logical-robots sweep experiment.toml -o out
+                                       run an experiment
   logical-robots config                show settings and keys
   logical-robots doctor                check this machine and this terminal
 

@@ -60,7 +60,12 @@ quit            leave; so does the end of the input"""
 
 
 def play_in_lines(
-    level_name: str | None, program: str | None, data_dir: Path, *, solutions: bool = True
+    level_name: str | None,
+    program: str | None,
+    data_dir: Path,
+    *,
+    start: int = 0,
+    solutions: bool = True,
 ) -> int:
     """Play in lines of text until the player leaves; return the exit status.
 
@@ -68,6 +73,7 @@ def play_in_lines(
         level_name: A level's name or path; by default the level played last.
         program: A program's name or path; by default the player's last program for that level.
         data_dir: The folder with the player's programs and progress.
+        start: The number of a shifted start; 0 is the given one.
         solutions: Whether the solution of a level can be read before it is won.
 
     Raises:
@@ -80,6 +86,10 @@ def play_in_lines(
     own = data_dir / "programs"
     try:
         level = load_level(level_name) if level_name else level_to_begin_with(progress)
+        if start:
+            from logical_robots_tui.game.robustness import named_start_of
+
+            level = named_start_of(level, start)
         source, kept = program_to_begin_with(progress, level, program, own)
         if kept is not None and kept != source.text:
             source = source._replace(text=kept)

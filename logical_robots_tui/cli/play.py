@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_no_solutions,
+    add_start,
     folder_of,
     is_set,
     new_command,
@@ -25,8 +26,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game.replay import Replay
 
-__all__ = ["declare"]
+__all__ = ["declare", "play_replay"]
 
 SIZES = ("small", "medium", "large")
 
@@ -66,6 +68,7 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--size", choices=SIZES, default=SIZES[1], help="of the labyrinth of the day"
     )
+    add_start(command)
     command.add_argument(
         "--plain",
         action="store_true",
@@ -191,14 +194,34 @@ def _play_on_screen(options: argparse.Namespace) -> int:
         clipboard=free or options.allow_clipboard,
         solutions=not options.no_solutions,
     )
-    return play(options.level, options.program, options.data_dir, permissions)
+    return play(
+        options.level, options.program, options.data_dir, permissions, start=options.start_number
+    )
+
+
+def play_replay(options: argparse.Namespace, replay: Replay) -> int:
+    """Open a replay on the screen.
+
+    Raises:
+        InputError: There is no terminal.
+    """
+    _prepare_screen()
+    from logical_robots_tui.tui.app.app import play
+    from logical_robots_tui.tui.app.ui import Permissions
+
+    permissions = Permissions(solutions=not options.no_solutions)
+    return play(None, None, folder_of(options.data_dir), permissions, replay=replay)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.plain import play_in_lines
 
     return play_in_lines(
-        options.level, options.program, options.data_dir, solutions=not options.no_solutions
+        options.level,
+        options.program,
+        options.data_dir,
+        start=options.start_number,
+        solutions=not options.no_solutions,
     )
 
 

@@ -199,9 +199,10 @@ async def _played_again(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import list_levels, load_level
+    from logical_robots_tui.world.levels.daily import Daily
 
-    if level not in list_levels():
-        return "not a shipped level"
+    if level not in list_levels() and Daily.named(level) is None:
+        return "neither a shipped level nor a labyrinth of the day"
     where = load_level(level)
     if is_reference(where, text):
         return "this is a reference program"

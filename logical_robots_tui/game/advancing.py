@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,23 +11,26 @@ from logical_robots_tui.world.changing import changed_state, former_names
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.debugging.watching import Watch
     from logical_robots_tui.game.history.packing import Moment
-    from logical_robots_tui.mind import Mind
+    from logical_robots_tui.mind import Decision, Mind
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.changing import Pose
+
+    Decide = Callable[[int, tuple[Decision, ...]], tuple[Decision, ...]]
 
 __all__ = [
     "Advance",
     "Known",
     "Worlds",
     "advance",
-    "changed_frame",
+    "after_change",
     "fresh_frame",
+    "is_thought_alike",
     "known_frame",
     "start_frame",
 ]
@@ -68,6 +70,7 @@ def advance(
     stop: threading.Event,
     seconds: float,
     most: int | None = None,
+    decide: Decide | None = None,
 ) -> list[Advance]:
     """Return the ticks after a past one, up to victory or a breakpoint. Blocks.
 
@@ -81,6 +84,7 @@ def advance(
         stop: Set this from another thread to abort.
         seconds: No tick is started after this time.
         most: The largest number of ticks; by default as many as time allows.
+        decide: Given a tick and its decisions, returns those that the robots follow.
 
     Raises:
         Stopped: `stop` was set.
@@ -93,7 +97,7 @@ def advance(
         if known:
             frame = known_frame(worlds, past, known[len(done)])
         else:
-            frame = _next_frame(worlds.of(level), mind, past, stop)
+            frame = _next_frame(worlds.of(level), mind, past, stop, decide)
         is_watched = watch.breakpoints and frame.decisions
         hits = watch.hits(past, frame, mind, stop) if is_watched else ()
         done.append(Advance(frame, hits))
@@ -121,7 +125,9 @@ def known_frame(worlds: Worlds, before: Frame | Moment, known: Known) -> Frame:
     )
 
 
-def _next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) -> Frame:
+def _next_frame(
+    world: World, mind: Mind, past: Frame, stop: threading.Event, decide: Decide | None
+) -> Frame:
     """Sense, think and act once, starting from a past frame."""
     before = past.after
     world.restore(before)
@@ -129,6 +135,8 @@ def _next_frame(world: World, mind: Mind, past: Frame, stop: threading.Event) ->
     began = perf_counter()
     decisions = tuple(mind.think(sensors, past.memories, stop=stop))
     milliseconds = (perf_counter() - began) * 1000
+    if decide is not None:
+        decisions = decide(past.tick + 1, decisions)
     world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
     after = world.save()
     memories = {d.robot_name: d.memory for d in decisions}
@@ -177,14 +185,13 @@ class Worlds:
         return self._world
 
 
-def changed_frame(
-    worlds: Worlds, frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
-) -> Frame:
-    """Return a frame whose tick ends in another level; keeps its decisions if possible.
+def after_change(
+    frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
+) -> tuple[WorldState, dict[str, Value]]:
+    """Return the world and the memories at the end of a tick after a change of the level.
 
     Args:
-        worlds: The worlds to sense in.
-        frame: The frame.
+        frame: The tick.
         before: The old level.
         after: The new level.
         poses: New poses of robots, by their name in the new level.
@@ -192,16 +199,13 @@ def changed_frame(
     Raises:
         ValueError: A pose is for an unknown robot.
     """
-    state = changed_state(frame.after, before, after, poses)
-    if frame.decisions and _is_thought_alike(before, after):
-        return replace(frame, after=state)
     former = former_names(before, after)
     known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
     memories = {robot.name: known.get(robot.name, "") for robot in after.robots}
-    return fresh_frame(worlds.of(after), state, memories)
+    return changed_state(frame.after, before, after, poses), memories
 
 
-def _is_thought_alike(before: Level, after: Level) -> bool:
+def is_thought_alike(before: Level, after: Level) -> bool:
     """Return whether robots, areas and visibility are the same, so that decisions stay valid."""
     return before.visibility == after.visibility and all(
         [thing.name for thing in one] == [thing.name for thing in other]

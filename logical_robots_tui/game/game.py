@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
-from itertools import takewhile
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import Worlds, advance, changed_frame, start_frame
+from logical_robots_tui.game.advancing import (
+    Worlds,
+    advance,
+    after_change,
+    fresh_frame,
+    is_thought_alike,
+    start_frame,
+)
 from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, mistake_in
 from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import Superseded
@@ -20,11 +26,12 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping
 
-    from logical_robots_tui.game.advancing import Advance, Known
+    from logical_robots_tui.game.advancing import Advance, Decide, Known
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Program, Table
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.changing import Pose
 
 __all__ = ["Answer", "Game"]
@@ -36,14 +43,7 @@ _SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Rows of a predicate at one tick.
-
-    Attributes:
-        run: Number of the run it belongs to; stale if ``game.run_number`` differs.
-        tick: The tick.
-        predicate: Name of the predicate.
-        table: Its columns and rows.
-    """
+    """Rows of a predicate at one tick; stale if ``game.run_number`` is not its `run`."""
 
     run: int
     tick: int
@@ -66,6 +66,9 @@ class Game:
         limits: Limits on thinking.
         history: How many ticks it is possible to go back.
         breakpoints: Where `run` and `run_until` stop; may change at any time.
+
+    Attributes:
+        decide: Returns the decisions to follow in place of the program's, for a replay.
     """
 
     def __init__(
@@ -94,6 +97,7 @@ class Game:
         self._watch = Watch(())
         self._watched_by = program
         self._is_program_wanted = False
+        self.decide: Decide | None = None
 
     # -- looking -------------------------------------------------------------------------------
 
@@ -120,7 +124,7 @@ class Game:
     @property
     def hits(self) -> tuple[Hit, ...]:
         """The breakpoints that were hit in the current tick."""
-        return self.history.hits_at(self._frame.tick)
+        return self.history.hits_at(self.frame.tick)
 
     def problem_with(self, breakpoint_: Breakpoint) -> str:
         """Return why a breakpoint can't be hit, one sentence, or ""."""
@@ -217,9 +221,27 @@ class Game:
         Raises:
             ValueError: A pose is for an unknown robot.
         """
-        frame = changed_frame(self._past.worlds, self._frame, self.level, level, poses or {})
+        changed = after_change(self._frame, self.level, level, poses or {})
+        keeps = bool(self._frame.decisions) and is_thought_alike(self.level, level)
+        return self.go_on_in(level, *changed, keeps_decisions=keeps)
+
+    def go_on_in(
+        self,
+        level: Level,
+        state: WorldState,
+        memories: Mapping[str, Value],
+        *,
+        keeps_decisions: bool,
+    ) -> Frame:
+        """Continue in a given state, or begin a course with it if it is that of another tick."""
+        frame = replace(self._frame, after=state)
+        if not keeps_decisions:
+            frame = fresh_frame(self._past.worlds.of(level), state, memories)
         self._supersede()
-        self.history.change_level(frame, level)
+        if state.tick == self._frame.tick:
+            self.history.change_level(frame, level)
+        else:
+            self.history.begin_anew(frame, level)
         self._past.forget()
         self._show(frame)
         return frame
@@ -319,7 +341,10 @@ class Game:
         Returns:
             Whether the condition was true or a breakpoint was hit.
         """
-        run, known = self.run_number, self._known_ahead(most or _KNOWN_TOGETHER)
+        run, here, text = self.run_number, self._frame.tick, self.program.text
+        together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
+        leads_on = not self._is_program_wanted
+        known = self.history.known_ahead(here, together, text, is_course_wanted=leads_on)
         for each in await self._ahead(most, known, seconds):
             self._take(each, run, is_known=bool(known))
             if each.hits or (condition and condition(each.frame)):
@@ -330,34 +355,18 @@ class Game:
         """Return the next ticks, as `advance` does."""
         program, level, past = self.program, self.level, self._frame
         watch = self._present_watch()
+        decide = self.decide
 
         def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, level, self.limits)
-            return advance(self._worlds, level, mind, past, known, watch, stop, seconds, most)
+            return advance(
+                self._worlds, level, mind, past, known, watch, stop, seconds, most, decide
+            )
 
         try:
             return await self._thinker.do(ticks)
         except Stopped:
             raise Superseded from None
-
-    def _known_ahead(self, most: int) -> list[Known]:
-        """Return the stored next ticks that can be replayed.
-
-        Those are the ticks that the current program decided, unless the level was edited; and all
-        of a course that ends with this program, until the player asks for another future.
-        """
-        history, here = self.history, self._frame.tick
-
-        def is_mine(tick: int) -> bool:
-            program = history.program_at(tick)
-            return program is not None and program.text == self.program.text
-
-        leads_here = not self._is_program_wanted and is_mine(history.last)
-        ticks = range(here + 1, min(here + min(most, _KNOWN_TOGETHER), history.last) + 1)
-        same = takewhile(
-            lambda tick: leads_here or (is_mine(tick) and not history.is_changed_in(tick)), ticks
-        )
-        return [history.known(tick) for tick in same]
 
     def _present_watch(self) -> Watch:
         """Return the watch for the current program."""

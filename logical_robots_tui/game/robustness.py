@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.mind import Mind
@@ -12,13 +12,23 @@ from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping, Sequence
 
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.mind import Decision, Limits, Program
+    from logical_robots_tui.values import SensorRow, Value
+    from logical_robots_tui.world import Level, WorldState
 
-__all__ = ["STARTS", "LateError", "Played", "play_through", "shifted", "try_starts"]
+__all__ = [
+    "STARTS",
+    "LateError",
+    "Played",
+    "Thought",
+    "named_start_of",
+    "play_through",
+    "shifted",
+    "start_of",
+    "try_starts",
+]
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -41,12 +51,47 @@ class Played:
     Attributes:
         won_at: The tick of victory, or None.
         distance: Map units driven by all robots together.
+        ticks: The last tick.
         is_blocked: Whether a robot was blocked in any tick.
     """
 
     won_at: int | None
     distance: float
+    ticks: int = 0
     is_blocked: bool = False
+
+
+class Thought(NamedTuple):
+    """What a mind thought in a tick, and what the world became by it.
+
+    Attributes:
+        mind: The mind, for further questions about the moment.
+        rows: What the robots sensed.
+        memories: What they remembered.
+        decisions: What they decided.
+        state: The world after the tick.
+    """
+
+    mind: Mind
+    rows: Sequence[SensorRow]
+    memories: Mapping[str, Value]
+    decisions: Sequence[Decision]
+    state: WorldState
+
+
+def start_of(level: Level, start: int) -> Level:
+    """Return the level with its robots at a start: 0 is the given one, others are shifted."""
+    return shifted(level, start - 1) if start else level
+
+
+def named_start_of(level: Level, start: int) -> Level:
+    """Return the same as `start_of`, as a level of its own, which is not in a file."""
+    if not start:
+        return level
+    name = f"{level.name}-start-{start}"
+    return replace(
+        start_of(level, start), name=name, title=f"{level.title}, start {start}", source=""
+    )
 
 
 def shifted(level: Level, seed: int) -> Level:
@@ -65,7 +110,13 @@ def shifted(level: Level, seed: int) -> Level:
 
 
 def play_through(
-    level: Level, program: Program, patience: int, *, stop: threading.Event | None = None
+    level: Level,
+    program: Program,
+    patience: int,
+    *,
+    limits: Limits | None = None,
+    is_over: Callable[[Thought], bool] | None = None,
+    stop: threading.Event | None = None,
 ) -> Played:
     """Play a level until it is won, without a history. Blocks.
 
@@ -73,6 +124,8 @@ def play_through(
         level: The level.
         program: The robots' program.
         patience: Ticks after which it counts as not won.
+        limits: Bounds on thinking.
+        is_over: Called after each tick; ends the run by returning True.
         stop: Set this from another thread to abort.
 
     Raises:
@@ -80,24 +133,27 @@ def play_through(
         LateError: The clock cut off a thought.
     """
     world = World(level)
-    visibility = level.visibility
-    mind = Mind(program, memory=visibility.memory, sensor=visibility.sensor, frozen=True)
+    seen = level.visibility
+    mind = Mind(program, memory=seen.memory, sensor=seen.sensor, limits=limits, frozen=True)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
     distance, is_blocked = 0.0, False
     try:
         before = world.save()
         while world.tick < patience and world.won_at is None:
-            decisions = mind.think(world.sense(), memories, stop=stop)
+            rows = world.sense()
+            decisions = mind.think(rows, memories, stop=stop)
             if not all(decision.is_reliable for decision in decisions):
                 raise LateError
             world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-            memories = {d.robot_name: d.memory for d in decisions}
             before, after = world.save(), before
             distance += driven(after, before)
             is_blocked = is_blocked or any(robot.blocked for robot in before.robots)
+            if is_over is not None and is_over(Thought(mind, rows, memories, decisions, before)):
+                break
+            memories = {d.robot_name: d.memory for d in decisions}
     finally:
         mind.close()
-    return Played(world.won_at, distance, is_blocked)
+    return Played(world.won_at, distance, world.tick, is_blocked)
 
 
 def try_starts(

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Mind, Program
     from logical_robots_tui.world import Level
 
-__all__ = ["Run", "run_key"]
+__all__ = ["Run", "run_key", "simulation_digest"]
 
 T = TypeVar("T")
 
@@ -239,13 +239,13 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "program": program.text,
         "limits": asdict(limits),
     }
-    digest = hashlib.sha256(_simulation())
+    digest = hashlib.sha256(simulation_digest())
     digest.update(json.dumps(told).encode())
     return digest.hexdigest()
 
 
 @cache
-def _simulation() -> bytes:
+def simulation_digest() -> bytes:
     """Return the digest of the code that computes a run."""
     folders = [_CODE / part for part in ("world", "mind", "game")]
     code = digest_of_code(folders, ("logica", "numpy", "sqlglot"))

@@ -173,7 +173,8 @@ class _Compiler:
             raise
         except (OSError, ValueError):
             self.close()
-            raise _refusal("the compiler gave up on this program", "Try a simpler one.") from None
+            message = "the compiler gave up on this program"
+            raise _refusal(message, "Try a simpler one.", is_unfinished=True) from None
         except BaseException:
             self.close()
             raise
@@ -197,6 +198,7 @@ class _Compiler:
                     f"compiling took longer than {limits.compile_seconds:g} seconds",
                     "Simplify the program; deep recursion and many mentions of a long "
                     "expression are what takes time.",
+                    is_unfinished=True,
                 )
             readable, writable, _ = select.select(
                 [out_of], [into] if request else [], [], _LOOK_SECONDS
@@ -255,8 +257,10 @@ def _not_text(text: str) -> int | None:
     return text.index("\0") if "\0" in text else None
 
 
-def _refusal(message: str, hint: str, line: int = 1) -> ProgramError:
-    return ProgramError((Diagnostic(line, 1, message, hint),))
+def _refusal(
+    message: str, hint: str, line: int = 1, *, is_unfinished: bool = False
+) -> ProgramError:
+    return ProgramError((Diagnostic(line, 1, message, hint),), is_unfinished=is_unfinished)
 
 
 _compiler = _Compiler()

@@ -40,12 +40,14 @@ class ProgramError(LogicalRobotsError):
 
     Attributes:
         diagnostics: At least one, in text order.
+        is_unfinished: Whether compiling was given up, so that another attempt may end otherwise.
     """
 
     title = "This program can't run yet"
 
-    def __init__(self, diagnostics: tuple[Diagnostic, ...]) -> None:
+    def __init__(self, diagnostics: tuple[Diagnostic, ...], *, is_unfinished: bool = False) -> None:
         self.diagnostics = diagnostics
+        self.is_unfinished = is_unfinished
         super().__init__("\n".join(str(d) for d in diagnostics))
 
 

@@ -129,6 +129,13 @@ class Tuned:
 
 
 @dataclass(frozen=True, slots=True)
+class Settled:
+    """A program's text with other values of its constants."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Program:
     """A compiled program; create one with `Program.compile`.
 
@@ -185,6 +192,26 @@ class Program:
 
         check_text(text, limits)
         return compiled({"text": text}, cls, stop=stop, limits=limits, report=report)
+
+    @staticmethod
+    def with_constants(text: str, values: Mapping[str, str], limits: Limits | None = None) -> str:
+        """Return the text of a program with other values of its constants. Blocks.
+
+        A constant is a rule such as ``Near() = 40;``. It is replaced in the parsed program; the
+        rest of the text stays as it is.
+
+        Args:
+            text: The program.
+            values: Logica expressions by the constants' names.
+            limits: Limits for the text and for parsing it.
+
+        Raises:
+            ProgramError: The program has errors, or a name is not that of a constant.
+        """
+        from logical_robots_tui.mind.compilation import check_text, compiled
+
+        check_text(text, limits)
+        return compiled({"text": text, "constants": dict(values)}, Settled, limits=limits).text
 
     def question(
         self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None

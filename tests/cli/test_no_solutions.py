@@ -83,6 +83,25 @@ def test_everything_else_can_be_read(progress: Progress) -> None:
         assert load_program(name).shipped
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "01-first-steps", "first-steps"),
+        ("check", "first-steps"),
+        ("trace", "01-first-steps", "first-steps"),
+    ],
+)
+def test_commands_read_no_solution(
+    words: tuple[str, ...], command: Command, progress: Progress, tmp_path: Path
+) -> None:
+    told = command(*words, "--no-solutions", "--data-dir", tmp_path / "data")
+    assert told.status == 2
+    assert "the solution of a level that you have not won yet" in told.err
+    progress.win("01-first-steps", "text")
+    told = command("check", "first-steps", "--no-solutions", "--data-dir", tmp_path / "data")
+    assert told.status == 0
+
+
 def test_the_game_in_lines_opens_no_solution(command: Command, tmp_path: Path) -> None:
     told = command(
         "play", "01-first-steps", "first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path

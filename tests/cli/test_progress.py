@@ -88,6 +88,7 @@ def test_an_export_holds_the_programs_of_the_best_results(
     assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
 
 
+@pytest.mark.slow
 def test_programs_are_played_again(
     command: Command, tmp_path: Path, won: tuple[str, Measures]
 ) -> None:
@@ -120,12 +121,32 @@ def test_programs_are_played_again(
     assert '"at most 9 ticks" claimed, not reached' in goals
 
 
+@pytest.mark.slow
+def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
+    command: Command, tmp_path: Path
+) -> None:
+    level, text = "daily-2026-11-22-small", load_program("the-long-hall").text
+    played = play_through(load_level(level), Program.compile(text), 5000)
+    assert played.won_at is not None
+    true = {"program": text, "ticks": played.won_at, "rules": count_rules(text)}
+    victories = [true | {"distance": played.distance}, true | {"distance": 1.0}]
+    file = tmp_path / "export.json"
+    levels = [{"level": level, "victories": victories}]
+    file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
+    told = command("progress", "--check", file, "--json")
+    right, wrong = told.data["results"]
+    assert right["confirmed"]
+    assert wrong["problem"].startswith("distance: 1 claimed, ")
+
+
 @pytest.mark.parametrize(
     ("level", "program", "problem"),
     [
         (LEVEL, "Robot(", "line 1: "),
         (LEVEL, load_program("first-steps").text, "this is a reference program"),
-        ("no-such-level", "Robot();", "not a shipped level"),
+        ("no-such-level", "Robot();", "neither a shipped level nor"),
+        ("daily-2026-11-22-tiny", "Robot();", "neither a shipped level nor"),
+        ("daily-2026-11-22-small", "Robot(", "line 1: "),
     ],
 )
 def test_what_can_not_be_confirmed_is_told(

@@ -213,6 +213,7 @@ def test_a_players_name_is_no_path(name: str) -> None:
     assert "is not a name" in done.stderr
 
 
+@pytest.mark.slow
 def test_nobody_gets_the_folders_of_all(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "logical_robots_tui", "play", "02-open-space", "--plain"]
 
@@ -255,6 +256,7 @@ def test_a_folder_that_cant_be_made_is_told_in_a_sentence(tmp_path: Path) -> Non
     assert "mistake" not in done.stderr
 
 
+@pytest.mark.slow
 def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
     games = [
         subprocess.Popen(

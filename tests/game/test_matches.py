@@ -122,6 +122,7 @@ async def test_what_failed_may_hold_another_time_and_is_not_kept(
     assert kept(folder) == 0
 
 
+@pytest.mark.slow
 async def test_nothing_is_kept_of_a_run_with_a_thought_that_was_cut_off(
     level: Level, folder: Path
 ) -> None:

@@ -270,6 +270,7 @@ async def test_where_nothing_can_be_kept_a_run_just_runs(
         assert await frames(level, 40) == expected
 
 
+@pytest.mark.slow
 def test_many_processes_share_a_run(tmp_path: Path, folder: Path, level: Level) -> None:
     script = (
         "import asyncio, sys\n"

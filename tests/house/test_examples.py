@@ -35,7 +35,7 @@ QUICKER = {
 ALSO_FINE = {"run": 1, "trace": 1, "why": 1, "diagnose": 1}
 """Statuses other than 0 that are an answer: not won yet, there is no row, there are warnings."""
 
-OF_A_TERMINAL = {"play", "doctor"}
+OF_A_TERMINAL = {"doctor"}
 FALSE = ("a bug in the game", "uses something that robots may not use", "Traceback")
 
 DOCS = CHECKOUT / "docs"
@@ -66,15 +66,40 @@ def _write_maze(folder: Path) -> None:
     assert main(["level", "convert", str(folder / "maze.toml"), str(folder / "maze.json")]) == 0
 
 
+def _write_files_of_lab(folder: Path) -> None:
+    """The files that the page on the laboratory prints, under the names that it gives them."""
+    text = (DOCS / "lab.md").read_text("utf-8")
+    for name, content in re.findall(r"^`([^`\n]+)`:\n\n```\w+\n(.*?)^```$", text, re.M | re.S):
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(content, "utf-8")
+
+
+def _sweep(folder: Path) -> None:
+    _write_files_of_lab(folder)
+    assert main(["sweep", str(folder / "experiment.toml"), "-o", str(folder / "out")]) == 0
+
+
 def _make_folders(_folder: Path) -> None:
     for name in (".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"):
         (Path.home() / name).mkdir(parents=True)
+
+
+def _record(folder: Path) -> None:
+    run = ["01-first-steps", "first-steps", "--ticks", "20"]
+    assert main(["replay", "record", *run, "-o", str(folder / "first.replay")]) == 0
 
 
 BEFORE: dict[str, Callable[[Path], None]] = {
     "docs/levels.md": _write_gate,
     f"{PROGRAM} level convert": _write_both_formats,
     f"{PROGRAM} level check": _write_maze,
+    "docs/lab.md": _write_files_of_lab,
+    PROGRAM: _write_files_of_lab,
+    f"{PROGRAM} sweep": _write_files_of_lab,
+    f"{PROGRAM} grade": _write_files_of_lab,
+    f"{PROGRAM} lab": _sweep,
+    f"{PROGRAM} replay show": _record,
     f"{PROGRAM} completion": _make_folders,
 }
 """What makes the files and folders that a text speaks of and that its own examples do not make."""
@@ -124,7 +149,8 @@ def _run(
     name, *arguments = shlex.split(line)
     assert name == PROGRAM
     arguments += QUICKER.get(" ".join(arguments), [])
-    if "--help" not in arguments and (not arguments or arguments[0] in OF_A_TERMINAL):
+    plays = not arguments or "play" in arguments[:2]
+    if "--help" not in arguments and (plays or arguments[0] in OF_A_TERMINAL):
         return _run_in_terminal(arguments)
     # As where somebody looks on: else it would be JSON.
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
@@ -158,7 +184,7 @@ def _run_in_terminal(arguments: list[str]) -> tuple[int, str]:
         if "--plain" in arguments:
             terminal.wait_for("help")
             terminal.send("quit\n")
-        elif not arguments or arguments[0] == "play":
+        elif not arguments or "play" in arguments[:2]:
             terminal.wait_for("· applied")
             terminal.send("q")
         return terminal.finish(), terminal.everything

@@ -14,10 +14,11 @@ import logical_robots_tui
 from tests.waiting import PATIENCE
 
 SCREEN = {"textual", "rich"}
-WORLD, MIND, PROGRESS, EDITING, GAME, TUI, CLI = (
+WORLD, MIND, PROGRESS, EDITING, GAME, LAB, TUI, CLI = (
     f"logical_robots_tui.{part}"
-    for part in ("world", "mind", "progress", "editing", "game", "tui", "cli")
+    for part in ("world", "mind", "progress", "editing", "game", "lab", "tui", "cli")
 )
+EXTRAS = {"distributed", "plotext", "pyarrow", "pygal"}
 
 MUST_NOT_LOAD = {
     "logical_robots_tui": {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica", "sqlite3"} | SCREEN,
@@ -26,7 +27,13 @@ MUST_NOT_LOAD = {
     PROGRESS: {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica"} | SCREEN,
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
-    "logical_robots_tui.tui.app.app": {CLI},
+    **{
+        f"{LAB}.{part}": {TUI, CLI, EDITING, "logica", "sqlglot", "textual", "rich"} | EXTRAS
+        for part in ("coordinating", "cluster", "local", "reporting", "submissions", "sweeping")
+    },
+    "logical_robots_tui.tui.app.app": {CLI, LAB},
+    f"{CLI}.play": {LAB, "msgspec", "multiprocessing"},
+    f"{CLI}.lab": {LAB, WORLD, MIND, GAME, "msgspec", "multiprocessing"} | SCREEN | EXTRAS,
     **{
         f"{TUI}.{part}": {CLI, f"{TUI}.app.main_screen"} | SCREEN
         for part in (

@@ -65,10 +65,10 @@ HAVE_THE_IDEA = {
 """Programs of other levels that win a level, because they have its idea."""
 
 OTHERS = [
-    (name, program)
-    for name in LEVELS
+    (level.name, program)
+    for level in map(load_level, LEVELS)
     for program in shipped_names("programs", ".l")
-    if program not in (load_level(name).solution, load_level(name).starter)
+    if program not in (level.solution, level.starter)
 ]
 THOUGHTS = 450  # of all robots together, which are enough for a look
 THOUGHTS_OF_A_PROOF = 18_000

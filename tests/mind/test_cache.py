@@ -237,6 +237,7 @@ def test_another_compiler_finds_nothing(monkeypatch: pytest.MonkeyPatch) -> None
     assert find(PROGRAM.text) is None
 
 
+@pytest.mark.slow
 def test_many_processes_share_it(folder: Path) -> None:
     script = (
         "from logical_robots_tui.mind import cache; from logical_robots_tui.mind import Program\n"

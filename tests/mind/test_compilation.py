@@ -51,6 +51,7 @@ def refusal(text: str, limits: Limits) -> str:
     return caught.value.diagnostics[0].message
 
 
+@pytest.mark.slow
 def test_compiling_can_be_stopped_and_the_next_program_compiles() -> None:
     process()
     stop = threading.Event()

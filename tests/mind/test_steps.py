@@ -29,6 +29,7 @@ def ends(mind: Mind) -> str:
     return "failed" if any("steps" in n.message for n in decision.notices) else "thought"
 
 
+@pytest.mark.slow
 def test_a_thought_near_its_bound_ends_the_same_whatever_was_thought_before(
     program: Program,
 ) -> None:

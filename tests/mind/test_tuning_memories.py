@@ -171,6 +171,7 @@ def _shape(text: str) -> str:
     return re.sub(r"'(\{.*?\})'", lambda m: json.dumps(json.loads(m[1]), sort_keys=True), sql)
 
 
+@pytest.mark.slow
 def test_memories_too_large_for_the_tables_are_tried_once_for_all_robots(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

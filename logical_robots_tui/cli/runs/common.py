@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_json,
+    add_no_solutions,
+    add_start,
     harmless,
     new_command,
     number_from,
@@ -90,9 +92,11 @@ def new_run_command(
         )
     if robot:
         command.add_argument("--robot", required=needs_robot, metavar="R", help=robot)
+    add_start(command)
     if not only_json:
         add_json(command)
     add_data_dir(command)
+    add_no_solutions(command)
     return command
 
 
@@ -104,11 +108,12 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
         ProgramFileError: The program has errors.
     """
     from logical_robots_tui.game import load_program
+    from logical_robots_tui.game.robustness import named_start_of
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import load_level
 
-    level = load_level(options.level)
-    source = load_program(options.program, own_programs(options.data_dir), pipes=True)
+    level = named_start_of(load_level(options.level), options.start_number)
+    source = load_program(options.program, own_programs(options), pipes=True)
     try:
         program = Program.compile(source.text)
     except ProgramError as error:

@@ -13,6 +13,7 @@ from logical_robots_tui.game.advancing import Known
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, marks_of
 from logical_robots_tui.game.history.packing import Moment, Packed
+from logical_robots_tui.game.history.rounds import Rounds
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class Course:
         self._unreliable_from: int | None = None
         self._blocked_from: int | None = None
         self._blocked: dict[str, int] = {}  # ticks in a row, by robot
+        self._rounds = Rounds()
 
     @property
     def last(self) -> int:
@@ -93,6 +95,8 @@ class Course:
             self.marks.note(frame.tick, kind, who)
         if stuck := self._newly_stuck(frame.after.robots):
             self.marks.note(frame.tick, "stuck", stuck)
+        if circling := self._rounds.follow(frame.after.robots):
+            self.marks.note(frame.tick, "circling", circling)
         if self._unreliable_from is None and not frame.is_reliable:
             self._unreliable_from = frame.tick
         if self._blocked_from is None and self._blocked:
@@ -135,6 +139,7 @@ class Course:
         if frame.tick > self._oldest:
             self.marks.note(frame.tick, "edit")
         self.levels.change(frame.tick, level)
+        self._rounds = Rounds()
 
     def forget_pack(self) -> bool:
         """Drop the oldest pack; return False if nothing is packed."""
@@ -178,6 +183,7 @@ class Course:
         begin = begins[whole]
         copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
         copy._blocked = self._blocked_until(tick)
+        copy._rounds = Rounds()
         return copy
 
     def _blocked_until(self, tick: int) -> dict[str, int]:
@@ -237,6 +243,7 @@ class Course:
         if self._programs and self._programs[-1][1].text != program.text:
             self.marks.note(tick, "program")
         self._programs.append((tick, program))
+        self._rounds = Rounds()
 
 
 _NO_WALLS = np.zeros((0, 0), np.bool_)

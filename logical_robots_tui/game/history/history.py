@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import Known, Worlds, known_frame
@@ -181,6 +182,31 @@ class History:
         """
         self._check(tick)
         return self._course.replay(tick)
+
+    def known_ahead(
+        self, tick: int, most: int, text: str, *, is_course_wanted: bool
+    ) -> list[Known]:
+        """Return the stored next ticks that can be replayed under a program.
+
+        Those are the ticks that it decided, unless the level was edited; and all of a course that
+        ends with it, until the player asks for another future.
+
+        Args:
+            tick: The tick before them.
+            most: The most to return.
+            text: The program's text.
+            is_course_wanted: Whether the player has not asked for another future.
+        """
+        leads_here = is_course_wanted and self._is_by(text, self.last)
+        same = takewhile(
+            lambda at: leads_here or (self._is_by(text, at) and not self.is_changed_in(at)),
+            range(tick + 1, min(tick + most, self.last) + 1),
+        )
+        return [self.known(at) for at in same]
+
+    def _is_by(self, text: str, tick: int) -> bool:
+        program = self.program_at(tick)
+        return program is not None and program.text == text
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         """Return the programs up to a tick, each with the first tick that it decided."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["MARK_KINDS", "STUCK_AFTER", "Mark", "MarkKind", "Marks", "marks_of"]
 
 MarkKind: TypeAlias = Literal[
-    "victory", "breakpoint", "program", "edit", "stuck", "area", "notice", "memory"
+    "victory", "breakpoint", "program", "edit", "stuck", "circling", "area", "notice", "memory"
 ]
 
 STUCK_AFTER = 100
@@ -32,7 +32,8 @@ class Mark(NamedTuple):
     Attributes:
         kind: ``victory``; ``breakpoint``, one was hit; ``program``, another program decided than
             in the previous tick; ``edit``, the level was edited at the end of the tick; ``stuck``,
-            robots were blocked for `STUCK_AFTER` ticks; ``area``, one was switched; ``notice``, one
+            robots were blocked for `STUCK_AFTER` ticks; ``circling``, robots have gone the same way
+            several times in a row (see `rounds.py`); ``area``, one was switched; ``notice``, one
             appeared that the previous tick did not have; ``memory``, one changed.
         names: The robots or areas concerned; () for the other kinds.
     """
@@ -114,6 +115,7 @@ class Marks:
         self._places: dict[MarkKind, list[int]] = {
             "area": areas,
             "stuck": robots,
+            "circling": robots,
             "notice": robots,
             "memory": robots,
         }
@@ -190,7 +192,7 @@ class Marks:
     def _named(self, kind: MarkKind, who: int) -> tuple[str, ...]:
         if kind == "area":
             names = self._areas
-        elif kind in ("stuck", "notice", "memory"):
+        elif kind in ("stuck", "circling", "notice", "memory"):
             names = self._robots
         else:
             names = []

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
-__all__ = ["Moment", "Packed", "is_moment", "laid_out", "moment_in"]
+__all__ = ["Moment", "Packed", "is_moment", "is_state", "laid_out", "moment_in"]
 
 _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
 _KEPT_OPEN = 4  # for stepping through them
@@ -221,7 +221,24 @@ def is_moment(moment: Moment, tick: int, level: Level) -> bool:
 
 
 def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
-    after, names = moment.after, [robot.name for robot in level.robots]
+    names = [robot.name for robot in level.robots]
+    return (
+        is_state(moment.after, moment.memories, tick, level)
+        and _are_numbers(moment.think_milliseconds, moment.driven)
+        and type(moment.weight) is int
+        and moment.weight >= 0
+        and [each.robot_name for each in moment.decisions] == (names if tick else [])
+        and all(_is_decision(each) for each in moment.decisions)
+    )
+
+
+def is_state(after: WorldState, memories: Any, tick: int, level: Level) -> bool:
+    """Return whether a world and memories from a file are valid after a tick of a level.
+
+    Raises:
+        TypeError: There is a list in place of a name.
+    """
+    names = [robot.name for robot in level.robots]
     return (
         type(after.tick) is int
         and after.tick == tick
@@ -232,13 +249,9 @@ def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
         and all(
             type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
         )
-        and _are_numbers(moment.think_milliseconds, moment.driven)
-        and type(moment.weight) is int
-        and moment.weight >= 0
-        and list(moment.memories) == names
-        and all(_is_value(memory, _DEEPEST) for memory in moment.memories.values())
-        and [each.robot_name for each in moment.decisions] == (names if tick else [])
-        and all(_is_decision(each) for each in moment.decisions)
+        and type(memories) is dict
+        and list(memories) == names
+        and all(_is_value(memory, _DEEPEST) for memory in memories.values())
     )
 
 

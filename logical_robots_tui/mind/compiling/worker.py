@@ -28,6 +28,7 @@ from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
+from logical_robots_tui.mind.compiling.constants import with_constants
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.diagnosis.checkup import check_up
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printable
@@ -98,6 +99,7 @@ def _warm_up() -> None:
     _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "with_rows": ["Robot"]})
     _answer({"text": _SAMPLES[0], "query": "1 + 1", "columns": {}})
     _answer({"text": _SAMPLES[0], "checkup": []})
+    _answer({"text": "Near() = 1;", "constants": {"Near": "2"}})
     gc.freeze()
 
 
@@ -130,9 +132,11 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 
 
 def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
-    """Return the answer to a request for a program, a question, a decomposition or a checkup."""
+    """Return the answer to a request for a program, a question, a decomposition and the like."""
     text = request["text"]
     try:
+        if "constants" in request:
+            return {"settled": {"text": with_constants(text, request["constants"])}}
         if "query" in request:
             question = _question(text, request["query"])
             return {"question": asdict(_tuned_question(question, request["columns"]))}

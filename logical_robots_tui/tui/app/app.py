@@ -8,7 +8,6 @@ import signal
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
-from platformdirs import user_data_path
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
@@ -28,6 +27,7 @@ from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
 from logical_robots_tui.tui.terminal.key_queue import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
+from logical_robots_tui.tui.timeline.replays import level_of, source_of
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
+    from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.world import Level
 
 __all__ = ["LogicalRobotsApp", "play"]
@@ -62,6 +63,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         settings: What the player has set once for all.
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         permissions: What the player may do with the machine; by default everything.
+        replay: A replay in the level, to open at once, or None.
     """
 
     _event_loop: asyncio.AbstractEventLoop | None = None
@@ -86,6 +88,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         settings: Settings | None = None,
         theme: str = "",
         permissions: Permissions | None = None,
+        replay: Replay | None = None,
     ) -> None:
         super().__init__()
         if self.no_color:
@@ -96,7 +99,14 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         recorder = recorder or ProgressRecorder(data_dir / FILE_NAME)
         self.main = MainScreen(
-            level, source, data_dir, recorder, text=text, welcome=welcome, permissions=permissions
+            level,
+            source,
+            data_dir,
+            recorder,
+            text=text,
+            welcome=welcome,
+            permissions=permissions,
+            replay=replay,
         )
         self.animation_level = "none"
         self._key_queue = KeyQueue(self)
@@ -252,10 +262,13 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
 
 def play(
-    level_name: str | None = None,
-    program: str | None = None,
-    data_dir: Path | None = None,
+    level_name: str | None,
+    program: str | None,
+    data_dir: Path,
     permissions: Permissions | None = None,
+    *,
+    start: int = 0,
+    replay: Replay | None = None,
 ) -> int:
     """Open the game and return when the player leaves.
 
@@ -263,9 +276,10 @@ def play(
         level_name: A level's name or path; by default the level played last, or the first one.
         program: A program's name or path; by default the player's last program for that level, or
             its starter.
-        data_dir: Folder with drafts, the player's programs and progress; by default the system's
-            data folder.
+        data_dir: Folder with drafts, the player's programs and progress.
         permissions: What the player may do and read; by default everything.
+        start: The number of a shifted start; 0 is the given one.
+        replay: What to open instead of a level and a program.
 
     Returns:
         The exit status.
@@ -274,14 +288,21 @@ def play(
         InputError: The level or the program can't be used.
         Exception: A bug in the game; the terminal has been restored.
     """
-    data_dir = data_dir or user_data_path("logical-robots", appauthor=False)
     permissions = permissions or Permissions()
     recorder = ProgressRecorder(data_dir / FILE_NAME)
     progress = recorder.progress
     if not permissions.solutions:
         hide_solutions(progress)
-    level = load_level(level_name) if level_name else level_to_begin_with(progress)
-    source, text = program_to_begin_with(recorder.progress, level, program, data_dir / "programs")
+    own, text = data_dir / "programs", None
+    if replay is not None:
+        level, source = level_of(replay), source_of(replay, own)
+    else:
+        level = load_level(level_name) if level_name else level_to_begin_with(progress)
+        if start:
+            from logical_robots_tui.game.robustness import named_start_of
+
+            level = named_start_of(level, start)
+        source, text = program_to_begin_with(progress, level, program, own)
     app = LogicalRobotsApp(
         level,
         source,
@@ -289,9 +310,10 @@ def play(
         recorder=recorder,
         text=text,
         permissions=permissions,
+        replay=replay,
         settings=read_settings(settings_path()),
-        theme=recorder.progress.fact(THEME) or "",
-        welcome=level_name is None and recorder.progress.fact(TOUR) is None,
+        theme=progress.fact(THEME) or "",
+        welcome=not (level_name or replay) and progress.fact(TOUR) is None,
     )
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)

@@ -22,7 +22,7 @@ from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS, WATCH, WHY
+from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.robot_drag import RobotPut
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
@@ -41,6 +41,7 @@ from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.recovery.autosave import Autosave, leave, program_draft
 from logical_robots_tui.tui.recovery.offers import Bookmark, Offers
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
+from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
@@ -74,6 +76,7 @@ class MainScreen(Screen[None], SessionListener):
         text: The player's text of the program, or None.
         welcome: Whether to start with the tour.
         permissions: What the player may do with the machine.
+        replay: What to open at once, a replay in the level, or None.
 
     Attributes:
         data_dir: Folder with drafts and the player's programs.
@@ -93,6 +96,7 @@ class MainScreen(Screen[None], SessionListener):
         text: str | None = None,
         welcome: bool = False,
         permissions: Permissions | None = None,
+        replay: Replay | None = None,
     ) -> None:
         super().__init__(id="main")
         # A class variable would be shared by all players, and a keymap can't remove a binding.
@@ -105,7 +109,7 @@ class MainScreen(Screen[None], SessionListener):
         self.session = Session(level, source, spawn=self.spawn, changed=self.scheduler.soon)
         self.scheduler.pace = self.session.pace
         self._text_to_begin_with = source.text if text is None else text
-        self._is_new_here = welcome
+        self._is_new_here, self._replay = welcome, replay
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
         self.labyrinth, self.program, self.timeline = LabyrinthPane(), ProgramPane(), Timeline()
@@ -160,6 +164,7 @@ class MainScreen(Screen[None], SessionListener):
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
         self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
         self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
+        self.replays = Replays(session, ui, data_dir / "replays")
         self.search = Search(session, ui, self.timeline_controller.go_to)
         is_covered = partial(self.arrangement.covers, self.labyrinth)
         self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, is_covered)
@@ -202,8 +207,11 @@ class MainScreen(Screen[None], SessionListener):
         collect_seldom()
         self.recorder.level_opened(self.session.opened)
         self.session.apply(self.text)
-        offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
-        self.spawn(offers, "drafts", exclusive=False)
+        if self._replay is not None:
+            self.spawn(partial(self.replays.open, self._replay), "replay", exclusive=False)
+        else:
+            offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
+            self.spawn(offers, "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
             self.tour.begin()
@@ -358,7 +366,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self._select(event.name)
-        if self.inspector.inspected not in (DECISION, WHY, WATCH):
+        if not self.inspector.shows_robot:
             self.inspector.inspect(ROBOTS)
 
     @on(RobotPut)

@@ -161,11 +161,28 @@ class Session:
         """Compile a text in the background and use it; cancels an older compilation."""
         if self._program is not None and self._program.text == text:
             self._spawn(nothing, "compile", exclusive=True)
-            self._use(self._program)
+            self.use(self._program)
             return
         self.state = self.state.compiling(text)
         self._changed()
         self._spawn(partial(self._compile, text), "compile", exclusive=True)
+
+    def use(self, program: Program) -> None:
+        """Use a compiled program from the next tick on."""
+        from logical_robots_tui.game import Game  # loading it would delay the first picture
+
+        self._think_with(program)
+        self._tell(lambda listener: listener.program_used(program))
+        if self.game is None:
+            game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
+            game.pace = self.pace
+            game.listen(lambda frame: self._show(game, frame))
+            self.frame = game.frame
+            if self.movement.kind == "awaiting":
+                self.run()
+        else:
+            self.game.use(program)
+        self._changed()
 
     # -- moving --------------------------------------------------------------------------------
 
@@ -213,10 +230,14 @@ class Session:
             ProgramError: A program no longer compiles.
         """
         ends = [(await compile_program(text), end) for text, end in place.stretches()]
+        self.go_through(ends[0][0], partial(self._replay, ends))
+
+    def go_through(self, program: Program, work: Going) -> None:
+        """Restart with a program, and move as the work does; pausing ends that."""
         self.restart()
         self._spawn(nothing, "compile", exclusive=True)
-        self._use(ends[0][0])
-        self._begin(Movement("until"), partial(self._replay, ends))
+        self.use(program)
+        self._begin(Movement("until"), work)
 
     def back(self, ticks: int = 1) -> None:
         """Go back so many ticks, as far as the history reaches."""
@@ -309,28 +330,12 @@ class Session:
             self.state = self.state._replace(phase="mistake", mistakes=error.diagnostics)
             self._changed()
             return
-        self._use(program)
+        self.use(program)
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
         if self.state.phase == "compiling" and self.state.tried == text:
             self.state = self.state._replace(compiled=(done, of_all))
             self._changed()
-
-    def _use(self, program: Program) -> None:
-        from logical_robots_tui.game import Game  # loading it would delay the first picture
-
-        self._think_with(program)
-        self._tell(lambda listener: listener.program_used(program))
-        if self.game is None:
-            game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
-            game.pace = self.pace
-            game.listen(lambda frame: self._show(game, frame))
-            self.frame = game.frame
-            if self.movement.kind == "awaiting":
-                self.run()
-        else:
-            self.game.use(program)
-        self._changed()
 
     def _think_with(self, program: Program) -> None:
         self._program = program
@@ -346,7 +351,7 @@ class Session:
         self._tell(lambda listener: listener.tick_shown(frame))
         if is_changed:
             self._tell(lambda listener: listener.level_changed())
-        if is_next and (victory := victory_of(game, self.opened)) is not None:
+        if is_next and not game.decide and (victory := victory_of(game, self.opened)) is not None:
             won = victory.program.text, victory.tick
             if won != self._won:
                 self._won = won
@@ -386,7 +391,7 @@ class Session:
 
     async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
         for program, end in ends:
-            self._use(program)
+            self.use(program)
             while game.frame.tick < end:
                 await game.run_until(tick=end)
 

@@ -13,6 +13,7 @@ from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Input, Static
 
+from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour
@@ -181,9 +182,8 @@ def _entry(entry: Command, width: int) -> Content:
 
 def _keys(entry: Command) -> Content:
     """The keys of a command in their colour, apart from each other."""
-    parts = entry.key_names.split(" ")
-    styled = [(part, INK.faint if part == "·" else INK.key) for part in parts]
-    return Content(" ").join(Content.styled(part, ink) for part, ink in styled)
+    separator = Content.styled(" · ", INK.faint)
+    return separator.join(Content.styled(key_name(key), INK.key) for key in entry.keys)
 
 
 class Palette(CommandPalette, ClosedOnce[None]):

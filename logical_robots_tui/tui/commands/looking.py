@@ -67,8 +67,7 @@ def leave(screen: MainScreen) -> None:
     """Go from the editor to the labyrinth, where single letters are commands."""
     if screen.arrangement.active is screen.labyrinth:
         screen.labyrinth.select(None)
-        screen.labyrinth.banner.display = False
-        screen.labyrinth.close_briefing()
+        screen.labyrinth.close_overlays()
     screen.go_to(screen.labyrinth)
 
 

@@ -146,6 +146,12 @@ def compare(screen: MainScreen) -> None:
     screen.timeline_controller.compare()
 
 
+@time.command("Save a replay", worker="replay")
+async def save_replay(screen: MainScreen) -> None:
+    """Save all ticks of the timeline in a file, to play again, to verify or to share."""
+    await screen.replays.save()
+
+
 @time.command("Timeline", "T")
 def timeline(screen: MainScreen) -> None:
     """Focus the timeline; arrows, page up and down, home and end move along it."""

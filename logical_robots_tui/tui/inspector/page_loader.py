@@ -38,6 +38,7 @@ class Pages:
     Attributes:
         table: The rows of the selected predicate.
         pins: The pinned values.
+        by_name: All but that of predicates, from left to right where two stand side by side.
     """
 
     def __init__(self, session: Session, questions: Questions) -> None:
@@ -50,10 +51,10 @@ class Pages:
         self.predicate = PredicatePage(session, questions)
         self.table, self.pins = self.predicate.view, self.watch.view
         self.by_name: dict[str, Page] = {
-            DECISION: self.decision,
             WHY: self.why,
             ASK: self.ask,
             WATCH: self.watch,
             DIAGNOSIS: self.diagnosis,
             ORIGIN: self.origin,
+            DECISION: self.decision,
         }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from textual import on
 from textual.binding import Binding
 from textual.containers import Horizontal
-from textual.widgets import ContentSwitcher, OptionList
+from textual.widgets import OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.background import in_background
@@ -43,10 +43,13 @@ __all__ = ["InspectorPane"]
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
+_ROOMY = 150  # columns of the inspector from which a page and the robot stand side by side
 
 
 class InspectorPane(Pane):
     """Follows the current tick, a few times a second while the game runs.
+
+    Where there is room, the decision of the robot stands beside the selected page.
 
     Args:
         session: The level, program and game at hand.
@@ -59,7 +62,9 @@ class InspectorPane(Pane):
     ]
 
     DEFAULT_CSS = """
-    InspectorPane ContentSwitcher { width: 1fr; height: 1fr; }
+    InspectorPane #pages { width: 1fr; height: 1fr; }
+    InspectorPane.-roomy Page { width: 3fr; }
+    InspectorPane.-roomy DecisionPage { width: 2fr; border-left: solid $ink-faint; }
     """
 
     def __init__(self, session: Session) -> None:
@@ -67,8 +72,9 @@ class InspectorPane(Pane):
         self.questions = Questions(session)
         self._list = PredicateList()
         self._robots = RobotsPage(session, self.questions)
-        self._switcher = ContentSwitcher(self._robots, initial=self._robots.id)
-        super().__init__(Horizontal(self._list, self._switcher), title="Inspector")
+        self._row = Horizontal(self._robots, id="pages")
+        super().__init__(Horizontal(self._list, self._row), title="Inspector")
+        self._is_roomy = False
         self._pages: Pages | None = None
         self._inspected = ROBOTS
         self._robot: str | None = None
@@ -89,7 +95,7 @@ class InspectorPane(Pane):
             others = (self._pages.predicate, *self._pages.by_name.values())
             for page in others:
                 page.display = False
-            self._switcher.mount(*others)
+            self._row.mount(*others)
         return self._pages
 
     @property
@@ -100,15 +106,31 @@ class InspectorPane(Pane):
         return self.pages.by_name.get(self._inspected, self.pages.predicate)
 
     @property
+    def beside(self) -> Page | None:
+        """The page that stands beside the selected one, if there is room and it is loaded."""
+        if not self._is_roomy or self._pages is None:
+            return None
+        return self._robots if self._inspected == DECISION else self._pages.decision
+
+    @property
     def inspected(self) -> str:
-        """The selected page or predicate."""
-        return self._inspected
+        """The selected page or predicate, or the page beside it if that has the focus."""
+        if self.beside is None or not self.beside.has_focus_within:
+            return self._inspected
+        return ROBOTS if self._inspected == DECISION else DECISION
+
+    @property
+    def shows_robot(self) -> bool:
+        """Whether a page that is shown is about the chosen robot."""
+        return self.beside is not None or self._inspected in (DECISION, WHY, WATCH)
 
     @property
     def shown_table(self) -> ValueTable | None:
         """The table on the screen, or None."""
         page = self.page
-        return page.table if page.display and page.table and page.table.display else None
+        if self.inspected != self._inspected or not page.display:
+            return None
+        return page.table if page.table and page.table.display else None
 
     @property
     def robot(self) -> str:
@@ -132,11 +154,23 @@ class InspectorPane(Pane):
     async def _load_pages(self) -> None:
         await asyncio.sleep(_LOADING_DELAY)
         await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.page_loader")
-        _ = self._switcher.is_attached and self.pages  # the player may have quit meanwhile
+        if self._row.is_attached and self.pages:  # the player may have quit meanwhile
+            self.follow()
 
     def on_show(self) -> None:
         """Catch up after having been hidden."""
         self.follow()
+
+    def on_resize(self) -> None:
+        """Show one page or two."""
+        is_roomy = self.content_size.width >= _ROOMY
+        if is_roomy is not self._is_roomy:
+            if self.beside is not None and self.beside.has_focus_within:
+                self.enter()
+            self._is_roomy = is_roomy
+            self.set_class(is_roomy, "-roomy")
+            self._show_pages()
+            self.follow()
 
     async def on_unmount(self) -> None:
         """Stop all queries."""
@@ -152,7 +186,7 @@ class InspectorPane(Pane):
         """Select the robot that pages are about."""
         self._robot = robot_name
         self._robots.view.choose(robot_name)
-        if self.page.depends_on_robot:
+        if any(page.depends_on_robot for page in self._wanted):
             self._cancel()
         self.follow()
 
@@ -253,11 +287,11 @@ class InspectorPane(Pane):
         while self._stale and self.display:
             self._stale = False
             frame = self._following = self._session.frame
-            page = self.page
-            page.robot = self.robot
             if self._pages is not None:
                 self._pages.predicate.predicate = self._inspected
-            await page.show(frame)
+            for page in self._wanted:
+                page.robot = self.robot
+                await page.show(frame)
             if self._session.running:
                 await asyncio.sleep(_INTERVAL)
             else:
@@ -274,7 +308,22 @@ class InspectorPane(Pane):
         if survey is not self._survey and survey.frame is self._session.frame:
             self._survey = survey
             self._list.count(survey)
-            self.page.show_survey(survey)
+            for page in self._wanted:
+                page.show_survey(survey)
+
+    @property
+    def _wanted(self) -> tuple[Page, ...]:
+        """The pages to show; the one that may take long comes last."""
+        return (self.page,) if self.beside is None else (self.beside, self.page)
+
+    def _show_pages(self) -> None:
+        """Hide what is no longer wanted, as soon as everything else has something to show."""
+        if all(page.display for page in self._wanted):
+            for page in self._row.query_children(Page):
+                page.display = page in self._wanted
+        self.screen.refresh(layout=True)
+        for page in self._wanted:
+            self.screen.call_after_refresh(page.redraw)
 
     def _list_predicates(self) -> None:
         self._survey = None
@@ -307,10 +356,9 @@ class InspectorPane(Pane):
     @on(Page.Ready)
     def _page_ready(self, event: Page.Ready) -> None:
         event.stop()
-        if event.page is self.page:
-            self._switcher.current = event.page.id
-            self.screen.refresh(layout=True)
-            self.screen.call_after_refresh(event.page.redraw)
+        if event.page in self._wanted:
+            event.page.display = True
+            self._show_pages()
 
     @on(Page.Changed)
     def _page_changed(self, event: Page.Changed) -> None:

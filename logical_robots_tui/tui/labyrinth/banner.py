@@ -11,7 +11,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.results import results_lines
-from logical_robots_tui.tui.theme.safe_text import clip
+from logical_robots_tui.tui.theme.safe_text import clip, counted
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
@@ -77,13 +77,13 @@ class VictoryBanner(Overlay):
             recorder: Has the measures.
         """
         self._seed, self._offers = ticks, _OFFERS
-        self._said = f"★ {clip(who, 50)} — {ticks} tick{'s' * (ticks != 1)} ★"
+        self._said = f"★ {clip(who, 50)} — {counted(ticks, 'tick')} ★"
         self._show(recorder)
 
     def toggle(self, recorder: ProgressRecorder) -> None:
         """Show the results so far, or hide the banner."""
         if self.display:
-            self.display = False
+            self.close()
             return
         self._seed, self._offers, self._said = None, _LOOKED_UP, "Results"
         self._show(recorder)

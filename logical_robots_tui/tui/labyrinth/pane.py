@@ -9,14 +9,14 @@ from textual.binding import Binding
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.inspector.widgets.cells import written
-from logical_robots_tui.tui.labyrinth.banner import Overlay, VictoryBanner
+from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
+from logical_robots_tui.tui.labyrinth.briefing import Briefing
 from logical_robots_tui.tui.labyrinth.camera import Sight
 from logical_robots_tui.tui.labyrinth.robot_drag import RobotPointed
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.pane import Pane
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
 if TYPE_CHECKING:
@@ -47,20 +47,24 @@ class LabyrinthPane(Pane, can_focus=True):
     def __init__(self) -> None:
         self.view = LabyrinthView()
         self.card = RobotCard()
-        self.briefing = Briefing()
+        self.briefing = Briefing(self.view)
         self.banner = VictoryBanner()
         self._shown: tuple[Level, Frame] | None = None
-        self._pointed: str | None = None
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
     def on_mount(self) -> None:
         """Update the card when the theme changes."""
         self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
 
+    def on_resize(self) -> None:
+        """Place the briefing again."""
+        self.call_after_refresh(self.briefing.place)
+
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a tick; hurried if the next one follows at once."""
         self._shown = (level, frame)
         self.view.show(level, frame, hurried=hurried)
+        self.briefing.place()
         self.select(self.view.selected)
 
     def select(self, robot_name: str | None) -> None:
@@ -69,7 +73,8 @@ class LabyrinthPane(Pane, can_focus=True):
         if self._shown is None:
             return
         level, frame = self._shown
-        name = robot_name if self._pointed is None else self._pointed
+        pointed = None if self.view.overlay is not None else self.view.pointed
+        name = robot_name if pointed is None else pointed
         robot = next((each for each in frame.after.robots if each.name == name), None)
         view = self.view.view
         middle = view.left + view.width / 2 if view else 0.0
@@ -78,9 +83,8 @@ class LabyrinthPane(Pane, can_focus=True):
         self.card.show(level, frame, shown, on_the_left=on_the_left)
 
     @on(RobotPointed)
-    def _robot_pointed(self, event: RobotPointed) -> None:
+    def _robot_pointed(self) -> None:
         """Show the card of the robot under the pointer."""
-        self._pointed = event.name
         self.select(self.view.selected)
 
     @on(LabyrinthView.Looked)
@@ -95,11 +99,17 @@ class LabyrinthPane(Pane, can_focus=True):
         }
         note = words[camera.sight]
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
+        self.briefing.place()
         self.select(self.view.selected)
 
     def close_briefing(self) -> None:
         """Hide the briefing."""
         self.briefing.close()
+
+    def close_overlays(self) -> None:
+        """Hide the briefing and the banner."""
+        self.briefing.close()
+        self.banner.close()
 
     def action_pan(self, across: int, down: int) -> None:
         """Pan the view by an eighth."""
@@ -109,56 +119,6 @@ class LabyrinthPane(Pane, can_focus=True):
     def enter(self) -> None:
         """Focus the view, so that single letters are commands."""
         self.screen.set_focus(self)
-
-
-class Briefing(Overlay):
-    """The briefing at the start, until the game runs or the player closes it.
-
-    It covers the half of the labyrinth with fewer robots and areas.
-    """
-
-    DEFAULT_CSS = """
-    Briefing {
-        dock: bottom; padding: 0 1; max-height: 50%; border-top: solid $ink-faint;
-    }
-    Briefing.-top { dock: top; border-top: none; border-bottom: solid $ink-faint; }
-    """
-
-    def __init__(self) -> None:
-        super().__init__(id="briefing")
-        self._has_text = False
-
-    def tell(self, level: Level) -> None:
-        """Show the briefing of a level, if it has one."""
-        self._has_text = bool(level.briefing.strip())
-        down = [*(robot.y for robot in level.robots), *(area.y for area in level.areas)]
-        below = sum(y > level.height / 2 for y in down)
-        self.set_class(2 * below > len(down), "-top")
-        text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
-        offers = {"run": "runs", "briefing": "hides this"}
-        if level.hints:
-            offers["hint"] = "gives a hint"
-        if level.lesson:
-            offers["lesson"] = "lesson"
-        goals = "".join(f"   ☆ {goal.words}" for goal in level.second_goals)
-        keys = "   ".join(f"{command(c).key_name} {said}" for c, said in offers.items())
-        self.update(
-            Content.assemble(
-                (one_line(level.title), f"bold {INK.title}"),
-                (f"{goals}\n", INK.dim),
-                (f"{text}\n", INK.text),
-                (keys, INK.dim),
-            )
-        )
-        self.display = self._has_text
-
-    def toggle(self) -> bool:
-        """Show or hide it; return False if there is nothing to show."""
-        if self.display:
-            self.close()
-        else:
-            self.display = self._has_text
-        return self._has_text
 
 
 _WIDTH = 28
@@ -204,7 +164,7 @@ class RobotCard(Static):
             self.update(content)
 
     def on_click(self) -> None:
-        """Hide until another robot is selected."""
+        """Hide until the next tick, or until another robot is selected."""
         self.display = False
 
 

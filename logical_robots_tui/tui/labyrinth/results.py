@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 
+from logical_robots_tui.tui.theme.safe_text import counted
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
@@ -102,10 +103,10 @@ def _inked(text: str) -> Content:
 
 def brief(bests: Bests, width: int) -> str:
     """Return the bests in a few words that fit, or "" if there are none."""
-    if bests.ticks is None:
+    if bests.ticks is None or bests.rules is None or bests.distance is None:
         return ""
-    ticks, rules, distance, _ = _numbers(bests)
-    parts = [f"{ticks} ticks", f"{rules} rule{'s' * (rules != '1')}", f"{distance} driven"]
+    parts = [counted(bests.ticks, "tick"), counted(bests.rules, "rule")]
+    parts.append(f"{bests.distance:.0f} driven")
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")
     told = (gap.join(parts) for gap in (" · ", "  "))

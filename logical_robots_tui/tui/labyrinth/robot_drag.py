@@ -23,15 +23,8 @@ _PICK_REACH = 2.5
 """Columns beside a robot within which it is picked."""
 
 
-@dataclass
 class RobotPointed(Message):
-    """The mouse points at another robot than before.
-
-    Attributes:
-        name: The robot's name, or None for no robot.
-    """
-
-    name: str | None
+    """The mouse points at another robot than before, or at none."""
 
 
 @dataclass

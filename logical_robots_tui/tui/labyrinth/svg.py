@@ -16,11 +16,13 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour as _hex
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from logical_robots_tui.world import Area, Beacon, Level, Robot
+
+    Point = tuple[float, float]
 
 __all__ = ["svg"]
 
@@ -28,13 +30,17 @@ _FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
 _FONT_SIZE = 12  # map units
 
 
-def svg(level: Level, palette: Palette = DARK) -> str:
+def svg(
+    level: Level, palette: Palette = DARK, paths: Mapping[str, Sequence[Point]] | None = None
+) -> str:
     """Return a level at its start as SVG; one map unit is one unit of the drawing.
 
     Args:
         level: The level.
         palette: The colours that don't come from the level.
+        paths: Where robots have been, by name.
     """
+    paths = paths or {}
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {level.width} {level.height}"'
@@ -46,6 +52,7 @@ def svg(level: Level, palette: Palette = DARK) -> str:
             ' stroke-width="1.5" fill="none"/>',
             *(_area(area, palette) for area in level.areas),
             *(_beacon(beacon, palette) for beacon in level.beacons),
+            *(_path(robot, paths.get(robot.name, ()), palette) for robot in level.robots),
             *(_robot(robot, palette) for robot in level.robots),
             "</svg>",
             "",
@@ -111,6 +118,19 @@ def _robot(robot: Robot, palette: Palette) -> str:
         f' stroke="{_hex(mix(colour, (0, 0, 0), 0.45))}"/>'
         f'<path d="M8 0L-2 4V-4z" fill="{_hex(nose)}"/></g>'
         + _name(robot.name, robot.x, robot.y - ROBOT_RADIUS - 4, palette.strong(colour))
+    )
+
+
+def _path(robot: Robot, points: Sequence[Point], palette: Palette) -> str:
+    """Return the line that a robot drove, and a ring where it was last."""
+    if not points:
+        return ""
+    colour = _hex(robot_colour(robot.color, palette))
+    line = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    x, y = points[-1]
+    return (
+        f'<g fill="none" stroke="{colour}" stroke-width="2"><polyline points="{line}"/>'
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{_number(ROBOT_RADIUS)}"/></g>'
     )
 
 

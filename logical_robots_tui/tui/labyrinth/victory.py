@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.history.marks import STUCK_AFTER
+from logical_robots_tui.game.history.marks import STUCK_AFTER, MarkKind
+from logical_robots_tui.game.history.rounds import ROUNDS
 from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
@@ -20,6 +21,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 __all__ = ["VictoryAnnouncer"]
+
+_BLOCKED = f"stuck: blocked for {STUCK_AFTER} ticks."
+_AGAIN = f"in circles: {ROUNDS} times the same way."
+_TROUBLE: dict[MarkKind, tuple[str, str]] = {
+    "stuck": (f"is {_BLOCKED}", f"are {_BLOCKED}"),
+    "circling": (f"goes round {_AGAIN}", f"go round {_AGAIN}"),
+}
+"""What is said of one robot, and of several."""
 
 
 class VictoryAnnouncer(SessionListener):
@@ -54,7 +63,7 @@ class VictoryAnnouncer(SessionListener):
     def restarted(self) -> None:
         """Show the briefing and hide the banner."""
         self._waiting = None
-        self._pane.banner.display = False
+        self._pane.banner.close()
         self._brief()
 
     def tick_shown(self, frame: Frame) -> None:
@@ -67,11 +76,10 @@ class VictoryAnnouncer(SessionListener):
         history = self._session.history
         if frame.tick != before + 1 or history is None:
             return
-        if history.marks.has("stuck", frame.tick, frame.tick):
-            (mark,) = (each for each in history.marks.at(frame.tick) if each.kind == "stuck")
-            verb = "is" if len(mark.names) == 1 else "are"
-            names = clip(one_line(", ".join(mark.names)), 60)
-            self._tell(f"{names} {verb} stuck: blocked for {STUCK_AFTER} ticks.")
+        for mark in history.marks.at(frame.tick):
+            if (words := _TROUBLE.get(mark.kind)) is not None:
+                names = clip(one_line(", ".join(mark.names)), 60)
+                self._tell(f"{names} {words[len(mark.names) > 1]}")
 
     def _brief(self) -> None:
         self._tick = 0

@@ -60,6 +60,7 @@ class LabyrinthView(Widget):
         drawing: The characters to draw with.
         selected: Name of the selected robot, or None.
         drags_robots: Whether a drag that begins at a robot moves it, and not the map.
+        pointed: Name of the robot under the mouse pointer, or None.
         camera: What is shown. ``view`` is the resulting part of the map, and converts cells of this
             widget to map units and back.
         palette: The colours, or None for those of the theme.
@@ -105,7 +106,7 @@ class LabyrinthView(Widget):
         self._held: Offset | None = None
         self._is_dragged = self._is_drawing = False
         self._grip: Grip | None = None
-        self._pointed: str | None = None
+        self.pointed: str | None = None
 
     @property
     def view(self) -> Viewport | None:
@@ -207,11 +208,7 @@ class LabyrinthView(Widget):
         return [f for f in super().get_line_filters() if not isinstance(f, ANSIToTruecolor)]
 
     def render_line(self, y: int) -> Strip:
-        """Return a line of the picture.
-
-        Args:
-            y: Its row.
-        """
+        """Return the picture's row `y`."""
         columns, rows = self.size
         if self._cells.text.shape != (rows, columns):
             self._draw()
@@ -321,13 +318,12 @@ class LabyrinthView(Widget):
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """Drag."""
-        if self._held is None and self.overlay is not None:
-            if at := self._point(event):
-                self.overlay.hover(*at, is_held=self._is_drawing)
-            return
         if self._held is None:
             self._point_at(self.robot_at(event.x, event.y))
-        if self._held is None or event.screen_offset == self._held:
+            if self.overlay is not None and (at := self._point(event)):
+                self.overlay.hover(*at, is_held=self._is_drawing)
+            return
+        if event.screen_offset == self._held:
             return
         moved = self._held - event.screen_offset
         self._held, self._is_dragged = event.screen_offset, True
@@ -341,9 +337,9 @@ class LabyrinthView(Widget):
         self._point_at(None)
 
     def _point_at(self, name: str | None) -> None:
-        if name != self._pointed:
-            self._pointed = name
-            self.post_message(RobotPointed(name))
+        if name != self.pointed:
+            self.pointed = name
+            self.post_message(RobotPointed())
 
     def _robot(self, name: str | None) -> RobotState | None:
         robots = self._frame.after.robots if self._frame else ()

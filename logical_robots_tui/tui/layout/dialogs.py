@@ -131,6 +131,9 @@ class Prompt(Dialog[Result]):
         raise NotImplementedError
 
     @on(Input.Changed)
+    def _changed(self) -> None:
+        self.forget()
+
     def forget(self) -> None:
         """Forget complaints about another text."""
         self.complain("")

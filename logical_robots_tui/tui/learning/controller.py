@@ -13,6 +13,7 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
 from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.layout.dialogs import Question
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -75,7 +76,6 @@ class LearningController:
 
     async def solution(self) -> None:
         """Show the reference programs; before a victory, ask first."""
-        from logical_robots_tui.tui.layout.dialogs import Question
         from logical_robots_tui.tui.learning.reader import Reader, coloured
 
         level = self._session.level
@@ -122,8 +122,6 @@ class LearningController:
 
     async def reset(self) -> None:
         """Put the level's starter program back, after asking."""
-        from logical_robots_tui.tui.layout.dialogs import Question
-
         level = self._session.level
         if not level.starter:
             self._ui.tell("This level has no starter program.")

@@ -172,8 +172,6 @@ class TourController:
 
     def begin(self) -> None:
         """Start the tour, or restart it."""
-        from logical_robots_tui.tui.learning.tour import Tour
-
         self._remove()
         if not self._arrangement.is_tiny:
             self._tour = Tour(moved=self._show, ended=self._come_home)

@@ -214,6 +214,7 @@ class Form(Dialog[bool]):
     def __init__(self, title: str) -> None:
         super().__init__(title)
         self._fields: dict[str, Field] = {}
+        self._before: dict[str, Any] = {}
 
     def fields(self) -> Iterable[tuple[str, Field]]:
         """Yield labels and fields, in order."""
@@ -240,7 +241,8 @@ class Form(Dialog[bool]):
             yield Button("Cancel", id="close", compact=True)
 
     def on_mount(self) -> None:
-        """Stop the cursors from blinking."""
+        """Remember the initial values, and stop the cursors from blinking."""
+        self._before = self.values()
         for line in self.query(Input):
             line.cursor_blink = False
 
@@ -275,8 +277,16 @@ class Form(Dialog[bool]):
         """
         return {name: self._fields[name].read() for name in names or self._fields}
 
+    def changed(self) -> dict[str, Any]:
+        """Return the values of the fields that were changed, by their names.
+
+        Raises:
+            LevelError: A value is invalid.
+        """
+        return {name: v for name, v in self.values().items() if v != self._before[name]}
+
     def row(self, name: str) -> Horizontal:
         """Return the row of a field, with its label."""
-        row = self.query_one(f"#{name}").parent
+        row = self._fields[name].parent
         assert isinstance(row, Horizontal)
         return row

@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 import math
 from dataclasses import replace
-from functools import partial
 from random import randrange
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -67,7 +66,6 @@ class ThingForm(Form):
         self._thing = thing_of(editor.level, ref)
         self._put = put
         self._is_moving = ref.kind == "robots" and editor.is_under_way
-        self._before: dict[str, Any] = {}
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         """Yield the fields for this kind of thing."""
@@ -108,15 +106,9 @@ class ThingForm(Form):
             robots = [robot.name for robot in self._editor.level.robots]
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 
-    def on_mount(self) -> None:
-        """Remember the values, because only those that are changed are applied."""
-        super().on_mount()
-        self._before = self.values()
-
     def take(self) -> None:
         """Apply the properties that were changed."""
-        editor, ref = self._editor, self._ref
-        values = {n: value for n, value in self.values().items() if value != self._before[n]}
+        editor, ref, values = self._editor, self._ref, self.changed()
         for name in ("angle", "start_angle"):
             if name in values:
                 values[name] = math.radians(values[name])
@@ -139,6 +131,7 @@ def _colour(value: str) -> Text:
     return line
 
 
+_TEXTS = ("title", "idea", "briefing", "hints", "shared_names")
 _PLACES = {"0": "right and below", "1": "on all sides", "2": "left and above"}
 _MEMORIES = {"own": "its own", "seen": "also of robots on its radar", "all": "of all robots"}
 _SENSORS = {"own": "its own", "all": "of all robots"}
@@ -177,20 +170,15 @@ class LevelForm(Form):
         width, height, share = values["width"], values["height"], int(values["place"]) / 2
         left = int((width - level.width) * share)
         top = int((height - level.height) * share)
-        changed = resize(level, width, height, left=left, top=top, wall=values["wall"])
-        briefing, hints, shared = values["briefing"], values["hints"], values["shared_names"]
-        names = tuple(name.strip() for name in shared.split(",") if name.strip())
-        hint_list = tuple(hint.strip() for hint in hints.split("\n\n") if hint.strip())
-        changed = set_words(
-            changed,
-            title=values["title"],
-            idea=values["idea"],
-            briefing=level.briefing if briefing == level.briefing.strip() else briefing,
-            hints=level.hints if hints == "\n\n".join(level.hints).strip() else hint_list,
-            visibility=Visibility(values["memory"], values["sensor"]),
-            shared_names=(level.shared_names if shared == ", ".join(level.shared_names) else names),
-        )
-        self._editor.change_level("level", changed)
+        resized = resize(level, width, height, left=left, top=top, wall=values["wall"])
+        wanted = self.changed()
+        for name, separator in (("shared_names", ","), ("hints", "\n\n")):
+            if name in wanted:
+                parts = (part.strip() for part in wanted[name].split(separator))
+                wanted[name] = tuple(part for part in parts if part)
+        words = {name: wanted[name] for name in _TEXTS if name in wanted}
+        words["visibility"] = Visibility(values["memory"], values["sensor"])
+        self._editor.change_level("level", set_words(resized, **words))
 
 
 _KINDS = {"room": "an empty room", "labyrinth": "a random labyrinth", "copy": "a copy"}
@@ -222,7 +210,7 @@ class NewLevelForm(Form):
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         """Yield the fields; each kind of level has its own."""
-        yield "Make", Choice("kind", _KINDS, "room")
+        yield "Kind", Choice("kind", _KINDS, "room")
         yield "Title", Text("title", "")
         yield "Width", Number("width", 600, "The width", whole=True)
         yield "Height", Number("height", 400, "The height", whole=True)
@@ -233,11 +221,10 @@ class NewLevelForm(Form):
         yield "Loops, 0 to 1", Number("loops", 0.1, "The share of loops")
         seed = randrange(1000)  # noqa: S311 - no secret is made of it
         yield "Seed", Number("seed", seed, "The seed", whole=True)
-        yield "Of", Choice("original", dict(zip(self._names, self._names, strict=True)), self._here)
+        yield "Copy of", Choice("original", {name: name for name in self._names}, self._here)
 
     def on_mount(self) -> None:
         """Start with a room."""
-        super().on_mount()
         self._arrange()
 
     def field_entered(self) -> None:
@@ -276,7 +263,7 @@ async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
         here: Name of the current level.
         own: Folder of the player's levels.
     """
-    own_names = await asyncio.to_thread(partial(own_levels, own))
+    own_names = await asyncio.to_thread(own_levels, own)
     names = list(dict.fromkeys([*await asyncio.to_thread(list_levels), *own_names]))
     form = NewLevelForm(names, here, own)
     return form.made if await ui.ask(form) else None

@@ -61,14 +61,13 @@ class EditPanel(EditView):
     def enter(self) -> None:
         """Let keys and mouse edit."""
         pane = self._pane
+        pane.view.overlay = self
         pane.select(None)
-        pane.close_briefing()
-        pane.banner.display = False
+        pane.close_overlays()
         pane.note("editing")
         if not self._tools.is_attached:
             pane.mount(self._tools, self._info)
         self._tools.display = self._info.display = True
-        pane.view.overlay = self
         self._switched(True)
         self._enter()
 

@@ -13,6 +13,7 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.mind.reference import REFERENCE
 from logical_robots_tui.mind.source_text import prepare
 from logical_robots_tui.tui.layout.dialogs import Listing
+from logical_robots_tui.tui.program.lexer import KEYWORDS
 from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -26,6 +27,7 @@ __all__ = [
     "Completion",
     "Place",
     "Word",
+    "begun",
     "call_before",
     "definitions",
     "help_on",
@@ -89,10 +91,6 @@ _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re
 _BEFORE = re.compile(r"(?:(?P<owner>[A-Za-z_]\w*)\.)?(?P<begun>\w*)$")
 _VARIABLE = re.compile(r"(?<![\w.])[a-z_]\w*\b(?!\s*:(?!-)\s*[^\s,)}])(?!\s*\()")
 _FIELD = re.compile(r"\.([a-z_]\w*)|\b([a-z_]\w*)\s*:(?!-)")
-_KEYWORDS = {
-    *("and", "combine", "distinct", "else", "false", "if", "import"),
-    *("in", "is", "not", "null", "or", "then", "true"),
-}
 
 
 def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
@@ -109,7 +107,14 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
     return found
 
 
-def words_for(text: str, place: Place) -> tuple[int, list[Word]]:
+def begun(before: str) -> str:
+    """Return the part of a word at the end of a text, which a completed word replaces."""
+    match = _BEFORE.search(before)
+    assert match is not None
+    return match["begun"]
+
+
+def words_for(text: str, place: Place) -> list[Word]:
     """Return the words that could be inserted at a place of a program.
 
     Args:
@@ -117,25 +122,25 @@ def words_for(text: str, place: Place) -> tuple[int, list[Word]]:
         place: The place.
 
     Returns:
-        The number of characters already typed, and the words: variables of the rule and fields of
-        what they hold come before predicates, and functions last. None in comments and quotes.
+        Variables of the rule and fields of what they hold come before predicates, and functions
+        last. None in comments and quotes.
     """
     lines = text.splitlines(keepends=True)[: place.line]
     at = min(sum(map(len, lines)) + place.column, len(text))
     source = prepare(text)
     match = _BEFORE.search(text[:at].rpartition("\n")[2])
     assert match is not None
-    owner, begun = match["owner"], match["begun"]
-    first = at - len(begun)
+    owner, typed = match["owner"], match["begun"]
+    first = at - len(typed)
     if text[first:at] != source.skeleton[first:at] or _is_blanked(text, source.skeleton, first - 1):
-        return len(begun), []
-    groups = _fields(source.skeleton, owner, begun) if owner else _names(source, first, at)
+        return []
+    groups = _fields(source.skeleton, owner, typed) if owner else _names(source, first, at)
     ordered = [
         word for group in groups for word in sorted(group, key=lambda word: word.name.lower())
     ]
-    words = {w.name: w for w in ordered if _last(w).lower().startswith(begun.lower())}
+    words = {w.name: w for w in ordered if _last(w).lower().startswith(typed.lower())}
     # What is written as typed comes first.
-    return len(begun), sorted(words.values(), key=lambda w: not _last(w).startswith(begun))
+    return sorted(words.values(), key=lambda w: not _last(w).startswith(typed))
 
 
 def _last(word: Word) -> str:
@@ -155,7 +160,7 @@ def _names(source: Prepared, first: int, at: int) -> list[list[Word]]:
     start = max((end + 1 for end in source.ends if end < first), default=0)
     stop = min((end for end in source.ends if end >= at), default=len(source.skeleton))
     rule = f"{source.skeleton[start:first]} {source.skeleton[at:stop]}"
-    variables = {*_VARIABLE.findall(rule)} - _KEYWORDS
+    variables = {*_VARIABLE.findall(rule)}.difference(KEYWORDS)
     held = [word for word in _FIELDS if word.shape.rpartition(".")[0] in variables]
     own = definitions(source.text)
     return [
@@ -169,19 +174,17 @@ def _names(source: Prepared, first: int, at: int) -> list[list[Word]]:
     ]
 
 
-def _fields(skeleton: str, owner: str, begun: str) -> list[list[Word]]:
+def _fields(skeleton: str, owner: str, typed: str) -> list[list[Word]]:
     """Return the fields of what a name holds: those used with it first, then all others."""
-    if known := [word for word in _FIELDS if word.shape.split(".")[-2] == owner]:
-        return [known]
+    if given := [word for word in _FIELDS if word.shape.split(".")[-2] == owner]:
+        return [given]
     told = {word.name: word.told for word in _FIELDS}
     counts = Counter(name or key for name, key in _FIELD.findall(skeleton))
-    counts[begun] -= 1  # the word being typed
+    counts[typed] -= 1  # the word being typed
+    known = dict.fromkeys(+counts, "a field of this program") | told
     used = re.findall(rf"\b{owner}\.([a-z_]\w*)", skeleton)
-    groups = ([name for name in used if counts[name] > 0], [*counts, *told])
-    return [
-        [Word(name, f".{name}", told.get(name, "a field of this program")) for name in group]
-        for group in (groups[0], [name for name in groups[1] if name in told or counts[name] > 0])
-    ]
+    first = [name for name in used if counts[name] > 0]
+    return [[Word(name, f".{name}", known[name]) for name in group] for group in (first, known)]
 
 
 def help_on(text: str, name: str) -> Word | None:

@@ -15,6 +15,7 @@ from textual.widgets.text_area import Selection
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.program.text_operations import find_after, is_predicate_name, rename
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -79,8 +80,6 @@ class ProgramController:
 
     async def find(self) -> None:
         """Ask for a text, and go to it or replace it."""
-        from logical_robots_tui.tui.layout.dialogs import Find
-
         editor = self._pane.editor
         chosen = editor.selected_text
         begin = chosen if chosen and "\n" not in chosen else self._wanted
@@ -119,8 +118,6 @@ class ProgramController:
 
     async def rename(self) -> None:
         """Ask for a new name of the predicate under the cursor, and rename it everywhere."""
-        from logical_robots_tui.tui.layout.dialogs import LinePrompt
-
         old = self._pane.editor.word
         if old not in definitions(self._pane.text):
             self._ui.tell("Put the cursor on a predicate of this program first.")

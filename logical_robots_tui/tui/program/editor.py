@@ -12,7 +12,13 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import Selection, TextAreaTheme
 
-from logical_robots_tui.tui.program.completion import Completion, Place, word_around, words_for
+from logical_robots_tui.tui.program.completion import (
+    Completion,
+    Place,
+    begun,
+    word_around,
+    words_for,
+)
 from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import marked
 from logical_robots_tui.tui.program.text_operations import WIDTH, indentation_after, shifted
@@ -34,6 +40,8 @@ _A_PASTE = 0.005
 """Keys that follow each other faster, in seconds, were not typed."""
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
+_FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
+"""Comments and empty lines at the start of a program, if anything follows."""
 
 
 class Editor(TextArea):
@@ -120,9 +128,11 @@ class Editor(TextArea):
         self.move_cursor(place)
 
     def load_text(self, text: str) -> None:
-        """Load another text without undo history."""
+        """Load another text without undo history; the cursor goes to its first rule."""
         self._states.forget()
         super().load_text(text)
+        if (rule := _FIRST_RULE.match(text)) is not None:
+            self.move_cursor((rule.group().count("\n"), 0))
 
     def edit(self, edit: Edit) -> EditResult:
         """Apply an edit."""
@@ -205,7 +215,7 @@ class Editor(TextArea):
 
     def action_complete(self) -> None:
         """Offer words for the cursor's place."""
-        _, words = words_for(self.text, Place(*self.cursor_location))
+        words = words_for(self.text, Place(*self.cursor_location))
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
@@ -256,10 +266,8 @@ class Editor(TextArea):
         self.completion.close()
         if chosen is not None:
             row, column = self.cursor_location
-            begun, _ = words_for(self.text, Place(row, column))
-            self.replace(
-                chosen.name, (row, column - begun), (row, column), maintain_selection_offset=False
-            )
+            start = row, column - len(begun(self.before_cursor))
+            self.replace(chosen.name, start, (row, column), maintain_selection_offset=False)
 
     def action_copy(self) -> None:
         """Copy the selection, and post it."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["LineStates", "Piece", "State", "pieces"]
+__all__ = ["KEYWORDS", "LineStates", "Piece", "State", "pieces"]
 
 State = str
 """The state at the start of a line: "", ``/*`` (a comment) or three quotes (a long string)."""
@@ -32,9 +32,12 @@ class Piece(NamedTuple):
     kind: str
 
 
-_KEYWORDS = (
-    "in|is|if|then|else|import|as|distinct|limit|order_by|couldbe|cantbe|shouldbe|null|true|false"
+KEYWORDS = (
+    *("in", "is", "not", "if", "then", "else", "combine", "import", "as", "distinct"),
+    *("couldbe", "cantbe", "shouldbe", "null", "true", "false"),
 )
+"""Words that can't be variables."""
+
 _TOKEN = re.compile(
     rf"""
     (?P<line_comment>\#.*)
@@ -43,7 +46,7 @@ _TOKEN = re.compile(
   | (?P<string>"(?:[^"\\]|\\.)*"?|'(?:[^'\\]|\\.)*'?|`[^`]*`?)
   | (?P<annotation>@\w+)
   | (?P<number>\b\d+(?:\.\d+)?(?:[eE][+-]?\d+)?\b)
-  | (?P<keyword>\b(?:{_KEYWORDS})\b)
+  | (?P<keyword>\b(?:{"|".join(KEYWORDS)}|(?:limit|order_by)(?=\s*\())\b)
   | (?P<predicate>\b[A-Z]\w*)
   | (?P<field>\b[a-z_]\w*(?=\s*:(?![-=])))
   | (?P<operator>:-|->|=>|:=|[-+*/^%=<>!&|~]+)

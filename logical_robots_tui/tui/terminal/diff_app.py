@@ -35,7 +35,7 @@ __all__ = ["ASK", "DiffApp", "Line"]
 ASK = "\x1b[6n"
 """Asks a terminal for its cursor position; it answers after everything sent before."""
 
-PATIENCE = 2.0  # seconds after which an answer counts as lost
+_PATIENCE = 2.0  # seconds after which an answer counts as lost
 
 _QUEUE = 0.05  # seconds of data that may queue on the way
 _LEAST = 1500  # bytes; less is not worth a query
@@ -111,7 +111,7 @@ class Line:
 
     def forget(self, now: float) -> None:
         """Give up overdue answers; a terminal that never answered is not relied upon."""
-        while self._asked and now - self._asked[0][0] > PATIENCE:
+        while self._asked and now - self._asked[0][0] > _PATIENCE:
             self._asked.popleft()
             self._least = None
             self._window = 1
@@ -215,7 +215,7 @@ class DiffApp(CrashSafeApp):
         if not self._line.is_free:
             if not self._is_waiting:
                 self._is_waiting = True
-                self.set_timer(PATIENCE, self._stop_waiting)
+                self.set_timer(_PATIENCE, self._stop_waiting)
             return
         text = self._sent.sequence(self._line.room, self.moving_picture())
         cursor = self.screen.outer_size.clamp_offset(self.cursor_position)

@@ -15,6 +15,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 
 from logical_robots_tui.tui.terminal.input_filter import InputFilter, Pasted, TolerantParser
+from logical_robots_tui.tui.terminal.textual_internals import handle_exception
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -107,7 +108,7 @@ class ListeningDriver(LinuxDriver):
         try:
             self._listen()
         except Exception as error:  # it would end the thread unnoticed
-            self._loop.call_soon_threadsafe(self._app._handle_exception, error)
+            self._loop.call_soon_threadsafe(handle_exception, self._app, error)
 
     def _get_terminal_size(self) -> tuple[int, int]:
         return tuple(_bounded(Size(*super()._get_terminal_size())))  # type: ignore[return-value]  # a pair

@@ -246,7 +246,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         )
         mistake = mistake_in(made, self._level, self._program)
         if mistake:
-            self._check.say(mistake)
+            self.complain(mistake)
         elif made.is_named:
             self.dismiss(made)
         else:

@@ -29,6 +29,7 @@ _SOUGHT: tuple[MarkKind, ...] = (
     "program",
     "edit",
     "stuck",
+    "circling",
     "area",
     "notice",
 )

@@ -50,8 +50,7 @@ class DivergencePage(Reader):
         super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:
-        """Start at the top, and start to compare the proofs; closing stops that."""
-        super().on_mount()
+        """Start to compare the proofs; closing stops that."""
         in_background(self, self._compare, "compare")
 
     async def _compare(self) -> None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from textual import on
-from textual.widgets import Input
-
 from logical_robots_tui.game import mistake_in_question
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Prompt
@@ -45,21 +42,17 @@ class QuestionCheck:
         async def look() -> None:
             mistake = await mistake_in_question(program, query)
             if mistake:
-                self.say(mistake)
+                self._dialog.complain(mistake)
             else:
                 good()
 
-        self.say(READING)
+        self._dialog.complain(READING)
         in_background(self._dialog, look, "question", exclusive=True)
 
     def forget(self) -> None:
         """Cancel the check, because another text is being typed."""
         self._dialog.workers.cancel_group(self._dialog, "question")
         self._dialog.complain("")
-
-    def say(self, words: str) -> None:
-        """Show a message about the typed text."""
-        self._dialog.complain(words)
 
 
 class QuestionPrompt(Prompt[str]):
@@ -86,7 +79,6 @@ class QuestionPrompt(Prompt[str]):
         query = text.strip()
         self._check.begin(query, lambda: self.dismiss(query))
 
-    @on(Input.Changed)
     def forget(self) -> None:
         """Cancel the check, because another text is being typed."""
         self._check.forget()

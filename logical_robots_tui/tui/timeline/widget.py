@@ -12,6 +12,7 @@ from textual.widget import Widget
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
 from logical_robots_tui.game.history.marks import STUCK_AFTER
+from logical_robots_tui.game.history.rounds import ROUNDS
 from logical_robots_tui.tui.terminal.direct_paint import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -33,6 +34,11 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
     "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
     "stuck": ("⊘", f"bold {INK.warn}", f"a robot is stuck: blocked for {STUCK_AFTER} ticks"),
+    "circling": (
+        "↻",
+        f"bold {INK.warn}",
+        f"a robot goes in circles: {ROUNDS} times the same",
+    ),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
     "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),
@@ -249,6 +255,8 @@ class Timeline(Widget, can_focus=True):
             words = one_line("; ".join(hit.values for hit in hits))
         elif mark.kind == "stuck":
             words += " is stuck" if len(mark.names) == 1 else " are stuck"
+        elif mark.kind == "circling":
+            words += " goes in circles" if len(mark.names) == 1 else " go in circles"
         elif mark.kind in ("victory", "program", "edit"):
             words = {"victory": "won", "program": "program changed", "edit": "edited"}[mark.kind]
         return Content.assemble((f"{sign} ", style), (words, INK.text))

@@ -12,7 +12,16 @@ from logical_robots_tui.world.levels.limits import MOST_BYTES
 from logical_robots_tui.world.levels.native import read_native
 from logical_robots_tui.world.levels.web import read_web
 
-__all__ = ["NATIVE", "SUFFIXES", "WEB", "list_levels", "load_level", "read_text"]
+__all__ = [
+    "NATIVE",
+    "SUFFIXES",
+    "WEB",
+    "is_of_web",
+    "list_levels",
+    "load_level",
+    "read_level",
+    "read_text",
+]
 
 NATIVE, WEB = SUFFIXES = (".toml", ".json")
 """The file name endings of this game and of the web platform."""
@@ -43,12 +52,23 @@ def load_level(path_or_name: str | Path) -> Level:
         path = _shipped(path_or_name)
     else:
         path = Path(path_or_name)
-    source = str(path)
-    text = read_text(path).removeprefix("\ufeff")
-    is_web = path.suffix.lower() == WEB or (
-        path.suffix.lower() != NATIVE and text.lstrip().startswith("{")
-    )
-    return (read_web if is_web else read_native)(text, path.stem, source)
+    text = read_text(path)
+    is_web = path.suffix.lower() == WEB or (path.suffix.lower() != NATIVE and is_of_web(text))
+    return (read_web if is_web else read_native)(text.removeprefix("\ufeff"), path.stem, str(path))
+
+
+def read_level(text: str, name: str) -> Level:
+    """Return the level of a text in either format, which is guessed from its first character.
+
+    Raises:
+        LevelError: The text is not a valid level.
+    """
+    return (read_web if is_of_web(text) else read_native)(text.removeprefix("\ufeff"), name, name)
+
+
+def is_of_web(text: str) -> bool:
+    """Return whether the text of a level seems to be in the format of the web platform."""
+    return text.removeprefix("\ufeff").lstrip().startswith("{")
 
 
 def _is_name(text: str) -> bool:

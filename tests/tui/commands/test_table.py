@@ -37,6 +37,7 @@ ONLY_IN_THE_PALETTE = {
         "find_next",
         "rename",
         "revert",
+        "save_replay",
         "screenshot",
         "select_all",
         "stop_measuring",
@@ -160,6 +161,7 @@ def test_the_keys_for_writing_are_those_of_the_editor() -> None:
     assert set(keys) <= owned
 
 
+@pytest.mark.slow
 async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -192,6 +194,7 @@ async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_di
         await game.until(lambda: game.shows("Select something to copy first."))
 
 
+@pytest.mark.slow
 async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()

@@ -214,6 +214,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {first:, n
 """
 
 
+@pytest.mark.slow
 async def test_it_says_how_far_back_it_is_and_can_be_stopped(data_dir: Path) -> None:
     async with opened(data_dir, text=KEPT, size=(120, 40)) as game:
         await game.ready()

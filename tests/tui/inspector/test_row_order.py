@@ -114,6 +114,7 @@ async def test_rows_are_searched(data_dir: Path) -> None:
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["R"])
 
 
+@pytest.mark.slow
 async def test_rows_are_saved_and_copied(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal", text=TEXT) as game:
         await inspected(game)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
+import pytest
+
 from logical_robots_tui.game import Inquiry
 from logical_robots_tui.mind import Ask, Node
 from tests.tui.conftest import SLOW, opened
@@ -12,8 +14,6 @@ from tests.tui.inspector.test_why import CALL, TALL, TWO_RULES, asked_why, go_to
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
     from logical_robots_tui.mind import Explanation, Proof
 
@@ -131,6 +131,7 @@ async def test_the_cursor_stays_while_a_slow_answer_for_another_tick_is_awaited(
         assert told(game)[place] == CALL
 
 
+@pytest.mark.slow
 async def test_no_old_proof_stands_under_a_new_question(data_dir: Path) -> None:
     text = SLOW.split("Robot(")[0] + TWO_RULES
     async with opened(data_dir, text=text) as game:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from textual.widgets import Tree
@@ -81,6 +82,7 @@ async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
     return table
 
 
+@pytest.mark.slow
 async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) -> None:
     async with opened(data_dir, text=TEXT) as game:
         await game.ready()
@@ -196,6 +198,7 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
 
 
+@pytest.mark.slow
 async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
     data_dir: Path,
 ) -> None:

@@ -117,3 +117,18 @@ async def test_pointing_at_a_robot_shows_its_card(data_dir: Path, room_file: Pat
         assert game.main.labyrinth.view.selected is None
         await mouse(game, events.MouseMove, (150, 80))
         await game.until(lambda: not card.display)
+
+
+async def test_no_card_covers_the_level_editor(data_dir: Path, room_file: Path) -> None:
+    async with opened(data_dir, level=room_file, text=AHEAD) as game:
+        await game.ready()
+        pane = game.main.labyrinth
+        x = game.session.frame.after.robots[0].x
+        await mouse(game, events.MouseMove, (x, 50))
+        await game.until(lambda: pane.card.display)
+        await game.press("M")
+        await game.until(lambda: pane.view.overlay is not None)
+        assert pane.view.pointed is not None
+        assert not pane.card.display
+        await mouse(game, events.MouseMove, (150, 80))
+        await game.until(lambda: pane.view.pointed is None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+import pytest
 from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import load_program
@@ -18,8 +19,6 @@ from tests.tui.conftest import PAPER, STILL, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
     from tests.tui.conftest import Opened
 
@@ -75,6 +74,7 @@ async def test_a_level_without_texts_says_so(data_dir: Path) -> None:
             await game.until(lambda words=words: game.shows(words))  # type: ignore[misc] # bound now
 
 
+@pytest.mark.slow
 async def test_the_lesson_is_read_in_the_game_and_the_challenge_after_winning(
     data_dir: Path, short: Path
 ) -> None:

@@ -67,6 +67,7 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         assert s.live.shared_names == ("Lamp", "red light")
 
 
+@pytest.mark.slow
 async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
     data_dir: Path, room_file: Path
 ) -> None:

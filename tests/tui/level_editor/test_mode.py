@@ -6,6 +6,7 @@ import threading
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 from textual.widgets import Input, Select
 
 from logical_robots_tui.editing.files import save_level
@@ -19,8 +20,6 @@ from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
     from logical_robots_tui.world import Level
 
@@ -45,6 +44,7 @@ class SlowSaving:
         return save_level(level, path)
 
 
+@pytest.mark.slow
 async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
     data_dir: Path, room_file: Path
 ) -> None:
@@ -282,6 +282,7 @@ async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path)
         await game.until(lambda: not game.main.editing.is_on)
 
 
+@pytest.mark.slow
 async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file) as s:
         await s.press("b")

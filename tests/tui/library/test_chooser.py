@@ -84,6 +84,7 @@ async def test_a_level_that_cannot_be_used_says_why_and_the_game_goes_on(
         await game.until(lambda: game.tick == 1)
 
 
+@pytest.mark.slow
 async def test_the_next_level_follows_and_the_last_one_says_so(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -129,6 +130,7 @@ async def test_a_program_that_cannot_be_read_says_why(data_dir: Path, tmp_path: 
         await game.until(lambda: "folder" in complaint(game))
 
 
+@pytest.mark.slow
 async def test_saving_under_a_new_name_makes_it_the_program_at_hand(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -219,6 +221,7 @@ async def test_a_name_that_does_not_do_is_refused(
         await game.until(lambda: why in complaint(game))
 
 
+@pytest.mark.slow
 async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()

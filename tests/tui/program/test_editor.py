@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.program.completion import (
     Place,
+    begun,
     call_before,
     definitions,
     help_on,
@@ -32,14 +33,14 @@ if TYPE_CHECKING:
 def names(text: str, before: str) -> list[str]:
     """The words offered after a line that is added to a text."""
     text = f"{text}\n{before}"
-    return [word.name for word in words_for(text, Place(text.count("\n"), len(before)))[1]]
+    return [word.name for word in words_for(text, Place(text.count("\n"), len(before)))]
 
 
 def test_predicates_and_functions_that_fit_are_offered() -> None:
     assert "FreedomMotion" in names(PAPER, "  x = Fr")
     assert "Sqrt" in names(PAPER, "  x = Sq")
     assert "Sensor" in names("", "Se")
-    assert words_for("  x = Fr", Place(0, 8))[0] == 2
+    assert begun("  x = Fr") == "Fr"
 
 
 def test_after_a_dot_fields_are_offered() -> None:

@@ -149,6 +149,7 @@ async def test_an_undefined_predicate_and_a_missing_robot_are_named(data_dir: Pa
         assert "Robot" in game.session.state.mistakes[0].message
 
 
+@pytest.mark.slow
 async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()

@@ -169,6 +169,7 @@ async def test_unwanted_text_is_put_away_and_not_offered_again(data_dir: Path) -
     assert texts(data_dir) == []
 
 
+@pytest.mark.slow
 async def test_a_question_left_unanswered_is_asked_again(data_dir: Path) -> None:
     await type_and_leave(data_dir, "hello")
     for _ in range(2):

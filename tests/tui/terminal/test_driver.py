@@ -26,8 +26,7 @@ async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
             driver, "ask", lambda _, question: asked.append(question), raising=False
         )
         monkeypatch.setattr(sparing, "ListeningDriver", driver)
-        monkeypatch.setattr(sparing, "PATIENCE", 0.01)
-        monkeypatch.setattr("logical_robots_tui.tui.terminal.diff_app.PATIENCE", 0.001)
+        monkeypatch.setattr(sparing, "_PATIENCE", 0.001)
         game.app.refresh()
         await game.until(lambda: len(asked) == 1)
         game.app.post_message(events.CursorPosition(0, 0))

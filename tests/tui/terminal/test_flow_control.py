@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.terminal.diff_app import PATIENCE, Line
+from logical_robots_tui.tui.terminal.diff_app import _PATIENCE, Line
 from logical_robots_tui.tui.terminal.driver import UnbracketedPasteDetector
 from logical_robots_tui.tui.terminal.input_filter import InputFilter, Pasted
 
@@ -70,9 +70,9 @@ def test_a_lost_answer_is_given_up_after_a_while() -> None:
     line.answered(0.01)
     line.sent(1000, 1.0)
     assert not line.is_free
-    line.forget(1.0 + PATIENCE / 2)
+    line.forget(1.0 + _PATIENCE / 2)
     assert not line.is_free
-    line.forget(1.1 + PATIENCE)
+    line.forget(1.1 + _PATIENCE)
     assert line.is_free
 
 
@@ -83,7 +83,7 @@ def test_a_line_that_was_long_is_measured_anew_when_an_answer_was_lost() -> None
         line.answered(start + 0.3)
     line.sent(1000, 2.0)
     assert line.is_free  # several are under way on it
-    line.forget(2.1 + PATIENCE)
+    line.forget(2.1 + _PATIENCE)
     line.sent(1000, 5.0)
     line.answered(5.01)
     assert line.is_to_be_measured

@@ -66,6 +66,7 @@ def colours_of(game: Opened, word: str) -> set[object]:
     }
 
 
+@pytest.mark.slow
 async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -93,6 +94,7 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
     recorder.progress.close()
 
 
+@pytest.mark.slow
 async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
@@ -114,6 +116,7 @@ async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Pa
             assert contrast(Color(*ink), Color(*paper)) >= 2.9, theme.name
 
 
+@pytest.mark.slow
 async def test_without_colours_everything_is_legible_in_greys(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

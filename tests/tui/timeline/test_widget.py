@@ -122,6 +122,7 @@ async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) ->
         assert "PAUSED" in game.status
 
 
+@pytest.mark.slow
 async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         await game.press("space")

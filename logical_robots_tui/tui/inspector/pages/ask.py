@@ -19,7 +19,7 @@ from logical_robots_tui.tui.inspector.page import (
     Page,
     progress,
 )
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable, counted
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -162,7 +162,7 @@ class AskPage(Page):
             self._name_query(query)
             self._say_instead(str(error))
         else:
-            more = counted(table)
+            more = row_count(table)
             self._name_query(query)
             self.say(Content.styled("" if table.rows else "No rows.", INK.dim))
             self.table.show(table)

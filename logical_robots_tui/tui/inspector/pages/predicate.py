@@ -13,7 +13,7 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
 from logical_robots_tui.tui.inspector.widgets.cells import written
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable, counted
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -76,7 +76,7 @@ class PredicatePage(Page):
 
     def _show_table(self, frame: Frame, table: Table) -> None:
         what = ("call", f" of {self.robot}") if self.depends_on_robot else ("row", "")
-        words = (counted(table, *what), self.view.how.words)
+        words = (row_count(table, *what), self.view.how.words)
         self.head(frame.tick, ", ".join(filter(None, words)), self.predicate)
         self.say("")
         self.view.display = True

@@ -24,7 +24,7 @@ from logical_robots_tui.tui.inspector.widgets.row_order import (
     changed_cells,
 )
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
-from logical_robots_tui.tui.theme.safe_text import clip, visible
+from logical_robots_tui.tui.theme.safe_text import clip, counted, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
 
-__all__ = ["ValueTable", "counted"]
+__all__ = ["ValueTable", "row_count"]
 
 _GAP = 2
 _MEASURED_ROWS = 200
@@ -265,7 +265,7 @@ def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
     return (MIND, *table.columns), rows
 
 
-def counted(table: Table, what: str = "row", more: str = "") -> str:
+def row_count(table: Table, what: str = "row", more: str = "") -> str:
     """The number of rows in words.
 
     Args:
@@ -276,4 +276,4 @@ def counted(table: Table, what: str = "row", more: str = "") -> str:
     count = len(table.rows)
     if table.truncated:
         return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")
-    return f"{count:,} {what}{'' if count == 1 else 's'}{more}"
+    return counted(count, what) + more

@@ -130,10 +130,10 @@ class Picture:
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
         light = self._lighting(frame, raster, look, colours, hurried=hurried)
-        image = light.image.copy()
         if look.drawing is Drawing.ASCII:
-            cells = _ascii_cells(self._ground, image, light.lit, look.palette)
+            cells = _ascii_cells(self._ground, light.image, light.lit, look.palette)
         else:
+            image = light.image.copy()
             for robot, colour in robots:
                 paint_robot(image, raster, robot, colour, look.palette)
             cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
@@ -202,13 +202,14 @@ class Picture:
         if hurried and self._light and self._light.left and self._light.look == look:
             self._light = replace(self._light, left=self._light.left - 1)
             return self._light
-        image = self._ground.image.copy()
-        lit = np.zeros(raster.shape, np.bool_)
+        image, lit, left = self._ground.image, np.zeros(raster.shape, np.bool_), 0
         seen = fans(frame) if look.rays or look.marks or look.lines else []
-        for fan in seen if look.rays else []:
-            colour = colours.get(fan.name, look.palette.dead)
-            _add_light(image, lit, fan, colour, self._ground, raster, look)
-        self._light = _Light(look, image, lit, seen, 1 + len(seen) // _CROWD)
+        if look.rays:
+            image, left = image.copy(), 1 + len(seen) // _CROWD
+            for fan in seen:
+                colour = colours.get(fan.name, look.palette.dead)
+                _add_light(image, lit, fan, colour, self._ground, raster, look)
+        self._light = _Light(look, image, lit, seen, left)
         return self._light
 
     def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:

@@ -29,7 +29,7 @@ def room(
     """Return a level with a rim of wall."""
     walls = np.ones((height, width), dtype=np.bool_)
     walls[thick : height - thick, thick : width - thick] = False
-    return Level("room", "FreeCells", width, height, walls, tuple(robots), **more)
+    return Level("room", "Room", width, height, walls, tuple(robots), **more)
 
 
 def start(level: Level) -> Frame:

@@ -1,0 +1,171 @@
+"""The laboratory: its overhead over the bare loop, its workers, and a class."""
+
+from __future__ import annotations
+
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement, summed_up
+from logical_robots_tui.game.robustness import play_through, start_of
+from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.folder import Folder
+from logical_robots_tui.lab.local import LocalEngine
+from logical_robots_tui.lab.running import Task, execute, fingerprint
+from logical_robots_tui.lab.submissions import plan_grading
+from logical_robots_tui.lab.sweeping import plan_sweep
+from logical_robots_tui.mind import Program
+from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world import load_level
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.lab.folder import Manifest
+
+__all__ = ["laboratory"]
+
+LEVELS = ("01-first-steps", "07-station-management", "10-distributed-mapping")
+CLASS = (
+    "01-first-steps",
+    "02-open-space",
+    "03-the-long-hall",
+    "04-everybody-home",
+    "05-lighthouse",
+)
+STUDENTS = 30
+SHARES = (("right", 15), ("starter", 9), ("wrong", 6))
+"""A realistic class: half win, a fifth does not compile, the others submit the starter."""
+
+_REMARK = "# {}\nBy_{}() = {};\n"  # so that no two are the same
+
+
+def laboratory(effort: Effort) -> Iterator[Measurement]:
+    """Measure overhead, the gain by a second worker, memory, and a class of thirty."""
+    for level in LEVELS:
+        yield from _overhead(level, effort)
+    yield from _workers(effort)
+    yield _memory(20 if effort.is_quick else 10_000)
+    if not effort.is_quick:
+        yield from _class()
+
+
+def _overhead(name: str, effort: Effort) -> Iterator[Measurement]:
+    """Compare runs in a task with the bare loop of world and mind, by turns."""
+    level = load_level(name)
+    text = (shipped_folder("programs") / f"{level.solution}.l").read_text("utf-8")
+    program = Program.compile(text)
+    source = Path(level.source).read_text("utf-8")
+    ticks = 3 * effort.ticks
+    task = Task(source, text, ticks, (1,), (), 100_000_000, 600.0, False, fingerprint())
+    ratios = []
+    for _ in range(effort.repeats + 1):
+        began = process_time()
+        play_through(start_of(level, 1), program, ticks)
+        bare = process_time() - began
+        began = process_time()
+        execute(task)
+        ratios.append(100 * ((process_time() - began) / bare - 1))
+    yield summed_up("laboratory", f"overhead, {name}", "%", ratios[1:], required="<= 3")
+
+
+def _experiment(folder: Path, starts: int, ticks: int) -> Path:
+    file = folder / "experiment.toml"
+    file.write_text(
+        '[experiment]\nlevel = "01-first-steps"\nprogram = ["first-steps", "wall-crawler"]\n'
+        f"starts = {starts}\nticks = {ticks}\n"
+    )
+    return file
+
+
+def _seconds(plan: tuple[Manifest, dict[str, str]], out: Path, workers: int) -> float:
+    """Return the seconds of all runs, with worker processes that run already."""
+    folder, engine = Folder(out), LocalEngine(workers)
+    with folder.locked(), folder.ledger() as ledger:
+        manifest = folder.write(*plan)
+        coordinator = Coordinator(folder, manifest, ledger)
+        began = perf_counter()
+        coordinator.work(engine, lambda: False, lambda: None)
+        seconds = perf_counter() - began
+        assert coordinator.tally().is_complete
+    engine.close()
+    return seconds
+
+
+def _workers(effort: Effort) -> Iterator[Measurement]:
+    """Compare two workers with one, on work that takes a worker most of a minute."""
+    starts, ticks = (7, 200) if effort.is_quick else (63, 1_500)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        plan = plan_sweep(_experiment(folder, starts, ticks))
+        one, two = (_seconds(plan, folder / f"out-{n}", n) for n in (1, 2))
+    subject = "two workers against one"
+    yield summed_up("laboratory", subject, "times", [one / two], required=">= 1.9")
+
+
+def _memory(runs: int) -> Measurement:
+    """Return the memory of a worker after many short runs."""
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        peak = pool.submit(_peak_after, runs).result()
+    subject = f"a worker after {runs:,} runs"
+    return summed_up("laboratory", subject, "MB", [peak], required="<= 200")
+
+
+def _peak_after(runs: int) -> float:
+    """Return the megabytes that this process takes after so many runs of several programs."""
+    level = (shipped_folder("levels") / "05-lighthouse.toml").read_text("utf-8")
+    text = (shipped_folder("programs") / "lighthouse.l").read_text("utf-8")
+    for first in range(0, runs, 20):
+        # Each twenty runs are another submission.
+        program = text + _REMARK.format(first, first, first)
+        starts = tuple(range(first, min(first + 20, runs)))
+        while starts:
+            task = Task(level, program, 5, starts, (), 100_000_000, 600.0, False, fingerprint())
+            starts = starts[len(execute(task).results) :]
+    status = Path("/proc/self/status").read_text()
+    (line,) = (line for line in status.splitlines() if line.startswith("VmRSS"))
+    return int(line.split()[1]) * 1024 / 1e6
+
+
+def _class() -> Iterator[Measurement]:
+    """Grade a class of thirty in five levels from 21 starts with one worker."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        _write_class(folder)
+        plan = plan_grading(folder / "assignment.toml", folder / "submissions")
+        out = folder / "out"
+        seconds = _seconds(plan, out, 1)
+        with Folder(out).ledger() as ledger:
+            results = list(ledger.results().values())
+    ticks = sum(result.ticks for result in results)
+    subject = f"{STUDENTS} students, {len(CLASS)} levels, 21 starts"
+    yield summed_up("laboratory", f"{subject}, one worker", "s", [seconds])
+    yield summed_up("laboratory", f"{subject}, runs", "", [len(results)])
+    yield summed_up("laboratory", f"{subject}, runs per core", "/s", [len(results) / seconds])
+    yield summed_up("laboratory", f"{subject}, ticks per core", "/s", [ticks / seconds])
+    won = [result.ticks for result in results if result.outcome == "won"]
+    lost = [result.ticks for result in results if result.outcome != "won"]
+    yield summed_up("laboratory", f"{subject}, ticks of a run won", "", [median(won)])
+    yield summed_up("laboratory", f"{subject}, ticks of a run lost", "", [median(lost)])
+
+
+def _write_class(folder: Path) -> None:
+    """Write an assignment and submissions: solutions, starters, and mistakes."""
+    levels = "".join(f'[[level]]\nname = "{name}"\n' for name in CLASS)
+    (folder / "assignment.toml").write_text(f"[assignment]\nstarts = 20\n{levels}")
+    kinds = [kind for kind, count in SHARES for _ in range(count)]
+    for number, kind in enumerate(kinds):
+        student = folder / "submissions" / f"student-{number}"
+        student.mkdir(parents=True)
+        for name in CLASS:
+            level = load_level(name)
+            program = level.starter if kind == "starter" else level.solution
+            text = (shipped_folder("programs") / f"{program}.l").read_text("utf-8")
+            text += _REMARK.format(number, number, number)
+            if kind == "wrong":
+                text = text.replace("Sensor(", "Snesor(")
+            (student / f"{name}.l").write_text(text)

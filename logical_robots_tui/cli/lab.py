@@ -1,0 +1,311 @@
+"""``logical-robots sweep``, ``grade`` and ``lab``: many runs from one file, each computed once."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.cli.command import harmless, new_command, number_from
+from logical_robots_tui.errors import InputError
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Callable, Iterator
+
+    from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.lab.coordinating import Coordinator, Engine
+    from logical_robots_tui.lab.folder import Folder, Manifest
+    from logical_robots_tui.lab.ledger import Ledger
+
+__all__ = ["declare"]
+
+COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
+
+STATUS = "exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input\n"
+
+_SWEEP = f"""\
+examples:
+  logical-robots sweep experiment.toml -o out
+  logical-robots sweep experiment.toml -o out --workers 1
+
+What was computed before is not computed again.
+
+{STATUS}"""
+
+_GRADE = f"""\
+examples:
+  logical-robots grade assignment.toml submissions -o grades
+
+A submission is a folder with a program for each level, such as ada/01-first-steps.l, or one
+file for all levels, such as ada.l.
+
+{STATUS}"""
+
+_LAB = f"""\
+examples:
+  logical-robots lab status out
+  logical-robots lab resume out
+  logical-robots lab export out
+  logical-robots lab report out
+
+{STATUS}"""
+
+
+def declare(commands: Commands) -> None:
+    """Add the commands to the list."""
+    sweep = new_command(
+        commands,
+        "sweep",
+        start=_sweep,
+        summary="run an experiment: many programs, levels, starts and values",
+        description="Run an experiment from a file: vary, measure, and repeat from many starts.",
+        epilog=_SWEEP,
+    )
+    sweep.add_argument("experiment", metavar="EXPERIMENT", type=Path, help="a TOML file")
+    grade = new_command(
+        commands,
+        "grade",
+        start=_grade,
+        summary="grade the programs of a class",
+        description="Run the programs of a class and write a gradebook and feedback.",
+        epilog=_GRADE,
+    )
+    grade.add_argument("assignment", metavar="ASSIGNMENT", type=Path, help="a TOML file")
+    grade.add_argument(
+        "submissions", metavar="SUBMISSIONS", type=Path, help="a folder with one entry per student"
+    )
+    for command in (sweep, grade):
+        command.add_argument(
+            "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
+        )
+        _add_engine(command)
+    lab = new_command(
+        commands,
+        "lab",
+        start=_lab,
+        summary="go on with a sweep or a grading, export and report it",
+        description="Look into a folder of sweep or grade, go on with it, export or report it.",
+        epilog=_LAB,
+    )
+    lab.add_argument("action", choices=["status", "resume", "export", "report"], help="what to do")
+    lab.add_argument("folder", metavar="FOLDER", type=Path, help="the folder")
+    _add_engine(lab)
+
+
+def _add_engine(command: argparse.ArgumentParser) -> None:
+    where = command.add_mutually_exclusive_group()
+    where.add_argument(
+        "--workers",
+        type=number_from(1),
+        default=_processors(),
+        metavar="N",
+        help="processes on this machine (default: one per processor)",
+    )
+    where.add_argument(
+        "--dask", metavar="ADDRESS", help="a Dask scheduler instead, such as tcp://HOST:8786"
+    )
+    command.add_argument(
+        "--mixed", action="store_true", help="also count results of another version"
+    )
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from logical_robots_tui.lab.sweeping import plan_sweep
+
+    return _planned(options, lambda: plan_sweep(options.experiment))
+
+
+def _grade(options: argparse.Namespace) -> int:
+    from logical_robots_tui.lab.submissions import plan_grading
+
+    return _planned(options, lambda: plan_grading(options.assignment, options.submissions))
+
+
+def _planned(
+    options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]
+) -> int:
+    from logical_robots_tui.lab.folder import Folder
+    from logical_robots_tui.lab.specification import SpecificationError
+
+    try:
+        manifest, inputs = plan()
+    except SpecificationError as error:
+        for problem in error.problems:
+            print(harmless(problem), file=sys.stderr)
+        return WRONG
+    folder = Folder(options.output)
+    with folder.locked():
+        with folder.ledger(mixed=options.mixed):
+            pass  # it can be used: otherwise the manifest beside it stays
+        return _work(options, folder, folder.write(manifest, inputs))
+
+
+def _lab(options: argparse.Namespace) -> int:
+    from logical_robots_tui.lab.coordinating import Coordinator
+    from logical_robots_tui.lab.folder import Folder
+
+    folder = Folder(options.folder)
+    manifest = folder.manifest()
+    if options.action == "resume":
+        with folder.locked():
+            return _work(options, folder, manifest)
+    with folder.ledger(mixed=options.mixed) as ledger:
+        status = _tell(folder, manifest, ledger, Coordinator(folder, manifest, ledger))
+        if options.action == "export":
+            _export(folder, manifest, ledger)
+        elif options.action == "report":
+            from logical_robots_tui.lab.reporting import write_report
+            from logical_robots_tui.lab.summary import lines_of
+
+            print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
+            print(harmless(f"Written: {write_report(folder, manifest, ledger)}"))
+    return status
+
+
+def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
+    """Run what is left, export the results, and say what came of it."""
+    from logical_robots_tui.lab.coordinating import Coordinator
+
+    with folder.ledger(mixed=options.mixed) as ledger:
+        ledger.forget_failures()
+        coordinator = Coordinator(folder, manifest, ledger)
+        with _interruptible() as is_stopped, _progress(manifest, coordinator) as show:
+            engine = _engine(options)
+            try:
+                coordinator.work(engine, is_stopped, show)
+            except InputError as error:  # such as a full disk
+                engine.close(at_once=True)
+                print(harmless(str(error)), file=sys.stderr)
+                return INCOMPLETE
+            except BaseException:
+                engine.close(at_once=True)
+                raise
+            engine.close()
+        status = _tell(folder, manifest, ledger, coordinator)
+        if status == COMPLETE:
+            _export(folder, manifest, ledger)
+        return status
+
+
+def _engine(options: argparse.Namespace) -> Engine:
+    if options.dask:
+        from logical_robots_tui.lab.cluster import ClusterEngine
+
+        return ClusterEngine(options.dask)
+    from logical_robots_tui.lab.local import LocalEngine
+
+    return LocalEngine(options.workers)
+
+
+def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
+    """Say how far the work is, and return the exit status."""
+    tally = coordinator.tally()
+    print(
+        harmless(f"{manifest.title}: {tally.done:,} runs done in {ledger.seconds():,.1f} s of work")
+    )
+    if tally.failed:
+        print(f"{tally.failed:,} runs could not be done (infrastructure), for example:")
+        reasons = {reason: job for job, found in ledger.failures().items() for reason in found[-1:]}
+        for reason, job in list(reasons.items())[:5]:
+            print(harmless(f"  {reason} (run {manifest.run(job)[:12]})"))
+    if tally.differing:
+        print(
+            "DEFECT: these runs gave different results when they were run twice. Please report it:"
+        )
+        print(*(f"  {run}" for run in ledger.differences()), sep="\n")
+    if not tally.is_complete:
+        left = f"{tally.due:,} runs are left. " if tally.due else ""
+        print(f"{left}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
+        return INCOMPLETE
+    return COMPLETE
+
+
+def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
+    from logical_robots_tui.lab.exporting import export_runs, has_extra
+
+    written = export_runs(folder, manifest, ledger)
+    if manifest.kind == "grade":
+        from logical_robots_tui.lab.grading import export_grades
+
+        written += export_grades(folder, manifest, ledger)
+    print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
+    if not has_extra("pyarrow"):
+        print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")
+
+
+# -- while it runs -----------------------------------------------------------------------------
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Let the first interrupt finish the tasks at hand; the second one ends at once."""
+    stopped = threading.Event()
+
+    def stop(_signal: int, _frame: object) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+        stopped.set()
+        print("Stopping after the runs at hand; ^C again stops at once.", file=sys.stderr)
+
+    before = {each: signal.signal(each, stop) for each in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stopped.is_set
+    except KeyboardInterrupt:
+        stopped.set()
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+_LINE_SECONDS = 5.0
+
+
+@contextmanager
+def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable[[], None]]:
+    """Show how far the work is: a bar on a terminal, else a line now and then."""
+    first, began = coordinator.tally(), monotonic()
+    if not first.due:
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
+        TextColumn("{task.fields[pace]:.1f} runs/s"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[failed]}"),
+    )
+    is_bar = sys.stderr.isatty()
+    console = Console(stderr=True, width=None if is_bar else 120)
+    with Progress(*columns, console=console, transient=True, disable=not is_bar) as bar:
+        title, total = harmless(manifest.title), first.done + first.due
+        task = bar.add_task(title, completed=first.done, total=total, pace=0.0, failed="")
+        due = began + _LINE_SECONDS
+
+        def show() -> None:
+            nonlocal due
+            tally, now = coordinator.tally(), monotonic()
+            pace = (tally.done - first.done) / (now - began)
+            failed = f"{tally.failed:,} failed" if tally.failed else ""
+            done, total = tally.done, tally.done + tally.due
+            bar.update(task, completed=done, total=total, pace=pace, failed=failed)
+            if not is_bar and now >= due:
+                due = now + _LINE_SECONDS
+                left = f"{tally.due / pace:,.0f} s left" if pace else "time left unknown"
+                said = f"{done:,} of {total:,} runs, {pace:.1f} runs/s, {left}"
+                print(said, failed, sep=", " * bool(failed), file=sys.stderr, flush=True)
+
+        yield show

@@ -1,0 +1,107 @@
+"""Robots that go round in circles: they go the same way again and again."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.world import RobotState
+
+__all__ = ["ROUNDS", "Rounds"]
+
+ROUNDS = 3
+"""How often in a row a robot that goes round in circles has gone the same way."""
+
+_CELL = 10.0  # map units
+_SECTORS = 8  # of headings
+_SHORTEST = 20  # ticks of a round
+_SOONEST = 100  # ticks of rounds before they are told
+_FEWEST = 4  # places of a round; a robot on the border between two may change to and fro
+_MISSES = 3  # places in a row that may differ from the round before
+_MOST = 4096  # places that are remembered
+
+
+class Rounds:
+    """Follows the robots, and notices who goes round in circles.
+
+    A place is a square of the map with a sector of headings. A robot goes round if it comes to
+    place after place where it was the same number of ticks before, within a tenth.
+    """
+
+    def __init__(self) -> None:
+        self._traces: dict[str, _Trace] = {}
+        self._tick = 0
+
+    def follow(self, robots: Sequence[RobotState]) -> int:
+        """Return the indices of robots that have just ended their last round, as bits.
+
+        Args:
+            robots: All robots after the next tick.
+        """
+        found = 0
+        self._tick += 1
+        for index, robot in enumerate(robots):
+            place = (
+                robot.x // _CELL,
+                robot.y // _CELL,
+                robot.angle % math.tau * _SECTORS // math.tau,
+            )
+            trace = self._traces.get(robot.name)
+            if trace is None:
+                trace = self._traces[robot.name] = _Trace()
+            if place != trace.place and trace.enter(place, self._tick):
+                found |= 1 << index
+        return found
+
+
+_Place = tuple[float, float, float]
+
+
+class _Trace:
+    """Where one robot was when.
+
+    Attributes:
+        place: Where it is.
+        seen: The tick of the latest visit to each place.
+        period: Ticks of a round, or 0 if the robot is somewhere new.
+        since: The tick in which it began to go the same way as a period before.
+        hits: The number of places to which it came a period after the last visit.
+        misses: The number of places in a row to which it came earlier or later.
+        is_told: Whether it was told, and has been nowhere new since.
+    """
+
+    __slots__ = ("hits", "is_told", "misses", "period", "place", "seen", "since")
+
+    def __init__(self) -> None:
+        self.place: _Place | None = None
+        self.seen: dict[_Place, int] = {}
+        self.period = self.since = self.hits = self.misses = 0
+        self.is_told = False
+
+    def enter(self, place: _Place, tick: int) -> bool:
+        """Come to a place; return whether rounds are to be told now."""
+        self.place = place
+        if len(self.seen) >= _MOST:
+            self.seen.clear()
+        lag = tick - self.seen.get(place, tick)
+        self.seen[place] = tick
+        if 0 < lag < _SHORTEST:
+            return False
+        if self.period and abs(lag - self.period) <= max(3, self.period // 10):
+            self.hits, self.misses = self.hits + 1, 0
+        else:
+            self.misses += 1
+            if not self.period or self.misses > _MISSES:
+                self.period, self.since, self.hits, self.misses = lag, tick, 0, 0
+                self.is_told = self.is_told and lag > 0
+        return self._is_to_be_told(tick - self.since)
+
+    def _is_to_be_told(self, ticks: int) -> bool:
+        again = ROUNDS - 1
+        if self.is_told or not self.period or ticks < max(again * self.period, _SOONEST):
+            return False
+        self.is_told = self.hits >= again * _FEWEST
+        return self.is_told

@@ -1,0 +1,393 @@
+"""Replays: runs as files, to see again, to verify and to share.
+
+A file is a line with the format's number, the digest of the rest, and the rest: compressed
+MessagePack. It holds the level, the programs, what each robot wanted in each tick, and a hash of
+the world every hundred ticks. Everything else is computed again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import json
+import lzma
+from bisect import bisect_left
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import msgspec
+import numpy as np
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.advancing import is_thought_alike
+from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.history.packing import is_state
+from logical_robots_tui.paths import read_ordinary
+from logical_robots_tui.values import Desire
+from logical_robots_tui.world import LevelError, World, WorldState
+from logical_robots_tui.world.levels.native import read_native
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.game import Game
+    from logical_robots_tui.game.history.history import History
+    from logical_robots_tui.mind import Decision, Program
+    from logical_robots_tui.world import Level
+
+__all__ = [
+    "NO_PROGRAM",
+    "SUFFIX",
+    "Replay",
+    "Stage",
+    "Text",
+    "Verifier",
+    "load_replay",
+    "play_into",
+]
+
+SUFFIX = ".replay"
+EVERY = 100
+"""Ticks from one hash of the world to the next."""
+
+NO_PROGRAM = """\
+# This replay shows what the robots did, but not their program.
+Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: "") :-
+  Sensor(robot_name:);
+"""
+"""What stands for a program that was left out."""
+
+_FORMAT = 1
+_MAGIC = b"logical-robots replay "
+_MOST_BYTES = 64_000_000
+_MOST_UNPACKED = 200_000_000
+_MOST_TICKS = 1_000_000
+_MOST_STAGES = 10_000
+_MOST_TEXT = 32_000_000  # characters of all levels that differ
+_DESIRE_BYTES = 16  # two engines
+_HASH_BYTES = 8
+
+
+class Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A program, and when it began to decide.
+
+    Attributes:
+        tick: The first tick that it decided, at least 1.
+        name: Its name.
+        text: Logica text, or None if it was left out.
+    """
+
+    tick: int
+    name: str
+    text: str | None
+
+
+class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A stretch of a run in one level: from the start, or from a change by hand.
+
+    Attributes:
+        level: The level as the text of its file.
+        state: The world when it began, which is after tick `state.tick`.
+        memories: Each robot's memory then, by robot name, as JSON.
+        is_decided: Whether the decisions of that tick are still there.
+        desires: For each robot what it wanted in the ticks that follow: the left and the right
+            engine as little-endian doubles, each combined by exclusive or with the tick before;
+            not a number where there was no desire.
+    """
+
+    level: str
+    state: WorldState
+    memories: str
+    is_decided: bool
+    desires: tuple[bytes, ...]
+
+
+class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
+    """A run that can be seen again, exactly as it was.
+
+    Attributes:
+        name: Name of the level.
+        last: The last tick.
+        stages: At least one, by tick.
+        texts: The programs, by tick.
+        hashes: Of the world after each multiple of `EVERY`, and after the last tick.
+    """
+
+    name: str
+    last: int
+    stages: tuple[Stage, ...]
+    texts: tuple[Text, ...]
+    hashes: dict[int, bytes]
+
+    @property
+    def first(self) -> int:
+        """The tick that it begins after, 0 for the start of the level."""
+        return self.stages[0].state.tick
+
+    @property
+    def has_programs(self) -> bool:
+        """Whether the programs' texts are in it."""
+        return all(each.text is not None for each in self.texts)
+
+    @property
+    def program_texts(self) -> list[str]:
+        """The programs' texts, with something in place of those that were left out."""
+        return [NO_PROGRAM if each.text is None else each.text for each in self.texts]
+
+    def states(self) -> Iterator[WorldState]:
+        """Yield the world after each tick, from the first state on; this needs no programs."""
+        ends = [*(stage.state.tick for stage in self.stages[1:]), self.last + 1]
+        for stage, level, end in zip(self.stages, self.levels, ends, strict=True):
+            world = World(level)
+            world.restore(stage.state)
+            yield stage.state
+            for tick in range(stage.state.tick + 1, end):
+                wanted = self.desires_in(tick)
+                world.act({name: each for name, each in wanted.items() if each is not None})
+                yield world.save()
+
+    def to_bytes(self) -> bytes:
+        """Return the content of its file; the same for the same run."""
+        body = lzma.compress(msgspec.msgpack.encode(self), preset=9)
+        return b"%s%d\n%s" % (_MAGIC, _FORMAT, hashlib.sha256(body).digest()) + body
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """The level of each stage.
+
+        Raises:
+            LevelError: A text is not that of a level.
+        """
+        levels = {text: read_native(text, self.name, "") for text in self._level_texts}
+        return tuple(levels[stage.level] for stage in self.stages)
+
+    @property
+    def _level_texts(self) -> list[str]:
+        return list(dict.fromkeys(stage.level for stage in self.stages))
+
+    def desires_in(self, tick: int) -> Mapping[str, Desire | None]:
+        """Return what each robot wanted in a tick after the first, by robot name."""
+        at = bisect_left(self.stages, tick, key=lambda stage: stage.state.tick) - 1
+        names = [robot.name for robot in self.levels[at].robots]
+        wanted = self._desires[at][tick - self.stages[at].state.tick - 1]
+        return {
+            name: None if np.isnan(engines).any() else Desire(*map(float, engines))
+            for name, engines in zip(names, wanted, strict=True)
+        }
+
+    @cached_property
+    def _desires(self) -> list[NDArray[np.float64]]:
+        """For each stage an array of ticks, robots and engines."""
+        return [_unpacked(stage.desires) for stage in self.stages]
+
+    def check(self) -> None:
+        """Check that all parts fit together.
+
+        Raises:
+            ValueError: They don't.
+            LevelError: A text is not that of a level.
+        """
+        if len(self.stages) > _MOST_STAGES or sum(map(len, self._level_texts)) > _MOST_TEXT:
+            raise ValueError("it has too many levels")
+        begins = [stage.state.tick for stage in self.stages]
+        ends = [*begins[1:], self.last]
+        texts = [each.tick for each in self.texts]
+        if not begins or not 0 <= begins[0] < self.last <= begins[0] + _MOST_TICKS:
+            raise ValueError("its ticks are out of bounds")
+        if any(first >= end for first, end in zip(begins, ends[:-1], strict=False)):
+            raise ValueError("its stages are out of order")
+        if texts != sorted(set(texts)) or texts[:1] != [begins[0] + 1]:
+            raise ValueError("its programs are out of order")
+        previous: Level | None = None
+        for stage, level, end in zip(self.stages, self.levels, ends, strict=True):
+            state, memories = stage.state, json.loads(stage.memories)
+            sizes = {len(each) for each in stage.desires} - {(end - state.tick) * _DESIRE_BYTES}
+            if sizes or len(stage.desires) != len(level.robots):
+                raise ValueError("its robots don't act in every tick")
+            fits = previous is not None and is_thought_alike(previous, level)
+            if not is_state(state, memories, state.tick, level) or stage.is_decided > fits:
+                raise ValueError(f"its state at tick {state.tick} does not fit the level")
+            previous = level
+
+
+def load_replay(path: Path) -> Replay:
+    """Read a replay. Everything in it is checked; it may come from anybody.
+
+    Raises:
+        InputError: There is no such file, or it is not a whole replay of this version.
+    """
+    try:
+        content = read_ordinary(path, _MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"can't be read: {error.strerror or error}", place=str(path)) from error
+    try:
+        replay = _read(content)
+        replay.check()
+    except (ValueError, lzma.LZMAError, RecursionError, LevelError) as error:
+        reason = error.message if isinstance(error, LevelError) else str(error)
+        hint = "Make a new one: logical-robots replay record"
+        raise InputError(f"is no replay: {reason}", place=str(path), hint=hint) from error
+    return replay
+
+
+def _read(content: bytes) -> Replay:
+    line, _, rest = content.partition(b"\n")
+    if not line.startswith(_MAGIC):
+        raise ValueError("it does not begin like one")
+    if len(content) > _MOST_BYTES:
+        raise ValueError(f"it has more than {_MOST_BYTES:,} bytes")
+    number = line.removeprefix(_MAGIC)
+    if number != b"%d" % _FORMAT:
+        raise ValueError("another version of the game made it")
+    body = rest[32:]
+    if hashlib.sha256(body).digest() != rest[:32]:
+        raise ValueError("it is damaged")
+    packed = lzma.LZMADecompressor(memlimit=_MOST_UNPACKED)
+    told = packed.decompress(body, max_length=_MOST_UNPACKED)
+    if not packed.eof:
+        raise ValueError(f"it holds more than {_MOST_UNPACKED:,} bytes")
+    return msgspec.msgpack.decode(told, type=Replay)
+
+
+async def gather(
+    history: History,
+    write: Callable[[Level], str],
+    name: Callable[[Program], str],
+    *,
+    with_programs: bool = True,
+) -> Replay:
+    """Return the replay of all ticks that a history holds, in turn with other tasks.
+
+    Args:
+        history: The history; it must hold a tick that a program decided.
+        write: Returns the text of a level's file.
+        name: Returns a program's name.
+        with_programs: Whether the programs' texts are to be in it.
+
+    Raises:
+        Superseded: The course was changed in the meantime.
+        InputError: The level was changed too often.
+    """
+    begin, last, turns = max(history.first - 1, 0), history.last, history.turns
+    changes = [tick for tick in range(begin + 1, last + 1) if history.is_changed_in(tick)]
+    if len(changes) >= _MOST_STAGES:
+        raise InputError("The level was changed too often for a replay.")
+    stages, hashes = [], {}
+    for first, end in zip([begin, *changes], [*changes, last], strict=True):
+        level, start = history.level_at(first), history.around(max(first, history.first))
+        moment = start[0] if first < history.first else start[1]
+        wanted = np.full((end - first, len(level.robots), 2), np.nan, "<f8")
+        is_decided = bool(moment.decisions) and first > begin
+        memories = json.dumps(dict(moment.memories), ensure_ascii=False)
+        for tick in range(first + 1, end + 1):
+            _, after = history.around(tick)
+            for place, decision in enumerate(after.decisions):
+                if decision.desire is not None:
+                    desire = decision.desire
+                    wanted[tick - first - 1, place] = desire.left_engine, desire.right_engine
+            if tick % EVERY == 0 or tick == last:
+                hashes[tick] = _hash_of(after.after)
+                await asyncio.sleep(0)
+                if history.turns != turns:
+                    raise Superseded
+        stages.append(Stage(write(level), moment.after, memories, is_decided, _packed(wanted)))
+    texts = [
+        Text(max(tick, begin + 1), name(program), program.text if with_programs else None)
+        for tick, program in history.programs(last)
+    ]
+    return Replay(history.level_at(begin).name, last, tuple(stages), tuple(texts), hashes)
+
+
+def _packed(wanted: NDArray[np.float64]) -> tuple[bytes, ...]:
+    bits = wanted.view("<u8")
+    bits[1:] ^= bits[:-1].copy()
+    return tuple(bits[:, robot].T.tobytes() for robot in range(bits.shape[1]))
+
+
+def _unpacked(desires: Sequence[bytes]) -> NDArray[np.float64]:
+    columns = [np.frombuffer(each, "<u8").reshape(2, -1).T for each in desires]
+    if not columns:
+        return np.zeros((_MOST_TICKS, 0, 2))
+    bits = np.bitwise_xor.accumulate(np.stack(columns, axis=1), axis=0)
+    return bits.view("<f8")
+
+
+def _hash_of(state: WorldState) -> bytes:
+    return hashlib.sha256(msgspec.msgpack.encode(state)).digest()[:_HASH_BYTES]
+
+
+class Verifier:
+    """Lets the robots of a game do what a replay says, and compares that with what they would do.
+
+    Args:
+        replay: The replay.
+
+    Attributes:
+        difference: The first tick that is different now, and why; None as long as there is none.
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self.difference: tuple[int, str] | None = None
+        self._replay = replay
+        # A change by hand at the end of these ticks took their decisions away.
+        self._undecided = {stage.state.tick for stage in replay.stages if not stage.is_decided}
+
+    def decide(self, tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
+        """Return the decisions of a tick, with the desires that are in the replay."""
+        if tick in self._undecided:
+            return decisions
+        wanted = self._replay.desires_in(tick)
+        for decision in decisions:
+            if decision.desire != wanted[decision.robot_name] and self._replay.has_programs:
+                self._note(tick, f"{decision.robot_name} wants something else.")
+        return tuple(
+            [replace(decision, desire=wanted[decision.robot_name]) for decision in decisions]
+        )
+
+    def look(self, frame: Frame) -> None:
+        """Compare the world after a tick with its hash, if there is one."""
+        if self._replay.hashes.get(frame.tick, mine := _hash_of(frame.after)) != mine:
+            self._note(frame.tick, "The world is another one.")
+
+    def _note(self, tick: int, reason: str) -> None:
+        if self.difference is None:
+            self.difference = tick, reason
+
+
+async def play_into(
+    game: Game, replay: Replay, programs: Sequence[Program], use: Callable[[Program], None]
+) -> Verifier:
+    """Compute all ticks of a replay in a game, and leave it at the last one.
+
+    Args:
+        game: The game; its course is that of the replay afterwards.
+        replay: The replay.
+        programs: Its programs, compiled.
+        use: Uses a program from the next tick on.
+
+    Raises:
+        Superseded: The game was restarted, rewound or reprogrammed in the meantime.
+    """
+    verifier = Verifier(replay)
+    game.decide = verifier.decide
+    changes = {stage.state.tick: at for at, stage in enumerate(replay.stages)}
+    uses = {text.tick - 1: program for text, program in zip(replay.texts, programs, strict=True)}
+    try:
+        for tick in sorted({*changes, *uses, *replay.hashes, replay.last}):
+            while game.frame.tick < tick and tick > replay.first:
+                await game.run_until(tick=tick)
+            if tick in changes:
+                stage, level = replay.stages[changes[tick]], replay.levels[changes[tick]]
+                memories = json.loads(stage.memories)
+                game.go_on_in(level, stage.state, memories, keeps_decisions=stage.is_decided)
+            if tick in uses:
+                use(uses[tick])
+            verifier.look(game.frame)
+    finally:
+        game.decide = None
+    return verifier

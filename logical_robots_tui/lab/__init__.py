@@ -1,0 +1,1 @@
+"""The laboratory: many runs, from one file, each computed once. No screen."""

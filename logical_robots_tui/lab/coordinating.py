@@ -1,0 +1,253 @@
+"""The coordinator: what is left to run, handed out in tasks, recorded once."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.ledger import ATTEMPTS, Entry
+from logical_robots_tui.lab.running import Task, fingerprint
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
+    from logical_robots_tui.lab.ledger import Ledger
+    from logical_robots_tui.lab.running import Answer
+
+__all__ = ["Coordinator", "Engine", "Tally", "starts_due", "text_of"]
+
+_MOST_STARTS = 64  # of a task
+_LOOK_SECONDS = 0.2
+
+
+class Engine(Protocol):
+    """What runs tasks."""
+
+    @property
+    def slots(self) -> int:
+        """The number of tasks at a time."""
+
+    @property
+    def free(self) -> int:
+        """The number of tasks that it takes now."""
+
+    def submit(self, key: object, task: Task) -> None:
+        """Take a task; the key names it when it comes back."""
+
+    def wait(self, seconds: float) -> Iterable[tuple[object, Answer]]:
+        """Wait some time for tasks to end; return their keys and answers."""
+
+    def close(self, *, at_once: bool = False) -> None:
+        """End, after the tasks at hand or at once."""
+
+
+class Tally(NamedTuple):
+    """How far the work is.
+
+    Attributes:
+        done: Runs with a result.
+        due: Runs that are known to be left.
+        failed: Runs that could not be done.
+        differing: Runs of which two results differ, which is a defect of this package.
+    """
+
+    done: int
+    due: int
+    failed: int
+    differing: int
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether there is nothing left to do, and nothing wrong."""
+        return not (self.due or self.failed or self.differing)
+
+
+class _Group(NamedTuple):
+    """Runs of one program in one level.
+
+    Attributes:
+        cell: The program in the level.
+        program: Digest of the text to run.
+        starts: The starts that are left.
+        is_alone: Whether each is a task of its own, because one of them may end its worker.
+    """
+
+    cell: Cell
+    program: str
+    starts: tuple[int, ...]
+    is_alone: bool = False
+
+
+def text_of(manifest: Manifest, cell: Cell, outcomes: Mapping[str, str]) -> str:
+    """Return the digest of the text to run for a cell.
+
+    Texts that are the same but for space and comments run once, except to say where each of them
+    has its mistakes.
+    """
+    if cell.own and outcomes.get(manifest.job(cell, 0)) == "does not compile":
+        return cell.own
+    return cell.program
+
+
+def starts_due(
+    manifest: Manifest, cell: Cell, program: str, outcomes: Mapping[str, str]
+) -> tuple[list[int], list[int]]:
+    """Return the starts of a cell that have a result, and those that are left to run.
+
+    Args:
+        manifest: What is to be done.
+        cell: A program in a level.
+        program: Digest of the text to run.
+        outcomes: The outcomes of what was run, by job.
+    """
+    first = outcomes.get(manifest.job(cell, 0, program))
+    if first == "does not compile" or (first not in (None, "won") and manifest.given_first):
+        return [0], []
+    done: list[int] = []
+    left: list[int] = []
+    for start in range(manifest.starts + 1):
+        (done if manifest.job(cell, start, program) in outcomes else left).append(start)
+    return done, left
+
+
+class Coordinator:
+    """Hands out what is left to run, and is the only one that writes the ledger.
+
+    Args:
+        folder: The folder.
+        manifest: What is to be done.
+        ledger: The ledger.
+    """
+
+    def __init__(self, folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
+        self._folder, self._manifest, self._ledger = folder, manifest, ledger
+        self._outcomes = ledger.outcomes()
+        self._failures = {job: len(reasons) for job, reasons in ledger.failures().items()}
+        self._waiting: deque[_Group] = deque()
+        self._planned: set[tuple[str, str, int]] = set()
+        self._twins: dict[str, list[Cell]] = {}
+        for cell in manifest.cells:
+            if cell.own:
+                self._twins.setdefault(cell.program, []).append(cell)
+        self._done = self._left = 0
+        for cell in manifest.cells:
+            self._plan(cell)
+
+    def tally(self) -> Tally:
+        """Return how far the work is."""
+        failed = sum(count >= ATTEMPTS for count in self._failures.values())
+        differing = len(self._ledger.differences())
+        return Tally(self._done, self._left - failed, failed, differing)
+
+    def work(
+        self, engine: Engine, is_stopped: Callable[[], bool], show: Callable[[], None]
+    ) -> None:
+        """Have everything run that is left. Blocks.
+
+        Args:
+            engine: What runs it; stays open.
+            is_stopped: Whether to hand out nothing more.
+            show: Called often, to show how far the work is.
+
+        Raises:
+            InputError: An input is damaged, a worker has another engine, or the disk is full.
+        """
+        at_work = 0
+        while at_work or (self._waiting and not is_stopped()):
+            while engine.free and self._waiting and not is_stopped():
+                group, handed = self._next(engine)
+                engine.submit((group, handed), self._task(group, handed))
+                at_work += 1
+            for key, answer in engine.wait(_LOOK_SECONDS):
+                at_work -= 1
+                self._take(*cast("tuple[_Group, tuple[int, ...]]", key), answer)
+            show()
+
+    def _plan(self, cell: Cell) -> None:
+        """Put what is left of a cell into the queue, unless an earlier cell is the same."""
+        program = text_of(self._manifest, cell, self._outcomes)
+        key = cell.level, program, cell.ticks
+        if key in self._planned:
+            return
+        self._planned.add(key)
+        done, left = starts_due(self._manifest, cell, program, self._outcomes)
+        self._done += len(done)
+        self._left += len(left)
+        group = _Group(cell, program, tuple(left))
+        given_up = [s for s in left if self._attempts(group, s) >= ATTEMPTS]
+        if left and not (self._manifest.given_first and 0 in given_up):
+            left = [start for start in left if start not in given_up]
+            self._waiting.append(group._replace(starts=tuple(left)))
+
+    def _attempts(self, group: _Group, start: int) -> int:
+        return self._failures.get(self._manifest.job(group.cell, start, group.program), 0)
+
+    def _next(self, engine: Engine) -> tuple[_Group, tuple[int, ...]]:
+        """Take runs from the queue: a group, and those of its starts to hand out now."""
+        group = self._waiting.popleft()
+        most = 1 if group.is_alone else _MOST_STARTS
+        if self._manifest.given_first and group.starts[0] == 0:
+            return group, group.starts[:most]
+        if len(self._waiting) < engine.slots:
+            most = min(most, -(-len(group.starts) // engine.slots))
+        if rest := group.starts[most:]:
+            self._waiting.appendleft(group._replace(starts=rest))
+        handed = group.starts[:most]
+        return group._replace(starts=handed), handed
+
+    def _task(self, group: _Group, starts: tuple[int, ...]) -> Task:
+        manifest = self._manifest
+        return Task(
+            self._folder.text(group.cell.level),
+            self._folder.text(group.program),
+            group.cell.ticks,
+            starts,
+            manifest.asked,
+            manifest.steps,
+            manifest.seconds,
+            manifest.given_first,
+            fingerprint(),
+        )
+
+    def _take(self, group: _Group, handed: tuple[int, ...], answer: Answer) -> None:
+        """Record what a worker gave back, and put what is left of the group into the queue."""
+        if answer.refused:
+            hint = "Install the same versions everywhere."
+            raise InputError("a worker has another version of Logical Robots", hint=hint)
+        manifest = self._manifest
+        entries = []
+        for start, result, seconds in answer.results:
+            job = manifest.job(group.cell, start, group.program)
+            entries.append(Entry(job, manifest.run(job), result, seconds, answer.worker))
+            self._failures.pop(job, None)
+        self._outcomes |= self._ledger.record(entries)
+        finished = {start for start, _, _ in answer.results}
+        _, due = starts_due(manifest, group.cell, group.program, self._outcomes)
+        left = tuple(start for start in group.starts if start in due)
+        self._done += len(entries)
+        self._left -= len(group.starts) - len(left)
+        group = group._replace(starts=left)
+        if answer.failure:
+            culprits = [start for start in handed if start not in finished]
+            if answer.worker or len(culprits) == 1:
+                group = self._note_failure(group, culprits[0], answer)
+            else:
+                group = group._replace(is_alone=True)
+        if group.starts:
+            self._waiting.append(group)
+        if 0 in finished:
+            for cell in self._twins.get(group.program, ()):
+                self._plan(cell)
+
+    def _note_failure(self, group: _Group, start: int, answer: Answer) -> _Group:
+        """Count a failed attempt at a run; return the group with what to try now."""
+        job = self._manifest.job(group.cell, start, group.program)
+        self._ledger.fail(job, answer.failure, answer.worker)
+        self._failures[job] = self._failures.get(job, 0) + 1
+        if self._failures[job] < ATTEMPTS:
+            return group
+        if start == 0 and self._manifest.given_first:
+            return group._replace(starts=())
+        return group._replace(starts=tuple(each for each in group.starts if each != start))

@@ -1,0 +1,235 @@
+"""Tables of results: rows that spreadsheets and data frames can read, as CSV and Parquet."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.coordinating import starts_due, text_of
+from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.running import Result
+from logical_robots_tui.mind.diagnostics import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
+    from logical_robots_tui.lab.ledger import Ledger
+
+__all__ = ["Done", "Table", "csv_of", "done_runs", "export_runs", "harmless_cell", "replay"]
+
+Row: TypeAlias = "tuple[Any, ...]"
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+class Done(NamedTuple):
+    """A run with its result.
+
+    Attributes:
+        cell: The program in a level.
+        program: Digest of the text that was run.
+        start: The number of the start.
+        job: What was run.
+        result: What came of it.
+    """
+
+    cell: Cell
+    program: str
+    start: int
+    job: str
+    result: Result
+
+
+class Table(NamedTuple):
+    """Rows under the names of their columns."""
+
+    columns: tuple[str, ...]
+    rows: list[Row]
+
+
+def done_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
+    """Yield all runs with a result, in the order of the manifest."""
+    results = ledger.results()
+    outcomes = {job: result.outcome for job, result in results.items()}
+    for cell in manifest.cells:
+        program = text_of(manifest, cell, outcomes)
+        done, _ = starts_due(manifest, cell, program, outcomes)
+        for start in done:
+            job = manifest.job(cell, start, program)
+            yield Done(cell, program, start, job, results[job])
+
+
+def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
+    """Yield all runs that could not be done, in the order of the manifest."""
+    failures = {
+        job: found[-1] for job, found in ledger.failures().items() if len(found) >= ATTEMPTS
+    }
+    outcomes = ledger.outcomes() if failures else {}
+    for cell in manifest.cells if failures else ():
+        program = text_of(manifest, cell, outcomes)
+        for start in range(manifest.starts + 1):
+            job = manifest.job(cell, start, program)
+            if job in failures:
+                yield Done(
+                    cell,
+                    program,
+                    start,
+                    job,
+                    Result("infrastructure", first=(0, "", failures[job])),
+                )
+
+
+def replay(cell: Cell, program: str, start: int) -> str:
+    """Return the command that plays a run on the screen, to be typed in the folder."""
+    command = f"logical-robots play inputs/{cell.level} inputs/{program}"
+    return command + (f" --start {start}" if start else "")
+
+
+def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
+    """Write the runs, and the rows of questions, as tables; return the names of the files.
+
+    Raises:
+        InputError: A file can't be written.
+    """
+    done = list(done_runs(manifest, ledger))
+    tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
+    if manifest.asked:
+        tables["series"] = _series(manifest, done)
+    written = []
+    for name, table in tables.items():
+        folder.put(folder.path / f"{name}.csv", csv_of(table))
+        written.append(f"{name}.csv")
+        if (content := _parquet(table)) is not None:
+            folder.put(folder.path / f"{name}.parquet", content)
+            written.append(f"{name}.parquet")
+    return written
+
+
+def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
+    engines = ledger.engines()
+    settings = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
+    who = ("student",) if manifest.kind == "grade" else ()
+    columns = ("run", *who, "level", "program", *settings, "start", "outcome", *manifest.measures)
+    columns += ("last_tick", "notices", "first_notice", "engine", "replay")
+    rows: list[Row] = []
+    for cell, program, start, job, result in done:
+        measured = {
+            "won": result.outcome == "won",
+            "ticks": result.ticks if result.outcome == "won" else None,
+            "distance": result.distance,
+            "rules": result.rules or None,
+        }
+        first = result.first and "tick {}, {}: {}".format(*result.first)
+        if result.outcome == "infrastructure" and result.first:
+            first = result.first[2]
+        if result.mistakes:
+            first = f"line {result.mistakes[0].line}: {result.mistakes[0].message}"
+        rows.append(
+            (
+                manifest.run(job),
+                *((cell.student,) if who else ()),
+                cell.level_name,
+                cell.program_name,
+                *(cell.settings.get(name) for name in settings),
+                start,
+                result.outcome,
+                *(measured[name] for name in manifest.measures),
+                result.ticks,
+                sum(result.notices.values()),
+                first or "",
+                engines.get(job, ""),
+                replay(cell, program, start),
+            )
+        )
+    return Table(columns, rows)
+
+
+def _series(manifest: Manifest, done: list[Done]) -> Table:
+    """Return the rows of all questions: for each value its run, question, tick, row and column."""
+    rows: list[Row] = []
+    for each in done:
+        run = manifest.run(each.job)
+        for name, series in each.result.series.items():
+            number = last = 0
+            for tick, *values in series.rows:
+                number, last = (number + 1 if tick == last else 1), tick
+                for column, value in zip(series.columns[1:], values, strict=True):
+                    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+                    text = value if isinstance(value, str) else json.dumps(value)
+                    rows.append(
+                        (run, name, tick, number, column, value if is_number else None, text)
+                    )
+            if series.failure:
+                rows.append((run, name, None, None, "failure", None, series.failure))
+    return Table(("run", "measure", "tick", "row", "column", "number", "text"), rows)
+
+
+def csv_of(table: Table) -> str:
+    """Return a table as CSV. No cell begins a formula or holds a control character."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(map(harmless_cell, table.columns))
+    for row in table.rows:
+        writer.writerow(map(harmless_cell, row))
+    return out.getvalue()
+
+
+def harmless_cell(value: Any) -> Any:
+    """Return what to write into a cell: text that is no formula, or the number as it is."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if not isinstance(value, str):
+        return value
+    text = harmless_text(value)
+    return f"'{text}" if text.lstrip().startswith(_FORMULA) else text
+
+
+def harmless_text(text: str) -> str:
+    """Return a text on one line without control, invisible and bidirectional characters."""
+    return printable(text.replace("\n", " ").replace("\t", " "))
+
+
+def has_extra(module: str) -> bool:
+    """Return whether a library of the extra `lab` is installed."""
+    from importlib.util import find_spec
+
+    return find_spec(module) is not None
+
+
+def _parquet(table: Table) -> bytes | None:
+    """Return a table as Parquet, or None without the library for it."""
+    if not has_extra("pyarrow"):
+        return None
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns = list(zip(*table.rows, strict=True)) or [()] * len(table.columns)
+    arrays = [pa.array(_of_one_type(values)) for values in columns]
+    out = io.BytesIO()
+    pq.write_table(pa.table(arrays, names=list(table.columns)), out)
+    return out.getvalue()
+
+
+def _of_one_type(values: Sequence[Any]) -> list[Any]:
+    """Return the values of a column as they are, or as numbers or texts if they are mixed."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds <= {int, float}:
+        return [float(v) if v is not None and float in kinds else v for v in values]
+    if len(kinds) <= 1:
+        return [harmless_text(v) if isinstance(v, str) else v for v in values]
+    return [value if value is None else harmless_text(str(value)) for value in values]
+
+
+def check_extra(module: str, purpose: str) -> None:
+    """Refuse what needs a library that is not installed.
+
+    Raises:
+        InputError: It is not installed.
+    """
+    if not has_extra(module):
+        hint = "Install it with: pip install 'logical-robots-tui[lab]'"
+        raise InputError(f"{purpose} needs {module}", hint=hint)

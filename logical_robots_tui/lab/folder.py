@@ -1,0 +1,240 @@
+"""The folder of a sweep or a grading: its manifest, its inputs by content, its ledger, its lock."""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+from contextlib import contextmanager
+from errno import ENOSPC
+from typing import TYPE_CHECKING, Any, Literal
+
+import msgspec
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.ledger import Ledger
+from logical_robots_tui.lab.running import Asked, engine, fingerprint
+from logical_robots_tui.writing import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+__all__ = ["Cell", "Folder", "Manifest", "Student", "digest"]
+
+_FORMAT = 1
+
+
+class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One program in one level, from all its starts.
+
+    Attributes:
+        level: Digest of the level's text.
+        program: Digest of the program's text; of several that are the same but for space and
+            comments, of the first.
+        level_name: What the level is called.
+        program_name: What the program is called.
+        ticks: The last tick of a run.
+        settings: The values of what is varied, by name.
+        student: Whose program it is, or "".
+        own: Digest of the student's own text.
+    """
+
+    level: str
+    program: str
+    level_name: str
+    program_name: str
+    ticks: int
+    settings: dict[str, bool | int | float | str] = {}
+    student: str = ""
+    own: str = ""
+
+
+class Student(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A student of a class, or somebody who submitted something.
+
+    Attributes:
+        id: As in the roster; without one, the name of the submission.
+        name: As in the roster, or "".
+        submission: The name of the submission's folder or file, or "".
+        late: Whether the submission is late.
+        remarks: What is odd about the submission.
+    """
+
+    id: str
+    name: str = ""
+    submission: str = ""
+    late: bool = False
+    remarks: tuple[str, ...] = ()
+
+
+class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Everything that is needed to do it again, beside the inputs.
+
+    Attributes:
+        kind: What it is.
+        title: A title.
+        specification: The text of the specification.
+        starts: The number of shifted starts, beside the given one.
+        given_first: Whether shifted starts are for programs that win from the given one.
+        measures: Names of the measures to export.
+        asked: Measures by questions.
+        steps: The most steps of a think.
+        seconds: Seconds after which a run is given up.
+        cells: Programs in levels, in order.
+        students: In order.
+        assignment: The assignment, as read.
+        engine: Versions of everything that can affect a result.
+        format: The version of this format.
+    """
+
+    kind: Literal["sweep", "grade"]
+    title: str
+    specification: str
+    starts: int
+    given_first: bool
+    measures: tuple[str, ...]
+    asked: tuple[Asked, ...]
+    steps: int
+    seconds: float
+    cells: tuple[Cell, ...]
+    students: tuple[Student, ...] = ()
+    assignment: dict[str, Any] = {}
+    engine: dict[str, str] = {}
+    format: int = _FORMAT
+
+    def job(self, cell: Cell, start: int, program: str = "") -> str:
+        """Return the digest of what a run depends on, except the engine.
+
+        Args:
+            cell: The program in a level.
+            start: The number of the start.
+            program: Digest of the text to run, by default the cell's.
+        """
+        asked = [(each.name, each.query, each.every) for each in self.asked]
+        what = (cell.level, program or cell.program, start, cell.ticks, asked, self.steps)
+        return digest(repr(what))
+
+    def run(self, job: str) -> str:
+        """Return the identity of a run on this engine."""
+        return digest(job + fingerprint())
+
+
+def digest(text: str) -> str:
+    """Return the SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+class Folder:
+    """A folder with results.
+
+    Args:
+        path: The folder.
+
+    Attributes:
+        path: The same.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other coordinators out of the folder, which is made if it is missing.
+
+        Raises:
+            InputError: Another one has it, or it can't be made.
+        """
+        try:
+            (self.path / "inputs").mkdir(parents=True, exist_ok=True)
+            handle = os.open(self.path / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            raise self._error(f"can't be used: {error.strerror}", "Name another folder.") from error
+        try:
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                hint = "Wait for it to end, or name another folder."
+                raise self._error("another process is at work in this folder", hint) from None
+            yield
+        finally:
+            os.close(handle)
+
+    def write(self, manifest: Manifest, inputs: Mapping[str, str]) -> Manifest:
+        """Keep a manifest, and the texts that it names by their digests; return the manifest."""
+        try:
+            for name, text in inputs.items():
+                file, content = self.path / "inputs" / name, text.encode()
+                if not file.exists() or file.read_bytes() != content:
+                    file.write_bytes(content)
+            os.sync()  # once, for thousands of files, before the manifest names them
+        except OSError as error:
+            raise self._unwritable(file, error) from error
+        manifest = msgspec.structs.replace(manifest, engine=engine())
+        self.put(self.path / "manifest.json", msgspec.json.format(msgspec.json.encode(manifest)))
+        return manifest
+
+    def put(self, file: Path, content: str | bytes) -> None:
+        """Write a file of this folder in one step.
+
+        Raises:
+            InputError: It can't be written.
+        """
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(file, content)
+        except OSError as error:
+            raise self._unwritable(file, error) from error
+
+    def manifest(self) -> Manifest:
+        """Return the manifest.
+
+        Raises:
+            InputError: There is none, or it is damaged or from a newer version.
+        """
+        file = self.path / "manifest.json"
+        try:
+            content = file.read_bytes()
+        except OSError as error:
+            hint = "The folder is what `sweep` or `grade` wrote with -o."
+            raise self._error(f"there is no manifest: {error.strerror}", hint) from error
+        try:
+            if msgspec.json.decode(content).get("format", _FORMAT) > _FORMAT:
+                hint = "Use the version of Logical Robots that wrote it."
+                raise InputError("a newer version wrote this manifest", place=str(file), hint=hint)
+            return msgspec.json.decode(content, type=Manifest)
+        except (msgspec.MsgspecError, AttributeError, TypeError) as error:
+            hint = "Run the same `sweep` or `grade` again; results in the ledger are kept."
+            raise InputError("this manifest is damaged", place=str(file), hint=hint) from error
+
+    def text(self, name: str) -> str:
+        """Return an input by its digest.
+
+        Raises:
+            InputError: It is missing or damaged.
+        """
+        file = self.path / "inputs" / name
+        hint = "Run the same `sweep` or `grade` again; results in the ledger are kept."
+        try:
+            text = file.read_bytes().decode()
+        except (OSError, ValueError) as error:
+            raise InputError("this input can't be read", place=str(file), hint=hint) from error
+        if digest(text) != name:
+            raise InputError("this input is damaged", place=str(file), hint=hint)
+        return text
+
+    @contextmanager
+    def ledger(self, *, mixed: bool = False) -> Iterator[Ledger]:
+        """Open the ledger."""
+        ledger = Ledger(self.path / "ledger.db", fingerprint(), mixed=mixed)
+        try:
+            yield ledger
+        finally:
+            ledger.close()
+
+    def _unwritable(self, file: Path, error: OSError) -> InputError:
+        hint = "Make room, then do the same again." if error.errno == ENOSPC else ""
+        return InputError(f"can't be written: {error.strerror}", place=str(file), hint=hint)
+
+    def _error(self, message: str, hint: str) -> InputError:
+        return InputError(message, place=str(self.path), hint=hint)

@@ -1,0 +1,329 @@
+"""Grades: what each student has achieved, for the teacher, the student and other programs."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from decimal import ROUND_HALF_UP, Decimal
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+
+import msgspec
+
+from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.lab.exporting import Table, csv_of, done_runs, harmless_text
+from logical_robots_tui.lab.folder import digest
+from logical_robots_tui.lab.specification import Assignment
+
+if TYPE_CHECKING:
+    from logical_robots_tui.lab.exporting import Done
+    from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student
+    from logical_robots_tui.lab.ledger import Ledger
+    from logical_robots_tui.lab.running import Result
+
+__all__ = ["Grade", "LevelGrade", "duplicates", "export_grades", "grades_of"]
+
+_LONGEST_FILE = 60
+
+
+class LevelGrade(msgspec.Struct, frozen=True):
+    """What a student has achieved in a level.
+
+    Attributes:
+        level: Its name.
+        points: The points, to two decimals; None if runs are missing through no fault of theirs.
+        most: The most points.
+        won: Whether the program wins from the given start.
+        outcome: How the run from the given start ended, or "nothing was submitted".
+        ticks: Ticks to win from the given start, or None.
+        rules: Rules of the program, or None.
+        distance: Map units driven from the given start.
+        wins: Shifted starts that were won.
+        starts: Shifted starts to win.
+        lost: The numbers of the shifted starts that were tried and not won.
+        messages: Mistakes in the program, or the first notice.
+    """
+
+    level: str
+    points: float | None
+    most: float
+    won: bool
+    outcome: str
+    ticks: int | None
+    rules: int | None
+    distance: float
+    wins: int
+    starts: int
+    lost: tuple[int, ...]
+    messages: tuple[str, ...]
+
+
+class Grade(msgspec.Struct, frozen=True):
+    """What a student has achieved.
+
+    Attributes:
+        student: The student.
+        levels: In the order of the assignment.
+        points: All points, less what being late costs; without levels that are not graded yet.
+        most: The most points.
+        ungraded: Levels whose runs are missing through no fault of the student's.
+    """
+
+    student: Student
+    levels: tuple[LevelGrade, ...]
+    points: float
+    most: float
+    ungraded: int
+
+
+def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
+    """Return the grades of all students, in the order of the manifest."""
+    assignment = msgspec.convert(manifest.assignment, Assignment)
+    cells: dict[tuple[str, str], Cell] = {(c.student, c.level_name): c for c in manifest.cells}
+    runs: dict[tuple[str, str], list[Done]] = defaultdict(list)
+    for done in done_runs(manifest, ledger):
+        runs[done.cell.student, done.cell.level_name].append(done)
+    grades = []
+    for student in manifest.students:
+        levels = []
+        for each in assignment.level:
+            name = _stem(each.name)
+            key = student.id, name
+            results = {done.start: done.result for done in runs.get(key, ())}
+            levels.append(_level(manifest, assignment, name, each.points, key in cells, results))
+        sum_ = sum(level.points or 0 for level in levels)
+        kept = assignment.late.keep if student.late else 1
+        grades.append(
+            Grade(
+                student,
+                tuple(levels),
+                _rounded(sum_ * kept),
+                sum(each.points for each in assignment.level),
+                sum(level.points is None for level in levels),
+            )
+        )
+    return grades
+
+
+def _stem(name: str) -> str:
+    """Return the name of the level in a file."""
+    return re.sub(r"\.(toml|json)$", "", name.rpartition("/")[2])
+
+
+def _level(
+    manifest: Manifest,
+    assignment: Assignment,
+    name: str,
+    most: float,
+    is_submitted: bool,
+    results: dict[int, Result],
+) -> LevelGrade:
+    """Return the grade of one program in one level, from its results by start."""
+    first = results.get(0)
+    won = first is not None and first.outcome == "won"
+    shifted = {start: result for start, result in results.items() if start}
+    wins = sum(result.outcome == "won" for result in shifted.values())
+    is_over = first is not None and (
+        first.outcome == "does not compile"
+        or (manifest.given_first and not won)
+        or len(shifted) == manifest.starts
+    )
+    points: float | None = 0.0
+    if is_submitted and not is_over:
+        points = None
+    elif first is not None:
+        points = most * _share(assignment, name, first, wins / max(manifest.starts, 1))
+    messages = (
+        [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes] if first else []
+    )
+    if first is not None and first.first is not None:
+        messages.append("tick {}, {}: {}".format(*first.first))
+    outcome = first.outcome if first else "not run yet" if is_submitted else "nothing was submitted"
+    return LevelGrade(
+        name,
+        None if points is None else _rounded(points),
+        most,
+        won,
+        outcome,
+        first.ticks if first and won else None,
+        first.rules or None if first else None,
+        first.distance if first else 0.0,
+        wins,
+        manifest.starts,
+        tuple(start for start, result in shifted.items() if result.outcome != "won"),
+        tuple(messages),
+    )
+
+
+def _share(assignment: Assignment, name: str, first: Result, robust: float) -> float:
+    """Return the share of a level's points, from 0 to 1."""
+    split = assignment.points
+    reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
+    won = first.outcome == "won"
+    reached = split.won * won + split.starts * robust
+    if won and reference is not None:
+        reached += split.ticks * min(1, reference.ticks / first.ticks)
+        reached += split.rules * min(1, reference.rules / max(first.rules, 1))
+    return reached / (split.won + split.starts + split.ticks + split.rules)
+
+
+def _rounded(points: float) -> float:
+    """Return points to two decimals, halves up."""
+    return float(Decimal(f"{points:.9f}").quantize(Decimal("0.01"), ROUND_HALF_UP))
+
+
+def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Return programs that several students have: the level, the program's digest, and who."""
+    who: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for cell in manifest.cells:
+        who[cell.level_name, cell.program].append(cell.student)
+    return [(level, text, tuple(ids)) for (level, text), ids in who.items() if len(ids) > 1]
+
+
+def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
+    """Write the gradebook, feedback, and what other programs read; return what was written.
+
+    Raises:
+        InputError: A file can't be written.
+    """
+    grades = grades_of(manifest, ledger)
+    show = manifest.assignment["assignment"]["show"]
+    names = _file_names([grade.student.id for grade in grades])
+    for grade, name in zip(grades, names, strict=True):
+        data = {**msgspec.to_builtins(grade), "title": manifest.title}
+        for level in data["levels"]:
+            for key in {"won", "ticks", "rules", "distance"} - set(show):
+                del level[key]
+            if "starts" not in show:
+                del level["wins"], level["starts"], level["lost"]
+        folder.put(folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show))
+        folder.put(folder.path / f"feedback/{name}.json", _json(data))
+        folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
+    for old in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
+        if old.stem not in names:
+            old.unlink()  # of an earlier class list
+    if len(grades) == 1:
+        folder.put(folder.path / "results.json", _json(_gradescope(grades[0], show)))
+    folder.put(folder.path / "gradebook.csv", csv_of(_gradebook(grades)))
+    same = [(level, len(ids), ", ".join(ids), text) for level, text, ids in duplicates(manifest)]
+    table = Table(("level", "students", "ids", "program"), list(same))
+    folder.put(folder.path / "duplicates.csv", csv_of(table))
+    folder.put(folder.path / "junit.xml", _junit(manifest.title, grades))
+    written = ["gradebook.csv", "duplicates.csv", "junit.xml", "feedback/", "gradescope/"]
+    return written + ["results.json"] * (len(grades) == 1)
+
+
+def _file_names(ids: list[str]) -> list[str]:
+    """Return a name of a file for each student, without anything that a file system minds."""
+    names: list[str] = []
+    taken: set[str] = set()
+    for each in ids:
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", each).strip(".")
+        if name != each or len(name) > _LONGEST_FILE or name.casefold() in taken:
+            name = f"{name[:_LONGEST_FILE]}-{digest(each)[:8]}"
+        taken.add(name.casefold())
+        names.append(name)
+    return names
+
+
+def _gradebook(grades: list[Grade]) -> Table:
+    levels = [level.level for level in grades[0].levels] if grades else []
+    head = ("id", "name", "submission", "late", "points", "most", "ungraded")
+    rows = [
+        (
+            grade.student.id,
+            grade.student.name,
+            grade.student.submission,
+            grade.student.late,
+            grade.points,
+            grade.most,
+            grade.ungraded,
+            *(level.points for level in grade.levels),
+            "; ".join(grade.student.remarks),
+        )
+        for grade in grades
+    ]
+    return Table((*head, *levels, "remarks"), list(rows))
+
+
+def _feedback(title: str, grade: Grade, show: list[str]) -> str:
+    """Return what a student gets to read, in Markdown."""
+    student = grade.student
+    lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
+    lines[-1] += f"{grade.points:g} of {grade.most:g} points" + ", late" * student.late
+    lines += [""] * bool(student.remarks) + [f"- {_markdown(each)}" for each in student.remarks]
+    for level in grade.levels:
+        points = "not graded yet" if level.points is None else f"{level.points:g}"
+        lines += ["", f"## {_markdown(level.level)}: {points} of {level.most:g} points", ""]
+        lines += [f"- {_markdown(said)}" for said in _said(level, show)]
+    return "\n".join(lines) + "\n"
+
+
+def _said(level: LevelGrade, show: list[str]) -> list[str]:
+    """Return what there is to say about a level, as far as students see it."""
+    said = []
+    if "won" in show or level.outcome in ("does not compile", "nothing was submitted"):
+        said.append(f"From the given start: {level.outcome}.")
+    if "ticks" in show and level.ticks is not None:
+        said.append(f"Won in {level.ticks:,} ticks.")
+    if "rules" in show and level.rules is not None:
+        said.append(f"{level.rules} rule{'s' * (level.rules != 1)}.")
+    if "distance" in show and level.distance:
+        said.append(f"{level.distance:,.0f} units driven.")
+    if "starts" in show and level.starts and (level.wins or level.lost):
+        said.append(f"Won from {level.wins} of {level.starts} shifted starts.")
+        if level.lost:
+            said.append(f"Lost from shifted start {', '.join(map(str, level.lost))}.")
+            program = f"YOUR-PROGRAM --start {level.lost[0]}"
+            said.append(f"To see that: logical-robots play {level.level} {program}")
+    return said + list(level.messages)
+
+
+def _markdown(text: str) -> str:
+    """Return a text whose characters stand for themselves in Markdown, on one line."""
+    return re.sub(r"([\\`*_{}\[\]<>#|!&~])", r"\\\1", harmless_text(text))
+
+
+def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
+    """Return the grade as Gradescope's autograder reports it."""
+    tests = []
+    for level in grade.levels:
+        test = {"name": level.level, "score": level.points or 0, "max_score": level.most}
+        test["output"] = "\n".join(map(harmless_text, _said(level, show)))
+        tests.append(test)
+    remarks = "\n".join(map(harmless_text, grade.student.remarks))
+    return {"score": grade.points, "output": remarks, "output_format": "text", "tests": tests}
+
+
+def _json(data: Any) -> bytes:
+    return msgspec.json.format(msgspec.json.encode(data), indent=2) + b"\n"
+
+
+def _junit(title: str, grades: list[Grade]) -> bytes:
+    """Return the grades as JUnit XML: a test case for each student and level."""
+    top = ElementTree.Element("testsuites", name=harmless_text(title))
+    for grade in grades:
+        suite = ElementTree.SubElement(top, "testsuite", name=harmless_text(grade.student.id))
+        counts = dict.fromkeys(("failures", "errors", "skipped"), 0)
+        for level in grade.levels:
+            case = ElementTree.SubElement(
+                suite, "testcase", classname=harmless_text(grade.student.id), name=level.level
+            )
+            kind = _junit_kind(level)
+            if kind:
+                counts[{"failure": "failures", "error": "errors"}.get(kind, kind)] += 1
+                found = ElementTree.SubElement(case, kind, message=level.outcome)
+                found.text = "\n".join(map(harmless_text, level.messages))
+        suite.set("tests", str(len(grade.levels)))
+        for kind, count in counts.items():
+            suite.set(kind, str(count))
+    ElementTree.indent(top)
+    return bytes(ElementTree.tostring(top, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def _junit_kind(level: LevelGrade) -> str:
+    if level.points is None:
+        return "error"
+    if level.outcome == "nothing was submitted":
+        return "skipped"
+    return "" if level.won else "failure"

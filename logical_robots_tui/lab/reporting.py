@@ -1,0 +1,283 @@
+"""The report: one HTML page without scripts or links, with plots as SVG."""
+
+from __future__ import annotations
+
+import html
+import re
+import sys
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.lab.exporting import check_extra, done_runs, harmless_text, replay
+from logical_robots_tui.lab.folder import digest
+from logical_robots_tui.lab.grading import duplicates, grades_of
+from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.summary import by_cell, by_level, setting_text, share_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from logical_robots_tui.lab.exporting import Done
+    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
+    from logical_robots_tui.lab.ledger import Ledger
+    from logical_robots_tui.lab.summary import Share
+
+__all__ = ["write_report"]
+
+_MOST_ROWS = 1_000
+_BARS = 20
+_PAGE = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<title>{title}</title>
+<style>
+body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto }}
+table {{ border-collapse: collapse; margin: 1rem 0; display: block; overflow-x: auto }}
+th, td {{ border: 1px solid #bbb; padding: .2rem .6rem; text-align: left }}
+td.number {{ text-align: right; font-variant-numeric: tabular-nums }}
+code {{ font-size: 12px; white-space: nowrap }}
+svg {{ max-width: 48rem; display: block }}
+</style></head><body>
+<h1>{title}</h1>
+{body}
+</body></html>
+"""
+
+
+def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
+    """Write the report into the folder; return its path.
+
+    Raises:
+        InputError: The library for plots is not installed, or the file can't be written.
+    """
+    check_extra("pygal", "a report")
+    done = list(done_runs(manifest, ledger))
+    parts = [_overview(done)]
+    if manifest.kind == "grade":
+        parts.append(_grades(manifest, ledger))
+    else:
+        parts.append(_varied(manifest, done))
+    parts += [_ticks(done), _failures(manifest, ledger, done), _cells(manifest, done)]
+    title = html.escape(harmless_text(manifest.title))
+    file = folder.path / "report.html"
+    folder.put(file, _PAGE.format(title=title, body="\n".join(parts)))
+    return str(file)
+
+
+class _Html(str):
+    """Text that is HTML already."""
+
+    __slots__ = ()
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    def cell(value: Any) -> str:
+        if isinstance(value, _Html):
+            return f"<td>{value}</td>"
+        if isinstance(value, bool) or value is None:
+            value = {None: "", True: "yes", False: "no"}[value]
+        if isinstance(value, str):
+            return f"<td>{html.escape(harmless_text(value))}</td>"
+        return f'<td class="number">{value:,.10g}</td>'
+
+    names = "".join(f"<th>{html.escape(harmless_text(name))}</th>" for name in head)
+    lines = ["<tr>" + "".join(map(cell, row)) + "</tr>" for row in rows]
+    more = ""
+    if len(lines) > _MOST_ROWS:
+        more = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
+    return f"<table><tr>{names}</tr>\n" + "\n".join(lines[:_MOST_ROWS]) + f"</table>{more}"
+
+
+def _code(text: str) -> _Html:
+    return _Html(f"<code>{html.escape(text)}</code>")
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"
+
+
+def _interval(share: Share) -> str:
+    return f"{_percent(share.low)} to {_percent(share.high)}"
+
+
+def _overview(done: list[Done]) -> str:
+    rows: list[Sequence[Any]] = []
+    for level, runs in by_level(done).items():
+        cells: list[Any] = [level]
+        for wanted in (False, True):
+            share = share_of(run for run in runs if bool(run.start) == wanted)
+            cells += [share.tried, share.won, _percent(share.share) if share.tried else ""]
+            cells.append(_interval(share) if share.tried else "")
+        rows.append((*cells, share_of(runs).ticks))
+    given = ("programs", "won from the given start", "share", "95 % interval")
+    shifted = ("shifted starts", "won", "share", "95 % interval")
+    head = ("level", *given, *shifted, "median ticks to win")
+    return "<h2>Levels</h2>" + _table(head, rows)
+
+
+def _grades(manifest: Manifest, ledger: Ledger) -> str:
+    grades = grades_of(manifest, ledger)
+    levels = [level.level for level in grades[0].levels] if grades else []
+    rows = [
+        (
+            grade.student.id,
+            grade.student.name,
+            grade.points,
+            grade.most,
+            grade.student.late,
+            *("not graded yet" if level.points is None else level.points for level in grade.levels),
+            "; ".join(grade.student.remarks),
+        )
+        for grade in grades
+    ]
+    head = ("id", "name", "points", "most", "late", *levels, "remarks")
+    same = [(level, ", ".join(ids)) for level, _, ids in duplicates(manifest)]
+    text = "<h2>Students</h2>" + _table(head, rows)
+    if same:
+        text += "<h2>The same program</h2><p>The same but for comments and space.</p>"
+        text += _table(("level", "students"), same)
+    return text
+
+
+def _varied(manifest: Manifest, done: list[Done]) -> str:
+    """Return a curve over the one thing, or a map over the two things, that were varied."""
+    cells = by_cell(done)
+    names = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
+    full = [(cell, runs) for cell, runs in cells if len(cell.settings) == len(names)]
+    groups: dict[str, list[tuple[Cell, list[Done]]]] = {}
+    for cell, runs in full:
+        groups.setdefault(f"{cell.program_name} in {cell.level_name}", []).append((cell, runs))
+    parts = [f"<h2>Share of starts won, over {html.escape(' and '.join(names))}</h2>"]
+    for title, group in groups.items():
+        if len(names) == 1:
+            parts.append(_curve(title, names[0], group))
+        elif len(names) == 2:
+            parts.append(f"<h3>{html.escape(harmless_text(title))}</h3>")
+            parts.append(_heat_map(names[0], names[1], group))
+    return "\n".join(parts) if names and len(parts) > 1 else ""
+
+
+def _curve(title: str, name: str, group: list[tuple[Cell, list[Done]]]) -> str:
+    chart = _pygal().Line(**_style(title), range=(0, 100), x_title=name, y_title="% won")
+    chart.x_labels = [str(cell.settings[name]) for cell, _ in group]
+    shares = [share_of(runs) for _, runs in group]
+    chart.add("won", [100 * share.share for share in shares])
+    for label, values in (
+        ("from (95 %)", [100 * share.low for share in shares]),
+        ("to (95 %)", [100 * share.high for share in shares]),
+    ):
+        chart.add(label, values, stroke_style={"dasharray": "4"})
+    return _svg(chart, title)
+
+
+def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> str:
+    shares = {(c.settings[across], c.settings[down]): share_of(runs) for c, runs in group}
+    columns, lines = (list(dict.fromkeys(key[i] for key in shares)) for i in (0, 1))
+
+    def cell(share: Share) -> str:
+        shade = f"background: hsl({120 * share.share:.0f} 60% 80%); padding: .2rem"
+        said = f"{_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"
+        return _Html(f'<span style="{shade}">{said}</span>')
+
+    rows = [
+        (str(line), *(cell(shares[key]) if (key := (c, line)) in shares else "" for c in columns))
+        for line in lines
+    ]
+    return _table((f"{down} \\ {across}", *map(str, columns)), rows)
+
+
+def _ticks(done: list[Done]) -> str:
+    """Return a histogram of the ticks to win, for each level."""
+    parts = ["<h2>Ticks to win</h2>"]
+    for level, runs in by_level(done).items():
+        ticks = sorted(each.result.ticks for each in runs if each.result.outcome == "won")
+        if not ticks:
+            continue
+        width = max(1, -(-(ticks[-1] + 1 - ticks[0]) // _BARS))
+        counts = Counter((tick - ticks[0]) // width for tick in ticks)
+        chart = _pygal().Bar(**_style(level), show_legend=False, x_title="ticks", y_title="runs")
+        chart.x_label_rotation = 40
+        chart.x_labels = [f"{ticks[0] + n * width:,}" for n in range(max(counts) + 1)]
+        chart.y_labels = range(0, max(counts.values()) + 1, max(1, max(counts.values()) // 5))
+        chart.add("runs", [counts[n] for n in range(max(counts) + 1)])
+        parts.append(_svg(chart, level))
+    return "\n".join(parts) if len(parts) > 1 else ""
+
+
+def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
+    """Return how the runs ended that were not won, each kind with a run to look at."""
+    kinds: dict[tuple[str, str, str], list[Done]] = {}
+    for each in done:
+        result = each.result
+        if result.outcome == "won":
+            continue
+        why = (
+            result.mistakes[0].message
+            if result.mistakes
+            else result.first[2]
+            if result.first
+            else ""
+        )
+        kinds.setdefault((each.cell.level_name, result.outcome, why), []).append(each)
+    rows: list[Sequence[Any]] = []
+    for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
+        first = runs[0]
+        rows.append((level, outcome, why, len(runs), _code(replay(*first[:3]))))
+    infrastructure = Counter(
+        found[-1] for found in ledger.failures().values() if len(found) >= ATTEMPTS
+    )
+    rows += [("", "infrastructure", why, count, "") for why, count in infrastructure.items()]
+    head = ("level", "how it ended", "why", "runs", "one of them")
+    return "<h2>Not won</h2>" + _table(head, rows) if rows else ""
+
+
+def _cells(manifest: Manifest, done: list[Done]) -> str:
+    """Return a row for each program in each level, with the command to look at a run."""
+    rows: list[Sequence[Any]] = []
+    for cell, runs in by_cell(done):
+        share = share_of(runs)
+        # A run that was lost, from a shifted start if there is one, else the given start.
+        shown = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
+        rows.append(
+            (
+                cell.student or setting_text(cell),
+                cell.level_name,
+                cell.program_name,
+                runs[0].result.outcome,
+                f"{share.won} of {share.tried}",
+                _interval(share),
+                share.ticks,
+                _code(replay(*shown[:3])),
+            )
+        )
+    head = ("", "level", "program", "given start", "won", "95 % interval", "median ticks", "replay")
+    said = "The commands are typed in this folder; why instead of play explains a tick."
+    return f"<h2>Programs in levels</h2><p>{said}</p>" + _table(head, rows)
+
+
+def _pygal() -> Any:
+    """Return the library for plots, without the importer that it leaves behind.
+
+    Python 3.11 warns of that one at the next import that finds nothing.
+    """
+    import pygal
+
+    sys.meta_path[:] = [each for each in sys.meta_path if hasattr(each, "find_spec")]
+    return pygal
+
+
+def _style(title: str) -> dict[str, Any]:
+    return {
+        "title": harmless_text(title),
+        "js": [],
+        "disable_xml_declaration": True,
+        "height": 400,
+        "explicit_size": True,
+    }
+
+
+def _svg(chart: Any, title: str) -> str:
+    """Return a chart as SVG, without what differs from one time to the next."""
+    text: str = chart.render(is_unicode=True)
+    text = re.sub(r"<!--.*?-->|<script.*?</script>", "", text, flags=re.DOTALL)
+    return text.replace(chart.uuid, f"plot-{digest(title)[:12]}")

@@ -1,0 +1,359 @@
+"""One run after the other: what a worker does, and what it gives back."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import re
+import socket
+import sqlite3
+import threading
+from collections import Counter
+from functools import cache, lru_cache
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import msgspec
+
+from logical_robots_tui.game.robustness import LateError, play_through, start_of
+from logical_robots_tui.game.run import simulation_digest
+from logical_robots_tui.game.victory import count_rules
+from logical_robots_tui.mind import (
+    Diagnostic,
+    Limits,
+    Program,
+    ProgramError,
+    QueryError,
+    Stopped,
+)
+from logical_robots_tui.world.levels.load import read_level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.robustness import Thought
+    from logical_robots_tui.mind import Question
+    from logical_robots_tui.world import Level
+
+__all__ = [
+    "CHUNK_SECONDS",
+    "Answer",
+    "Asked",
+    "Outcome",
+    "Result",
+    "Series",
+    "Task",
+    "engine",
+    "execute",
+    "fingerprint",
+]
+
+CHUNK_SECONDS = 5.0
+"""Time after which a worker gives back what it has; at most this and one run are lost with it."""
+
+_SLOW_TICKS = 10
+"""Ticks with too many steps after which a run ends."""
+
+_MOST_CELLS = 1_000_000  # of all series of a run
+
+Outcome: TypeAlias = Literal[
+    "won", "out of ticks", "nothing changes", "too many steps", "does not compile", "infrastructure"
+]
+"""How a run ended; `infrastructure` stands for runs that could not be done, and is no result."""
+
+
+class Asked(msgspec.Struct, frozen=True):
+    """A measure by a question, asked every so many ticks; 0 is in the last one only."""
+
+    name: str
+    query: str
+    every: int
+
+
+class Task(msgspec.Struct, frozen=True):
+    """Runs of one program in one level.
+
+    Attributes:
+        level: The text of the level.
+        program: The text of the program.
+        ticks: The last tick of each run.
+        starts: The numbers of the starts; 0 is the given one.
+        asked: What to measure beside what is always measured.
+        steps: The most steps of a think.
+        seconds: Seconds after which a run is given up.
+        given_first: Whether a program that does not win from the given start is done.
+        fingerprint: Of the engine that must run it.
+    """
+
+    level: str
+    program: str
+    ticks: int
+    starts: tuple[int, ...]
+    asked: tuple[Asked, ...]
+    steps: int
+    seconds: float
+    given_first: bool
+    fingerprint: str
+
+
+class Series(msgspec.Struct, frozen=True):
+    """The rows of a question: each begins with its tick. They may be cut off at a limit."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+    failure: str = ""
+
+
+class Result(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What a run resulted in; it depends on nothing but what is run.
+
+    Attributes:
+        outcome: How it ended.
+        ticks: The last tick.
+        distance: Map units driven by all robots together.
+        rules: The rules of the program.
+        notices: For each kind, the number of ticks with such a notice.
+        first: The first notice: tick, robot and message.
+        series: The rows of each question.
+        mistakes: Why the program does not compile.
+    """
+
+    outcome: Outcome
+    ticks: int = 0
+    distance: float = 0.0
+    rules: int = 0
+    notices: dict[str, int] = {}
+    first: tuple[int, str, str] | None = None
+    series: dict[str, Series] = {}
+    mistakes: tuple[Diagnostic, ...] = ()
+
+
+class Answer(msgspec.Struct, frozen=True):
+    """What a worker gives back.
+
+    Attributes:
+        results: For each finished run its start, its result as JSON, and the seconds it took.
+        worker: Where it was: host and process.
+        failure: Why the next run could not be finished here, or "".
+        refused: Whether the worker's engine is another one.
+    """
+
+    results: tuple[tuple[int, str, float], ...] = ()
+    worker: str = ""
+    failure: str = ""
+    refused: bool = False
+
+
+@cache
+def engine() -> dict[str, str]:
+    """Return the versions of everything that can affect the result of a run."""
+    from importlib import metadata
+
+    own = Path(__file__).read_bytes()
+    return {
+        "code": hashlib.sha256(simulation_digest() + own).hexdigest(),
+        **{name: metadata.version(name) for name in ("logica", "numpy", "sqlglot")},
+        "sqlite": sqlite3.sqlite_version,
+        "python": platform.python_version(),
+        "machine": platform.machine(),
+        "libm": " ".join(platform.libc_ver()) or platform.platform(),
+    }
+
+
+@cache
+def fingerprint() -> str:
+    """Return the digest of `engine`."""
+    return hashlib.sha256(msgspec.json.encode(engine(), order="deterministic")).hexdigest()
+
+
+def execute(task: Task) -> Answer:
+    """Run as many runs of a task as fit into the time of a chunk, at least one."""
+    if task.fingerprint != fingerprint():
+        return Answer(refused=True)
+    worker = f"{socket.gethostname()}/{os.getpid()}"
+    until = perf_counter() + CHUNK_SECONDS
+    results: list[tuple[int, str, float]] = []
+    prepared: _Prepared | None = None
+    for start in task.starts:
+        began = perf_counter()
+        if results and began > until:
+            break
+        try:
+            prepared = prepared or _Prepared(task)
+            result = prepared.run(start)
+        except (LateError, MemoryError, ProgramError, Stopped) as error:
+            return Answer(tuple(results), worker, _reason(error, task))
+        seconds = perf_counter() - began
+        results.append((start, msgspec.json.encode(result).decode(), seconds))
+        if start == 0 and task.given_first and result.outcome != "won":
+            break
+    return Answer(tuple(results), worker)
+
+
+def _reason(error: Exception, task: Task) -> str:
+    if isinstance(error, LateError):
+        return "a thought took too long or had too little memory"
+    if isinstance(error, MemoryError):
+        return "the worker has too little memory"
+    if isinstance(error, ProgramError):
+        return "the program could not be compiled in time"
+    return f"it took more than {task.seconds:g} seconds"
+
+
+class _Prepared:
+    """A task's level, and its program with its questions, compiled."""
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        self.level: Level = _level(task.level)
+        self.limits = Limits(think_steps=task.steps, query_steps=max(task.steps, 200_000_000))
+        self.mistakes: tuple[Diagnostic, ...] = ()
+        self.questions: dict[Asked, Question] = {}
+        try:
+            self.program = Program.compile(task.program)
+            self.rules = count_rules(task.program)
+            for asked in task.asked:
+                self.questions[asked] = self.program.question(asked.query)
+        except ProgramError as error:
+            if error.is_unfinished:
+                raise
+            self.mistakes = tuple(d for d in error.diagnostics if d.severity == "error")
+
+    def run(self, start: int) -> Result:
+        """Return the result from a start.
+
+        Raises:
+            LateError: The clock or too little memory cut off a thought.
+            Stopped: It took too long.
+        """
+        if self.mistakes:
+            return Result("does not compile", mistakes=self.mistakes)
+        watcher = _Watcher(self.task, self.questions, reads_clock=_reads_clock(self.program))
+        stop = threading.Event()
+        guard = threading.Timer(self.task.seconds, stop.set)
+        guard.daemon = True
+        guard.start()
+        try:
+            played = play_through(
+                start_of(self.level, start),
+                self.program,
+                self.task.ticks,
+                limits=self.limits,
+                is_over=watcher.is_over,
+                stop=stop,
+            )
+        finally:
+            guard.cancel()
+        return Result(
+            "won" if played.won_at is not None else watcher.ended or "out of ticks",
+            played.ticks,
+            played.distance,
+            self.rules,
+            dict(watcher.notices),
+            watcher.first,
+            {asked.name: watcher.series(asked) for asked in self.questions},
+        )
+
+
+@lru_cache(maxsize=32)
+def _level(text: str) -> Level:
+    return read_level(text, "level")
+
+
+def _reads_clock(program: Program) -> bool:
+    """Return whether the robots' decisions may depend on the clock."""
+    tuned = program.tuned.get("Robot")
+    return tuned is None or not {"clock", "sensor"}.isdisjoint(tuned.columns.get("Sensor", ()))
+
+
+class _Watcher:
+    """Watches a run: counts notices, asks questions, and notices when nothing can change any more.
+
+    Nothing can change if world and memories are exactly as after an earlier tick. They are compared
+    with those after the last tick that is a power of two (Brent's algorithm), which finds every
+    cycle soon. Questions may be about the clock, so a run with questions goes on.
+    """
+
+    def __init__(self, task: Task, questions: dict[Asked, Question], *, reads_clock: bool) -> None:
+        self._task = task
+        self._questions = questions
+        self._can_repeat = not reads_clock and not questions
+        self._kept: Thought | None = None
+        self._keep_at = 1
+        self._slow = 0
+        self._cells = 0
+        self._columns: dict[Asked, tuple[str, ...]] = {}
+        self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
+        self._failures: dict[Asked, str] = {}
+        self.ended: Outcome | None = None
+        self.notices: Counter[str] = Counter()
+        self.first: tuple[int, str, str] | None = None
+
+    def is_over(self, thought: Thought) -> bool:
+        """Take note of a tick; return whether the run ends with it. Takes a few microseconds."""
+        for decision in thought.decisions:
+            if decision.notices:
+                self._note(thought)
+                break
+        if self._can_repeat:
+            self._compare(thought)
+        for asked, question in self._questions.items():
+            tick = thought.state.tick
+            is_last = self.ended or thought.state.won_at is not None or tick >= self._task.ticks
+            if is_last if not asked.every else tick % asked.every == 0:
+                self._ask(asked, question, tick, thought)
+        return self.ended is not None
+
+    def series(self, asked: Asked) -> Series:
+        """Return the rows of a question."""
+        columns = ("tick", *self._columns.get(asked, ()))
+        return Series(columns, tuple(self._rows[asked]), self._failures.get(asked, ""))
+
+    def _note(self, thought: Thought) -> None:
+        found = [(d.robot_name, notice) for d in thought.decisions for notice in d.notices]
+        self.notices.update({notice.kind for _, notice in found})
+        if self.first is None:
+            self.first = (thought.state.tick, found[0][0], found[0][1].message)
+        self._slow += any(_TOO_MANY_STEPS.search(n.message) for _, n in found if n.kind == "failed")
+        if self._slow >= _SLOW_TICKS:
+            self.ended = "too many steps"
+
+    def _compare(self, thought: Thought) -> None:
+        """Compare a tick with the one that is kept, and keep it if it is its turn."""
+        state, kept = thought.state, self._kept
+        if (
+            kept is not None
+            and state.robots[0].x == kept.state.robots[0].x  # most differ in that already
+            and (state.robots, state.areas) == (kept.state.robots, kept.state.areas)
+            and _exactly(thought) == _exactly(kept)
+        ):
+            self.ended = self.ended or "nothing changes"
+        if state.tick >= self._keep_at:
+            self._keep_at = 2 * state.tick
+            self._kept = thought
+
+    def _ask(self, asked: Asked, question: Question, tick: int, thought: Thought) -> None:
+        try:
+            table = thought.mind.ask(question, thought.rows, thought.memories)
+        except QueryError as error:
+            self._failures.setdefault(asked, f"tick {tick}: {error}")
+            return
+        columns, rows = table.columns, table.rows
+        if table.viewers:
+            columns = ("robot", *columns)
+            rows = tuple((name, *row) for name, row in zip(table.viewers, rows, strict=True))
+        self._columns.setdefault(asked, columns)
+        self._cells += len(rows) * (1 + len(columns))
+        if table.truncated or self._cells > _MOST_CELLS:
+            self._failures.setdefault(asked, f"tick {tick}: there are too many rows to keep")
+        if self._cells <= _MOST_CELLS:
+            self._rows[asked] += [(tick, *row) for row in rows]
+
+
+def _exactly(thought: Thought) -> str:
+    """Return world and memories as text, in which 1, 1.0 and true are three values."""
+    memories = [decision.memory for decision in thought.decisions]
+    return repr((thought.state.robots, thought.state.areas, memories))
+
+
+_TOO_MANY_STEPS = re.compile(r"thinking took more than [\d,]+ steps\.$")

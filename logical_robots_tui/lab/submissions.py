@@ -1,0 +1,282 @@
+"""From an assignment and a folder of submissions to programs in levels."""
+
+from __future__ import annotations
+
+import csv
+import os
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.game.victory import reference_for
+from logical_robots_tui.lab.folder import Cell, Manifest, Student, digest
+from logical_robots_tui.lab.specification import (
+    BUILT_IN,
+    Assignment,
+    Specification,
+    read_assignment,
+)
+from logical_robots_tui.lab.sweeping import level_with_text, ticks_of
+from logical_robots_tui.mind.diagnostics import printable
+from logical_robots_tui.mind.source_text import prepare
+from logical_robots_tui.paths import is_folder, read_ordinary
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from logical_robots_tui.world import Level
+
+__all__ = ["plan_grading"]
+
+_MOST_BYTES = 1_000_000
+_LONGEST_NAME = 200
+
+
+class _Submission:
+    """What somebody has submitted.
+
+    Attributes:
+        name: The name of the folder, or of the file without its ending.
+        programs: Texts by the level's name; "" is for all levels.
+        remarks: What is odd about it.
+        changed: When it was last changed.
+    """
+
+    def __init__(self, path: Path, stems: Mapping[str, str]) -> None:
+        is_single = not path.is_dir()
+        self.name = path.name.removesuffix(SUFFIX) if is_single else path.name
+        self.programs: dict[str, str] = {}
+        self.remarks: list[str] = []
+        self.changed = 0.0
+        for file in [path] if is_single else self._files(path):
+            level = "" if is_single else stems.get(file.name.removesuffix(SUFFIX), "?")
+            if file.name.startswith(".") or (not is_single and file.suffix != SUFFIX):
+                continue
+            if level == "?":
+                self.remarks.append(f"{file.name}: there is no such level in the assignment")
+            else:
+                self._read(file, level)
+
+    def _files(self, folder: Path) -> list[Path]:
+        try:
+            if folder.is_symlink():
+                raise OSError(None, "it is a link")
+            return sorted(folder.iterdir())
+        except OSError as error:
+            self.remarks.append(f"{folder.name}: {error.strerror}")
+            return []
+
+    def _read(self, file: Path, level: str) -> None:
+        try:
+            if file.is_symlink():
+                raise OSError(None, "it is a link")
+            content = read_ordinary(file, _MOST_BYTES + 1)
+            if len(content) > _MOST_BYTES:
+                raise OSError(None, "it is larger than 1 MB")
+            text = content.decode("utf-8-sig").replace("\r\n", "\n")
+            if "\0" in text:
+                raise OSError(None, "it is not text")
+        except UnicodeDecodeError:
+            self.remarks.append(f"{file.name}: it is not UTF-8 text")
+        except OSError as error:
+            self.remarks.append(f"{file.name}: {error.strerror}")
+        else:
+            self.programs[level] = text
+            self.changed = max(self.changed, file.stat().st_mtime)
+
+
+def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str]]:
+    """Return what an assignment is to run, and the texts of its levels and programs by digest.
+
+    Args:
+        file: The assignment.
+        submissions: A folder with one folder or file per student.
+
+    Raises:
+        SpecificationError: The assignment is wrong; says all that is.
+        InputError: The submissions can't be read.
+    """
+    spec = Specification(file)
+    assignment = read_assignment(spec)
+    levels = _levels(spec, assignment)
+    roster = _table(spec, ("assignment", "roster"), assignment.assignment.roster)
+    late = _table(spec, ("late", "students"), assignment.late.students)
+    spec.refuse()
+    stems = {name: name for name in levels}
+    stems |= {name.partition("-")[2]: name for name in levels if name[:2].isdecimal()}
+    entries = _entries(submissions, stems)
+    students = _students(assignment, entries, roster, {row["id"] for row in late})
+    return _manifest(spec, assignment, levels, students, entries)
+
+
+def _levels(spec: Specification, assignment: Assignment) -> dict[str, tuple[str, int]]:
+    """Return the text and the last tick of each level, by name."""
+    levels: dict[str, tuple[str, int]] = {}
+    for number, each in enumerate(assignment.level):
+        try:
+            level, text = level_with_text(each.name, spec.folder)
+        except InputError as error:
+            spec.problem(("level", number, "name"), str(error))
+            continue
+        try:
+            ticks = ticks_of(level, assignment.assignment.ticks)
+        except ValueError as error:
+            spec.problem(("assignment", "ticks"), str(error))
+            continue
+        _check_reference(spec, assignment, level)
+        levels[level.name] = text, ticks
+    return levels
+
+
+def _check_reference(spec: Specification, assignment: Assignment, level: Level) -> None:
+    for key in ("ticks", "rules"):
+        if getattr(assignment.points, key) and reference_for(level) is None:
+            said = f"{level.name} has no reference program to compare {key} with"
+            spec.problem(("points", key), said)
+
+
+def _table(spec: Specification, path: tuple[str, str], name: str) -> list[dict[str, str]]:
+    """Return the rows of a CSV file with a column ``id``; none without a file."""
+    if not name:
+        return []
+    try:
+        content = read_ordinary(spec.folder / name, _MOST_BYTES).decode("utf-8-sig")
+        rows = list(csv.DictReader(content.splitlines(), restval=""))
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        spec.problem(path, f"{name} can't be read: {reason}")
+        return []
+    if rows and "id" not in rows[0]:
+        spec.problem(path, f'{name} has no column "id"; its first line names the columns')
+        return []
+    ids = [row["id"] for row in rows]
+    for twice in sorted({each for each in ids if ids.count(each) > 1}):
+        spec.problem(path, f"{name} has {printable(twice)} twice")
+    return rows
+
+
+def _entries(folder: Path, stems: Mapping[str, str]) -> dict[str, _Submission]:
+    """Return what was submitted, by names that can be shown.
+
+    Raises:
+        InputError: The folder can't be read, or two entries have the same name.
+    """
+    if not is_folder(folder):
+        hint = "It has one folder or file per student."
+        raise InputError("this is not a folder", place=str(folder), hint=hint)
+    found: dict[str, _Submission] = {}
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith(".") or not (path.is_dir() or path.suffix == SUFFIX):
+            continue
+        each = _Submission(path, stems)
+        name = _readable(each.name)
+        if name in found and name == each.name:
+            hint = "Keep one of the two."
+            message = "there is a folder and a file of this name"
+            raise InputError(message, place=str(folder / each.name), hint=hint)
+        while name in found:  # what can't be shown in them may be all that differs
+            name += "'"
+        found[name] = each
+    return found
+
+
+def _students(
+    assignment: Assignment,
+    entries: Mapping[str, _Submission],
+    roster: list[dict[str, str]],
+    late: set[str],
+) -> list[Student]:
+    """Return the students of the roster, and then whoever else has submitted something."""
+    known: list[tuple[str, dict[str, str]]]
+    known = [(row.get("submission") or row["id"], row) for row in roster]  # several may share one
+    used = {name for name, _ in known}
+    after = assignment.late.after
+    students = []
+    for name, row in [*known, *((name, {}) for name in entries if name not in used)]:
+        entry = entries.get(name)
+        remarks = [] if entry is None else list(entry.remarks)
+        if entry is None:
+            remarks.append("nothing was submitted")
+        if roster and not row:
+            remarks.append("not in the roster")
+        changed = datetime.fromtimestamp(entry.changed, UTC) if entry else None
+        mine = _readable(row.get("id") or name)
+        students.append(
+            Student(
+                mine,
+                _readable(row.get("name") or ""),
+                name if entry else "",
+                mine in late or (after is not None and changed is not None and changed > after),
+                tuple(_readable(remark) for remark in remarks),
+            )
+        )
+    return students
+
+
+def _readable(name: str) -> str:
+    """Return a name of a file, which may be any bytes, as text that can be shown and kept."""
+    return printable(os.fsencode(name).decode(errors="replace"))[:_LONGEST_NAME]
+
+
+def _manifest(
+    spec: Specification,
+    assignment: Assignment,
+    levels: Mapping[str, tuple[str, int]],
+    students: list[Student],
+    entries: Mapping[str, _Submission],
+) -> tuple[Manifest, dict[str, str]]:
+    """Return the manifest and its inputs; texts that are normally the same run once."""
+    inputs = {digest(text): text for text, _ in levels.values()}
+    cells: list[Cell] = []
+    first: dict[str, str] = {}
+    for student in students:
+        programs = entries[student.submission].programs if student.submission else {}
+        for level, (level_text, ticks) in levels.items():
+            text = programs.get(level, programs.get(""))
+            if text is None:
+                continue
+            own = digest(text)
+            program = first.setdefault(normalised(text), own)
+            inputs[own] = text
+            name = level + SUFFIX if level in programs else student.submission + SUFFIX
+            same = "" if own == program else own
+            cells.append(
+                Cell(digest(level_text), program, level, name, ticks, {}, student.id, same)
+            )
+    table, limits = assignment.assignment, assignment.limits
+    manifest = Manifest(
+        "grade",
+        table.title or spec.file.stem,
+        spec.text,
+        table.starts,
+        table.given_first,
+        BUILT_IN,
+        (),
+        limits.steps,
+        limits.seconds,
+        tuple(cells),
+        tuple(students),
+        msgspec.to_builtins(assignment),
+    )
+    return manifest, inputs
+
+
+def normalised(text: str) -> str:
+    """Return a program without comments, and without space that means nothing."""
+    source = prepare(text)
+    if source.problems or '"""' in source.text:
+        return text
+    kept: list[str] = []
+    is_quoted = False
+    for character, bare in zip(source.text, source.skeleton, strict=True):
+        if character == '"' and bare == " ":
+            is_quoted = not is_quoted
+        if is_quoted or not character.isspace():
+            kept.append(character)
+        elif kept and kept[-1] != " ":
+            kept.append(" ")
+    return "".join(kept).strip()

@@ -1,0 +1,290 @@
+"""From the specification of an experiment to programs in levels, with everything put in."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from decimal import Decimal
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.measuring import patience_for
+from logical_robots_tui.game.source import load_program
+from logical_robots_tui.game.victory import reference_for
+from logical_robots_tui.lab.folder import Cell, Manifest, digest
+from logical_robots_tui.lab.running import Asked
+from logical_robots_tui.lab.specification import (
+    BUILT_IN,
+    Query,
+    Specification,
+    read_experiment,
+    values_of,
+)
+from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.world import load_level
+from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
+
+if TYPE_CHECKING:
+    from logical_robots_tui.lab.specification import Experiment, Path_, Scalar
+    from logical_robots_tui.world import Level
+
+__all__ = ["level_with_text", "plan_sweep", "ticks_of"]
+
+_TICKS = re.compile(r"(?:(\d+)\s*\*\s*)?reference(?:\s*\+\s*(\d+))?")
+_MOST_CELLS = 100_000
+
+
+def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
+    """Return what an experiment is to run, and the texts of its levels and programs by digest.
+
+    Raises:
+        SpecificationError: The specification is wrong; says all that is.
+    """
+    spec = Specification(file)
+    return _Plan(spec, read_experiment(spec)).manifest()
+
+
+def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
+    """Return a level, shipped or in a file, and its text.
+
+    Args:
+        name: A level's name, or a path as seen from the folder.
+        folder: Where paths begin.
+
+    Raises:
+        InputError: There is no such level, or it can't be used.
+    """
+    is_path = Path(name).suffix in SUFFIXES or "/" in name
+    level = load_level(folder / name if is_path else name)
+    if not Path(level.source).exists():
+        hint = "Save it as a file: logical-robots level new"
+        raise InputError("a level of a day has no file", place=name, hint=hint)
+    return level, read_text(Path(level.source))
+
+
+def ticks_of(level: Level, ticks: int | str) -> int:
+    """Return the last tick of a run in a level.
+
+    Raises:
+        ValueError: It is not such an expression, or the level has no reference program.
+    """
+    if isinstance(ticks, int):
+        return ticks
+    found = _TICKS.fullmatch(ticks.strip())
+    if not found:
+        raise ValueError('"ticks" is a number or like "2*reference+200"')
+    reference = reference_for(level)
+    if reference is None:
+        raise ValueError(f"{level.name} has no reference program; give the number of ticks")
+    most = patience_for(10**9)
+    return min(int(found[1] or 1) * reference.ticks + int(found[2] or 0), most)
+
+
+class _Plan:
+    """An experiment on its way to a manifest; notes everything that is wrong."""
+
+    def __init__(self, spec: Specification, experiment: Experiment) -> None:
+        self._spec, self._experiment = spec, experiment
+        self._levels: dict[str, tuple[Level, str, int]] = {}
+        self._programs: dict[str, str] = {}
+        self._inputs: dict[str, str] = {}
+
+    def manifest(self) -> tuple[Manifest, dict[str, str]]:
+        table = self._experiment.experiment
+        for name in _several(table.level):
+            self._load_level(name)
+        for name in _several(table.program):
+            self._load_program(name)
+        self._spec.refuse()
+        asked = tuple(self._asked())
+        combinations = list(self._combinations())
+        self._spec.refuse()
+        cells = [
+            self._cell(level, program, combination)
+            for level in self._levels
+            for program in self._programs
+            for combination in combinations
+        ]
+        self._spec.refuse()
+        measures = tuple(name for name in self._experiment.measure if name in BUILT_IN)
+        limits = self._experiment.limits
+        manifest = Manifest(
+            "sweep",
+            table.title or self._spec.file.stem,
+            self._spec.text,
+            table.starts,
+            table.given_first,
+            measures or BUILT_IN,
+            asked,
+            limits.steps,
+            limits.seconds,
+            tuple(cell for cell in cells if cell is not None),
+        )
+        return manifest, self._inputs
+
+    def _load_level(self, name: str) -> None:
+        path: Path_ = ("experiment", "level")
+        try:
+            level, text = level_with_text(name, self._spec.folder)
+        except InputError as error:
+            self._spec.problem(path, str(error))
+            return
+        try:
+            ticks = ticks_of(level, self._experiment.experiment.ticks)
+        except ValueError as error:
+            self._spec.problem(("experiment", "ticks"), str(error))
+            return
+        self._levels[name] = level, text, ticks
+
+    def _load_program(self, name: str) -> None:
+        path: Path_ = ("experiment", "program")
+        file = self._spec.folder / name
+        try:
+            text = load_program(file if file.is_file() else name).text
+            Program.compile(text)
+        except InputError as error:
+            self._spec.problem(path, str(error))
+        except ProgramError as error:
+            for found in error.diagnostics:
+                self._spec.problem(path, f"{name}:{found.line}:{found.column}: {found.message}")
+        else:
+            self._programs[name] = text
+
+    def _asked(self) -> list[Asked]:
+        """Return the measures by questions, each of which all programs can answer."""
+        asked = []
+        for name, measure in self._experiment.measure.items():
+            if not isinstance(measure, Query):
+                continue
+            asked.append(Asked(name, measure.query, measure.every))
+            for program, text in self._programs.items():
+                try:
+                    Program.compile(text).question(measure.query)
+                except ProgramError as error:
+                    said = "; ".join(found.message for found in error.diagnostics)
+                    self._spec.problem(("measure", name), f"{program}: {said}")
+        return asked
+
+    def _combinations(self) -> list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]]:
+        """Return for each combination its place, its constants, and its fields of the level."""
+        varied = [
+            [(bool(vary.constant), vary.constant or vary.level, v) for v in values_of(vary)]
+            for vary in self._experiment.vary
+        ]
+        names = [
+            (bool(vary.constant), vary.constant or vary.level) for vary in self._experiment.vary
+        ]
+        for number, (name, (value, *_)) in enumerate(zip(names, varied, strict=True)):
+            if name in names[:number]:
+                self._spec.problem(("vary", number), f"{name[1]} is varied twice")
+            one = {name[1]: value[2]}
+            for level in self._levels:
+                for program in self._programs:
+                    constants, fields = (one, {}) if name[0] else ({}, one)
+                    self._cell(level, program, (("vary", number), constants, fields))
+        found: list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]] = []
+        if varied or not self._experiment.case:
+            for each in itertools.product(*varied):
+                constants = {name: value for is_constant, name, value in each if is_constant}
+                fields = {name: value for is_constant, name, value in each if not is_constant}
+                found.append((("vary",), constants, fields))
+                if len(found) > _MOST_CELLS:
+                    self._spec.problem(("vary",), f"more than {_MOST_CELLS:,} combinations")
+                    break
+        for number, case in enumerate(self._experiment.case):
+            found.append((("case", number), case.constants, case.level))
+        return found
+
+    def _cell(
+        self,
+        level_name: str,
+        program_name: str,
+        combination: tuple[Path_, dict[str, Scalar], dict[str, Scalar]],
+    ) -> Cell | None:
+        path, constants, fields = combination
+        _, level_text, ticks = self._levels[level_name]
+        program = self._programs[program_name]
+        try:
+            if constants:
+                values = {name: _literal(value) for name, value in constants.items()}
+                program = Program.with_constants(program, values)
+            level_text = _with_fields(level_text, tuple(fields.items())) if fields else level_text
+            if fields and digest(level_text) not in self._inputs:
+                read_level(level_text, level_name)
+        except ProgramError as error:
+            for found in error.diagnostics:
+                self._spec.problem(path, f"{program_name}: {found.message}. {found.hint}".strip())
+            return None
+        except InputError as error:
+            self._spec.problem(path, str(error))
+            return None
+        cell = Cell(
+            digest(level_text),
+            digest(program),
+            level_name,
+            program_name,
+            ticks,
+            {**constants, **fields},
+        )
+        self._inputs |= {cell.level: level_text, cell.program: program}
+        return cell
+
+
+def _several(names: str | list[str]) -> list[str]:
+    return list(dict.fromkeys([names] if isinstance(names, str) else names))
+
+
+def _literal(value: Scalar) -> str:
+    """Return a value as an expression of Logica; the specification has checked it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else format(Decimal(repr(value)), "f")
+
+
+@lru_cache(maxsize=1000)
+def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
+    """Return the text of a level with other values of some fields.
+
+    Args:
+        text: The level in either format.
+        fields: Keys such as ``robots.*.battery.capacity``, and their values.
+
+    Raises:
+        InputError: The level has no such key.
+    """
+    if is_of_web(text):
+        data = json.loads(text)
+        for key, value in fields:
+            _set(data, key.split("."), key, value)
+        return json.dumps(data, indent=2, ensure_ascii=False)
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    for key, value in fields:
+        _set(document, key.split("."), key, value)
+    return tomlkit.dumps(document)
+
+
+def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
+    """Set a key within data; an asterisk stands for all items of a list that have the rest."""
+    *path, last = keys
+    found = [data]
+    for key in path:
+        found = [inner for each in found for inner in _inside(each, key)]
+    tables = [each for each in found if isinstance(each, dict)]
+    if not tables:
+        hint = "Only tables that the level has can be varied, such as areas.0 in areas.0.radius."
+        raise InputError("the level has no such key", place=whole, hint=hint)
+    for table in tables:
+        table[last] = value
+
+
+def _inside(data: Any, key: str) -> list[Any]:
+    if isinstance(data, list):
+        if key == "*":
+            return list(data)
+        return data[int(key) : int(key) + 1] if key.isdecimal() else []
+    return [data[key]] if isinstance(data, dict) and key in data else []

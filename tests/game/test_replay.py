@@ -1,0 +1,265 @@
+"""Replays: what a history holds comes back from its file, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+import asyncio
+import lzma
+from contextlib import asynccontextmanager
+from dataclasses import replace
+from functools import cache
+from hashlib import sha256
+from typing import TYPE_CHECKING
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.editing.level_text import write_native
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import Game
+from logical_robots_tui.game.replay import Replay, gather, load_replay, play_into
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world.level import alike
+from tests.game.playing import BACKWARDS, game
+from tests.game.test_live_edits import EDITS, LEVEL, POSES, counter
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+    from logical_robots_tui.game.replay import Verifier
+
+
+async def kept(played: Game, **options: bool) -> Replay:
+    return await gather(played.history, write_native, lambda _program: "counter", **options)
+
+
+@asynccontextmanager
+async def again(replay: Replay) -> AsyncIterator[tuple[Game, Verifier]]:
+    programs = [Program.compile(text) for text in replay.program_texts]
+    other = Game(replay.levels[0], programs[0])
+    try:
+        yield other, await play_into(other, replay, programs, other.use)
+    finally:
+        await other.close()
+
+
+def written(replay: Replay, folder: Path) -> Path:
+    path = folder / "a.replay"
+    path.write_bytes(replay.to_bytes())
+    return path
+
+
+@cache
+def backwards() -> Program:
+    return Program.compile(BACKWARDS)
+
+
+deeds = st.one_of(
+    st.tuples(st.just("run"), st.integers(1, 130), st.just(0)),
+    st.tuples(st.just("edit"), st.integers(0, len(EDITS) - 1), st.integers(0, len(POSES) - 1)),
+    st.tuples(st.just("use"), st.sampled_from([0, 1]), st.just(0)),
+)
+
+
+@settings(max_examples=min(25, settings().max_examples), deadline=None)
+@given(st.lists(deeds, max_size=8))
+def test_whatever_was_done_comes_back_exactly(
+    tmp_path_factory: pytest.TempPathFactory, done: list[tuple[str, int, int]]
+) -> None:
+    async def play() -> None:
+        played = Game(LEVEL, counter())
+        for what, number, more in [*done, ("run", 3, 0)]:
+            if what == "run":
+                end = played.frame.tick + number
+                while played.frame.tick < end:
+                    await played.run_until(tick=end)
+            elif what == "use":
+                played.use((counter(), backwards())[number])
+            else:
+                level = EDITS[number](played.level)
+                names = {robot.name for robot in level.robots}
+                poses = {n: pose for n, pose in POSES[more].items() if n in names}
+                played.change_level(level, poses)
+        replay = load_replay(written(await kept(played), tmp_path_factory.mktemp("replay")))
+        async with again(replay) as (other, verifier):
+            assert verifier.difference is None
+            assert other.history.last == played.history.last
+            states = list(replay.states())
+            for tick in range(played.history.last + 1):
+                assert other.go_to(tick) == played.go_to(tick)
+                assert states[tick] == played.frame.after
+                assert alike(other.level, played.level)
+            assert replay.to_bytes() == (await kept(other)).to_bytes()
+        await played.close()
+
+    asyncio.run(play())
+
+
+async def test_a_history_that_has_lost_its_beginning_is_kept_from_there_on(tmp_path: Path) -> None:
+    played = Game(LEVEL, counter(), history=70)
+    await played.run_until(tick=300)
+    replay = await kept(played)
+    assert replay.first == played.history.first - 1 > 200
+    async with again(replay) as (other, verifier):
+        assert verifier.difference is None
+        assert other.history.first == played.history.first
+        assert other.go_to(290) == played.go_to(290)
+    await played.close()
+
+
+async def test_the_robots_do_what_they_did_whatever_the_program_would_do_now(
+    tmp_path: Path,
+) -> None:
+    played = game(tmp_path)
+    await played.run_until(tick=30)
+    replay = await kept(played)
+    texts = (msgspec.structs.replace(replay.texts[0], text=BACKWARDS),)
+    async with again(msgspec.structs.replace(replay, texts=texts)) as (other, verifier):
+        assert verifier.difference == (1, "Ada wants something else.")
+        assert other.go_to(30).after == played.frame.after
+        other.go_to(10)
+        other.forget_future()
+        back = await other.step()  # from here on its own program decides
+        assert back.after.robots[0].x < back.before.robots[0].x
+    await played.close()
+
+
+async def test_another_world_is_noticed_at_the_next_hash() -> None:
+    played = Game(LEVEL, counter())
+    await played.run_until(tick=250)
+    replay = await kept(played)
+    assert list(replay.hashes) == [100, 200, 250]
+    async with again(
+        msgspec.structs.replace(replay, hashes={**replay.hashes, 200: b"12345678"})
+    ) as (_other, verifier):
+        assert verifier.difference == (200, "The world is another one.")
+    await played.close()
+
+
+async def test_without_programs_the_world_is_the_same_and_nothing_of_them_is_in_the_file(
+    tmp_path: Path,
+) -> None:
+    played = game(tmp_path)
+    await played.run_until(tick=30)
+    replay = load_replay(written(await kept(played, with_programs=False), tmp_path))
+    assert not replay.has_programs
+    assert b"Sensor" not in msgspec.msgpack.encode(replay)
+    async with again(replay) as (other, verifier):
+        assert verifier.difference is None
+        assert other.frame.after == played.frame.after
+    await played.close()
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Replay:
+    async def play() -> Replay:
+        played = game(tmp_path_factory.mktemp("whole"))
+        await played.run_until(tick=20)
+        played.change_level(played.level, {"Ada": (60.0, 25.0, 1.0)})
+        await played.run_until(tick=40)
+        replay = await kept(played)
+        await played.close()
+        return replay
+
+    return asyncio.run(play())
+
+
+def packed(body: bytes) -> bytes:
+    content = lzma.compress(body)
+    return b"logical-robots replay 1\n" + sha256(content).digest() + content
+
+
+FALSE = {
+    "nothing": (b"", "does not begin like one"),
+    "a text": (b"hello", "does not begin like one"),
+    "a newer one": (b"logical-robots replay 2\nabc", "another version"),
+    "no end": (b"logical-robots replay 1\n" + bytes(40), "damaged"),
+    "not packed": (
+        b"logical-robots replay 1\n" + sha256(b"abc").digest() + b"abc",
+        "is no replay",
+    ),
+    "too long": (b"logical-robots replay 1\n" + bytes(64_000_000), "more than 64,000,000 bytes"),
+    "of another kind": (packed(msgspec.msgpack.encode([1, 2])), "is no replay"),
+    "deep": (packed(b"\x91" * 100_000), "is no replay"),
+}
+
+
+@pytest.mark.parametrize("what", FALSE)
+def test_what_is_no_replay_is_refused_in_a_sentence(tmp_path: Path, what: str) -> None:
+    content, reason = FALSE[what]
+    path = tmp_path / "false.replay"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=reason) as caught:
+        load_replay(path)
+    assert caught.value.place == str(path)
+
+
+@pytest.mark.slow
+def test_what_unpacks_to_more_than_memory_should_hold_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.replay"
+    path.write_bytes(packed(bytes(300_000_000)))
+    with pytest.raises(InputError, match="more than 200,000,000 bytes"):
+        load_replay(path)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="can't be read"):
+        load_replay(tmp_path / "none.replay")
+
+
+def changed(replay: Replay, **values: object) -> Replay:
+    return msgspec.structs.replace(replay, **values)
+
+
+def first_stage(replay: Replay, **values: object) -> Replay:
+    first, *rest = replay.stages
+    return changed(replay, stages=(msgspec.structs.replace(first, **values), *rest))
+
+
+def moved(replay: Replay, x: float) -> Replay:
+    state = replay.stages[0].state
+    robots = (replace(state.robots[0], x=x), *state.robots[1:])
+    return first_stage(replay, state=replace(state, robots=robots))
+
+
+@pytest.mark.parametrize(
+    ("forge", "reason"),
+    [
+        (lambda it: changed(it, stages=()), "out of bounds"),
+        (lambda it: changed(it, last=10**9), "out of bounds"),
+        (lambda it: changed(it, last=0), "out of bounds"),
+        (lambda it: changed(it, stages=(it.stages[0], it.stages[0])), "out of order"),
+        (lambda it: changed(it, stages=it.stages * 6000), "too many levels"),
+        (lambda it: first_stage(it, level="#" * 40_000_000), "too many levels"),
+        (lambda it: changed(it, texts=()), "out of order"),
+        (lambda it: changed(it, texts=(it.texts[0], it.texts[0])), "out of order"),
+        (lambda it: first_stage(it, level="[[robots]]"), "is no replay"),
+        (lambda it: first_stage(it, desires=()), "don't act"),
+        (lambda it: first_stage(it, desires=(b"1", b"2")), "don't act"),
+        (lambda it: first_stage(it, is_decided=True), "does not fit"),
+        (lambda it: first_stage(it, memories="{}"), "does not fit"),
+        (lambda it: first_stage(it, memories="[1"), "is no replay"),
+        (lambda it: first_stage(it, memories="[" * 100_000), "is no replay"),
+        (lambda it: moved(it, float("nan")), "does not fit"),
+    ],
+)
+def test_a_forged_replay_is_refused(
+    tmp_path: Path, whole: Replay, forge: object, reason: str
+) -> None:
+    assert callable(forge)
+    with pytest.raises(InputError, match=reason):
+        load_replay(written(forge(whole), tmp_path))
+
+
+@given(st.integers(0), st.integers(1, 255))
+def test_a_byte_that_was_changed_is_noticed(
+    whole: Replay, tmp_path_factory: pytest.TempPathFactory, place: int, flips: int
+) -> None:
+    content = bytearray(whole.to_bytes())
+    content[place % len(content)] ^= flips
+    path = tmp_path_factory.mktemp("changed") / "a.replay"
+    path.write_bytes(content)
+    with pytest.raises(InputError):
+        load_replay(path)

@@ -1,0 +1,109 @@
+"""Robots that go round in circles are noticed; none that is on its way to a victory is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game.history.rounds import ROUNDS, Rounds
+from logical_robots_tui.game.source import load_program
+from logical_robots_tui.mind import Mind, Program
+from logical_robots_tui.world import World, list_levels, load_level
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level, RobotState
+
+LEVEL = load_level("01-first-steps")
+
+
+def told(pose: Callable[[int], tuple[float, float, float]], ticks: int) -> list[int]:
+    """The ticks in which a robot with these poses is found to go round in circles."""
+    (robot,) = World(LEVEL).save().robots
+    rounds, found = Rounds(), []
+    for tick in range(ticks):
+        x, y, angle = pose(tick)
+        if rounds.follow([replace(robot, x=x, y=y, angle=angle)]):
+            found.append(tick)
+    return found
+
+
+def turning(tick: int) -> tuple[float, float, float]:
+    return 100.0, 100.0, tick * math.tau / 50
+
+
+def circle(tick: int) -> tuple[float, float, float]:
+    angle = tick * math.tau / 700
+    return 200 + 100 * math.cos(angle), 200 + 100 * math.sin(angle), angle + math.pi / 2
+
+
+def spiral(tick: int) -> tuple[float, float, float]:
+    angle = tick * math.tau / 300
+    return (
+        300 + (50 + tick / 20) * math.cos(angle),
+        300 + (50 + tick / 20) * math.sin(angle),
+        angle,
+    )
+
+
+def to_and_fro(tick: int) -> tuple[float, float, float]:
+    there = tick % 400
+    return (100.0 + there, 50.0, 0.0) if there < 200 else (500.0 - there, 50.0, math.pi)
+
+
+@pytest.mark.parametrize(("pose", "period"), [(turning, 50), (circle, 700), (to_and_fro, 400)])
+def test_the_same_way_several_times_in_a_row_is_told_once(
+    pose: Callable[[int], tuple[float, float, float]], period: int
+) -> None:
+    (tick,) = told(pose, 8 * period)
+    assert ROUNDS * period - period // 8 <= tick <= (ROUNDS + 1) * period
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        pytest.param(lambda _tick: (50.0, 50.0, 0.0), id="parked"),
+        pytest.param(lambda tick: (tick / 2, 50.0, 0.0), id="straight on"),
+        pytest.param(spiral, id="spiral"),
+        pytest.param(lambda tick: (math.nan, 0.0, tick / 10), id="nowhere"),
+    ],
+)
+def test_who_goes_elsewhere_or_nowhere_does_not_go_in_circles(
+    pose: Callable[[int], tuple[float, float, float]],
+) -> None:
+    assert told(pose, 4000) == []
+
+
+def test_who_leaves_the_circle_and_comes_back_is_told_again() -> None:
+    def pose(tick: int) -> tuple[float, float, float]:
+        return turning(tick) if tick < 300 or tick > 400 else (100.0 + tick, 100.0, 0.0)
+
+    assert len(told(pose, 800)) == 2
+
+
+def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]:
+    """The robots after each tick, up to the victory."""
+    world, sight = World(level), level.visibility
+    program = Program.compile(load_program(name).text)
+    mind = Mind(program, memory=sight.memory, sensor=sight.sensor, frozen=True)
+    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
+    while world.tick < ticks and world.won_at is None:
+        decisions = mind.think(world.sense(), memories)
+        world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+        memories = {d.robot_name: d.memory for d in decisions}
+        yield world.save().robots
+    mind.close()
+
+
+@pytest.mark.parametrize("name", list_levels())
+def test_no_reference_program_goes_in_circles_on_its_way_to_victory(name: str) -> None:
+    level = load_level(name)
+    rounds = Rounds()
+    for tick, robots in enumerate(run(level, level.solution, 20_000), 1):
+        circling = rounds.follow(robots)
+        assert not circling, (tick, [r.name for i, r in enumerate(robots) if circling >> i & 1])

@@ -1,0 +1,215 @@
+"""Grades: right, wrong, not compiling, endless and hostile submissions, late ones and copies."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+import msgspec
+import pytest
+
+from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.exporting import Table, csv_of
+from logical_robots_tui.lab.folder import Folder
+from logical_robots_tui.lab.grading import grades_of
+from logical_robots_tui.lab.local import LocalEngine
+from logical_robots_tui.lab.submissions import plan_grading
+from tests.cli.running import Command
+from tests.lab.laboratory import program_text
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ASSIGNMENT = """
+[assignment]
+title = "Week <1>"
+starts = 2
+roster = "roster.csv"
+show = ["won", "starts"]
+[[level]]
+name = "01-first-steps"
+points = 10
+[[level]]
+name = "02-open-space"
+points = 5
+[points]
+won = 3
+starts = 1
+[late]
+students = "late.csv"
+keep = 0.5
+[limits]
+steps = 1_000_000
+"""
+
+ENDLESS = """
+N(x) :- x in Range(3000);
+Robot(robot_name:, desire: {left_engine: Sum{x * y :- N(x), N(y)}, right_engine: 0}, memory: "") :-
+  Sensor(robot_name:);
+"""
+
+MISTAKE = 'Robot(robot_name:, desire: 1, memory: "") :- Snesor(robot_name:);\n'
+HOSTILE = b'=cmd|"\xff\x1b[31m\n<b>'
+
+
+@pytest.fixture(scope="module")
+def grades(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A graded class."""
+    folder = tmp_path_factory.mktemp("class")
+    (folder / "assignment.toml").write_text(ASSIGNMENT)
+    (folder / "roster.csv").write_text(
+        'id,name,submission\n1,Ada,ada\n2,"=Ben()",ben\n3,Cem,cem\n4,Dot,dot\n'
+    )
+    (folder / "late.csv").write_text("id\n2\n")
+    right = program_text("first-steps")
+    files = {
+        b"ada/01-first-steps.l": right,
+        b"ada/open-space.l": program_text("open-space"),
+        b"ben/01-first-steps.l": "# mine!\n\n" + right.replace("  ", "    "),
+        b"cem/01-first-steps.l": MISTAKE,
+        b"eve.l": ENDLESS,
+        HOSTILE + b"/01-first-steps.l": "\n\n# mine\n" + MISTAKE,
+        HOSTILE + b"/readme.txt": "not a program",
+        b"zoe/01-first-steps.l": "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, "
+        'memory: "") :- Sensor(robot_name:);',
+    }
+    for name, text in files.items():
+        path = folder / "submissions" / os.fsdecode(name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+    (folder / "submissions/zoe/02-open-space.l").symlink_to("/etc/passwd")
+    manifest, inputs = plan_grading(folder / "assignment.toml", folder / "submissions")
+    out = Folder(folder / "out")
+    engine = LocalEngine(1)
+    with out.locked(), out.ledger() as ledger:
+        manifest = out.write(manifest, inputs)
+        coordinator = Coordinator(out, manifest, ledger)
+        coordinator.work(engine, lambda: False, lambda: None)
+        assert coordinator.tally().is_complete
+    engine.close()
+    return out.path
+
+
+@pytest.fixture
+def exported(grades: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    assert Command(capsys)("lab", "export", grades).status == 0
+    return grades
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    with file.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def test_the_gradebook_has_the_points_of_everybody(exported: Path) -> None:
+    book = {row["id"]: row for row in rows(exported / "gradebook.csv")}
+    points = {name: float(row["points"]) for name, row in book.items()}
+    hostile = next(name for name in book if "cmd" in name)
+    assert points == {"1": 15, "2": 5, "3": 0, "4": 0, "eve": 0, hostile: 0, "zoe": 0}
+    assert (book["2"]["late"], book["2"]["01-first-steps"]) == ("true", "10.0")
+    assert book["4"]["remarks"] == "nothing was submitted"
+    assert "it is a link" in book["zoe"]["remarks"]
+    assert all(row["ungraded"] == "0" for row in book.values())
+
+
+def test_no_cell_is_a_formula_and_no_control_character_passes(exported: Path) -> None:
+    for file in exported.glob("*.csv"):
+        assert rows(file) or file.name == "duplicates.csv"
+        for row in rows(file):
+            for cell in row.values():
+                assert cell.isprintable()
+                assert cell[:1] not in "=+@" or not cell
+    for file in [*exported.rglob("*.md"), *exported.rglob("*.xml"), *exported.rglob("*.html")]:
+        assert "\x1b" not in file.read_text("utf-8")
+    cells = ["=1+1", " @x", "+a", "-a", "\t=x", "a\x1b[0m\nb", -3, 2.5, None, True]
+    written = csv_of(Table(("x",), [(cell,) for cell in cells])).splitlines()[1:]
+    assert written == [
+        "'=1+1",
+        "' @x",
+        "'+a",
+        "'-a",
+        "'  =x".replace("  ", " "),
+        "a\N{REPLACEMENT CHARACTER}[0m b",
+        "-3",
+        "2.5",
+        '""',
+        "true",
+    ]
+
+
+def test_the_same_program_runs_once_and_mistakes_have_their_own_lines(exported: Path) -> None:
+    same = [set(row["ids"].split(", ")) for row in rows(exported / "duplicates.csv")]
+    assert {"1", "2"} in same
+    runs = {
+        (row["student"], row["level"], row["start"]): row for row in rows(exported / "runs.csv")
+    }
+    for start in "012":
+        one, other = (runs[student, "01-first-steps", start]["run"] for student in "12")
+        assert one == other
+    feedback = [file.read_text("utf-8") for file in sorted((exported / "feedback").glob("*.md"))]
+    lines = [
+        text.partition("Snesor")[0].rpartition("line ")[2] for text in feedback if "Snesor" in text
+    ]
+    assert sorted(lines) == ["1: ", "4: "]
+
+
+def test_students_read_what_they_may_see(exported: Path) -> None:
+    text = (exported / "feedback/1.md").read_text("utf-8")
+    assert text.startswith("# Week \\<1\\>\n\nAda: 15 of 15 points\n")
+    assert "Won from 2 of 2 shifted starts." in text
+    assert "ticks" not in text
+    assert "rule" not in text
+    data = json.loads((exported / "feedback/1.json").read_text("utf-8"))
+    assert "ticks" not in data["levels"][0]
+    assert data["points"] == 15
+    eve = (exported / "feedback/eve.md").read_text("utf-8")
+    assert "thinking took more than 1,000,000 steps" in eve
+
+
+def test_other_programs_read_the_grades(exported: Path) -> None:
+    scope = json.loads((exported / "gradescope/1.json").read_text("utf-8"))
+    assert scope["score"] == 15
+    assert [test["max_score"] for test in scope["tests"]] == [10, 5]
+    junit = ElementTree.parse(exported / "junit.xml").getroot()
+    suites = {suite.get("name"): suite for suite in junit}
+    counts = [suites["3"].get(name) for name in ("tests", "failures", "errors", "skipped")]
+    assert counts == ["2", "1", "0", "1"]
+    names = [file.name for file in (exported / "feedback").iterdir()]
+    assert all(
+        name.isascii() and name.isprintable() and not set(name) & set('<>"|') for name in names
+    )
+
+
+def test_a_run_that_could_not_be_done_is_not_graded_as_a_failure(grades: Path) -> None:
+    folder = Folder(grades)
+    manifest = folder.manifest()
+    more = msgspec.structs.replace(manifest, starts=3)  # a start that has not been run
+    with folder.ledger() as ledger:
+        ada, *_ = grades_of(more, ledger)
+    assert [level.points for level in ada.levels] == [None, None]
+    assert ada.ungraded == 2
+
+
+def test_the_report_is_one_page_without_scripts_and_links(
+    grades: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = Command(capsys)("lab", "report", grades)
+    assert told.status == 0
+    assert "Students who win from the given start" in told.out
+    page = (grades / "report.html").read_text("utf-8")
+    assert "<svg" in page
+    assert "Week &lt;1&gt;" in page
+    for outside in ("<script", "href=", "src=", "@import", "url("):
+        assert outside not in page
+
+
+def test_without_the_extra_a_report_says_what_is_missing(
+    grades: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("logical_robots_tui.lab.exporting.has_extra", lambda _module: False)
+    told = Command(capsys)("lab", "report", grades)
+    assert told.status == 2
+    assert "pip install 'logical-robots-tui[lab]'" in told.err

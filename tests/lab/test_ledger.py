@@ -1,0 +1,119 @@
+"""The ledger and its folder: recorded once, compared, locked; damage gets a sentence."""
+
+from __future__ import annotations
+
+import resource
+import sqlite3
+from contextlib import closing
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.folder import Folder
+from logical_robots_tui.lab.ledger import Entry, Ledger, LedgerError
+from logical_robots_tui.lab.sweeping import plan_sweep
+from tests.lab.laboratory import write_experiment
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+WON, LOST = '{"outcome":"won","ticks":3}', '{"outcome":"out of ticks","ticks":3}'
+
+
+def entry(job: str, result: str = WON, engine: str = "") -> Entry:
+    return Entry(job, f"run of {job}{engine}", result, 0.5, "here/1")
+
+
+def test_a_run_is_recorded_once_and_a_second_result_is_compared(tmp_path: Path) -> None:
+    with closing(Ledger(tmp_path / "l.db", "e")) as ledger:
+        assert ledger.record([entry("a"), entry("b")]) == {"a": "won", "b": "won"}
+        ledger.record([entry("a")])
+        assert ledger.differences() == []
+        assert ledger.record([entry("a", LOST)]) == {"a": "won"}
+        assert ledger.differences() == ["run of a"]
+        assert ledger.outcomes() == {"a": "won", "b": "won"}
+        assert ledger.results()["a"].ticks == 3
+
+
+def test_results_of_another_engine_are_not_mixed_unless_asked(tmp_path: Path) -> None:
+    file = tmp_path / "l.db"
+    with closing(Ledger(file, "old")) as ledger:
+        ledger.record([entry("a"), entry("b")])
+    with pytest.raises(LedgerError, match="--mixed"):
+        Ledger(file, "new")
+    with closing(Ledger(file, "new", mixed=True)) as ledger:
+        ledger.record([entry("a", LOST, "new")])
+        assert ledger.outcomes() == {"a": "out of ticks", "b": "won"}
+        assert ledger.engines() == {"a": "new", "b": "old"}
+        assert ledger.differences() == []
+
+
+def test_failures_count_until_there_is_a_result(tmp_path: Path) -> None:
+    with closing(Ledger(tmp_path / "l.db", "e")) as ledger:
+        ledger.fail("a", "died", "here/1")
+        ledger.fail("a", "late", "here/1")
+        assert ledger.failures() == {"a": ["died", "late"]}
+        ledger.record([entry("a")])
+        assert ledger.failures() == {}
+
+
+def test_a_ledger_that_is_damaged_or_newer_gets_a_sentence(tmp_path: Path) -> None:
+    file = tmp_path / "l.db"
+    file.write_bytes(b"no ledger at all" * 100)
+    with pytest.raises(LedgerError, match="it is damaged"):
+        Ledger(file, "e")
+    file.unlink()
+    with closing(sqlite3.connect(file)) as other:
+        other.execute("PRAGMA user_version = 99")
+    with pytest.raises(LedgerError, match="a newer version wrote this ledger"):
+        Ledger(file, "e")
+
+
+def test_a_full_disk_gets_a_sentence_and_loses_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "l.db"
+    with closing(Ledger(file, "e")) as ledger:
+        ledger.record([entry("a")])
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, hard))
+        try:
+            with pytest.raises(LedgerError, match="disk is full"):
+                ledger.record(
+                    [entry(str(i), WON[:-1] + ',"x":"' + "x" * 9000 + '"}') for i in range(99)]
+                )
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert ledger.outcomes() == {"a": "won"}
+    with closing(Ledger(file, "e")) as ledger:
+        assert ledger.record([entry("b")]) == {"b": "won"}
+
+
+def test_a_folder_has_one_coordinator(tmp_path: Path) -> None:
+    with (
+        Folder(tmp_path).locked(),
+        pytest.raises(InputError, match="another process is at work"),
+        Folder(tmp_path).locked(),
+    ):
+        pass
+    with Folder(tmp_path).locked():
+        pass
+
+
+def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
+    folder = Folder(tmp_path / "out")
+    with pytest.raises(InputError, match="there is no manifest"):
+        folder.manifest()
+    with folder.locked():
+        written = folder.write(*plan_sweep(write_experiment(tmp_path)))
+    assert folder.manifest() == written
+    program = written.cells[0].program
+    assert "Near() = 20;" in folder.text(program)
+    (folder.path / "inputs" / program).write_text("Robot();")
+    with pytest.raises(InputError, match="this input is damaged"):
+        folder.text(program)
+    (folder.path / "manifest.json").write_text('{"format": 7}')
+    with pytest.raises(InputError, match="newer version"):
+        folder.manifest()
+    (folder.path / "manifest.json").write_text('{"kind": 7}')
+    with pytest.raises(InputError, match="this manifest is damaged"):
+        folder.manifest()

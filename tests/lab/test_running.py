@@ -1,0 +1,122 @@
+"""One run: its result depends on nothing but what is run, and ends where nothing can change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import pytest
+
+from logical_robots_tui.game.robustness import play_through, start_of
+from logical_robots_tui.lab.running import Asked, Result, Task, execute, fingerprint
+from logical_robots_tui.mind import Program
+from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world import load_level
+from tests.lab.laboratory import FIRST_STEPS, program_text
+
+if TYPE_CHECKING:
+    from logical_robots_tui.lab.running import Answer
+
+LEVEL = "01-first-steps"
+STILL = "Robot(robot_name:, desire: {{left_engine: {}, right_engine: 0}}, memory: {}) :- {};"
+SENSOR = "Sensor(robot_name:, sensor:)"
+
+
+def task(program: str, **changes: Any) -> Task:
+    level = (shipped_folder("levels") / f"{LEVEL}.toml").read_text("utf-8")
+    plain = Task(level, program, 300, (0,), (), 100_000_000, 60.0, False, fingerprint())
+    return msgspec.structs.replace(plain, **changes)
+
+
+def only(answer: Answer) -> Result:
+    ((_, result, _),) = answer.results
+    return msgspec.json.decode(result, type=Result)
+
+
+def test_a_run_is_the_game_played_through() -> None:
+    answer = execute(task(FIRST_STEPS, ticks=2000, starts=(0, 2)))
+    program = Program.compile(FIRST_STEPS)
+    for start, text, _ in answer.results:
+        played = play_through(start_of(load_level(LEVEL), start), program, 2000)
+        result = msgspec.json.decode(text, type=Result)
+        assert (result.outcome, result.ticks) == ("won", played.won_at)
+        assert result.distance == played.distance
+        assert result.rules == 3
+    assert [start for start, _, _ in answer.results] == [0, 2]
+
+
+def test_a_run_ends_where_nothing_can_change_any_more() -> None:
+    result = only(execute(task(STILL.format("0", '""', SENSOR))))
+    assert (result.outcome, result.ticks) == ("nothing changes", 2)
+    turning = only(execute(task(STILL.format("0.5", '""', SENSOR))))
+    assert turning.outcome == "out of ticks"
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        STILL.format("0", "sensor.clock", SENSOR),
+        STILL.format("if sensor.clock > 250 then 1 else 0", '""', SENSOR),
+        "Seen(robot_name:, sensor:) :- "
+        + SENSOR
+        + ";"
+        + STILL.format("if s.clock > 250 then 1 else 0", '""', "Seen(robot_name:, sensor: s)"),
+    ],
+)
+def test_a_program_that_reads_the_clock_is_run_to_the_end(program: str) -> None:
+    result = only(execute(task(program)))
+    assert (result.outcome, result.ticks) == ("out of ticks", 300)
+
+
+def test_stopping_early_says_nothing_else_than_the_whole_run() -> None:
+    text = program_text("open-space-starter")
+    early = only(execute(task(text, ticks=900)))
+    assert early.outcome == "nothing changes"
+    played = play_through(load_level(LEVEL), Program.compile(text), 900)
+    assert played.won_at is None
+    # From there on the world is what it was.
+    at_end, later = (
+        play_through(load_level(LEVEL), Program.compile(text), ticks)
+        for ticks in (early.ticks, 900)
+    )
+    assert later.distance == at_end.distance
+
+
+def test_a_program_with_too_many_steps_in_each_tick_is_ended() -> None:
+    text = "N(x) :- x in Range(2000);\n" + STILL.format(
+        "Sum{x * y :- N(x), N(y)} + sensor.clock", '""', SENSOR
+    )
+    result = only(execute(task(text, steps=100_000)))
+    assert (result.outcome, result.ticks) == ("too many steps", 10)
+    assert result.notices == {"failed": 10}
+    assert result.first is not None
+    assert "thinking took more than 100,000 steps" in result.first[2]
+
+
+def test_a_program_that_does_not_compile_says_where() -> None:
+    result = only(execute(task("Robot(robot_name:) :-\n Snesor(robot_name:);")))
+    assert result.outcome == "does not compile"
+    assert [mistake.line for mistake in result.mistakes][-1] == 2
+
+
+def test_questions_are_asked_every_so_many_ticks_or_at_the_end() -> None:
+    asked = (Asked("often", "Robot(robot_name:)", 100), Asked("last", "1 + 1", 0))
+    result = only(execute(task(STILL.format("0", '""', SENSOR), asked=asked)))
+    assert result.series["often"].columns == ("tick", "robot", "robot_name")
+    assert result.series["often"].rows == tuple((tick, "Ada", "Ada") for tick in (100, 200, 300))
+    assert [row[0] for row in result.series["last"].rows] == [300]
+
+
+def test_shifted_starts_are_for_programs_that_win_if_the_task_says_so() -> None:
+    lost = execute(task(FIRST_STEPS, ticks=50, starts=(0, 1, 2), given_first=True))
+    assert [start for start, _, _ in lost.results] == [0]
+
+
+def test_a_run_that_takes_too_long_is_no_result() -> None:
+    answer = execute(task(FIRST_STEPS, ticks=20_000, seconds=0.01))
+    assert answer.results == ()
+    assert answer.failure == "it took more than 0.01 seconds"
+
+
+def test_another_engine_refuses_the_task() -> None:
+    assert execute(task(FIRST_STEPS, fingerprint="another")).refused

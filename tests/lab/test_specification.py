@@ -1,0 +1,160 @@
+"""Specifications: what is wrong with one is said at once, each with its line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.cli.main import main
+from logical_robots_tui.lab.specification import SpecificationError
+from logical_robots_tui.lab.submissions import normalised, plan_grading
+from logical_robots_tui.lab.sweeping import plan_sweep
+from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.world.levels.load import read_level
+from tests.lab.laboratory import FIRST_STEPS, write_experiment
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def problems(folder: Path, text: str) -> list[str]:
+    """All that is wrong with an experiment, without the folder."""
+    (folder / "first.l").write_text(FIRST_STEPS, "utf-8")
+    file = folder / "e.toml"
+    file.write_text(text, "utf-8")
+    with pytest.raises(SpecificationError) as caught:
+        plan_sweep(file)
+    return [problem.removeprefix(f"{folder}/") for problem in caught.value.problems]
+
+
+def test_all_that_is_wrong_is_said_with_its_line(tmp_path: Path) -> None:
+    found = problems(
+        tmp_path,
+        """
+[experiment]
+level = "01-first-steps"
+starts = -1
+tics = 20
+[[vary]]
+constant = "Near"
+values = 3
+[[vary]]
+values = [1]
+frm = 2
+[measure]
+won = 3
+[limit]
+""",
+    )
+    assert [problem.split(": ")[0] for problem in found] == [
+        "e.toml:2",
+        "e.toml:4",
+        "e.toml:5",
+        "e.toml:8",
+        "e.toml:11",
+        "e.toml:13",
+        "e.toml:14",
+    ]
+    assert '"experiment.program" is missing' in found[0]
+    assert 'Did you mean "ticks"?' in found[2]
+
+
+def test_names_are_looked_up_with_the_line_that_names_them(tmp_path: Path) -> None:
+    found = problems(
+        tmp_path,
+        '[experiment]\nlevel = ["01-first-step", "02-open-space"]\nprogram = "frist.l"\n'
+        'ticks = "reference-1"\n',
+    )
+    assert len(found) == 3
+    assert found[0].startswith('e.toml:2: There is no level called "01-first-step"')
+    assert found[1].startswith("e.toml:3: frist.l: there is no such program")
+    assert found[2].startswith('e.toml:4: "ticks" is a number or like')
+
+
+def test_a_constant_a_field_and_a_question_must_exist(tmp_path: Path) -> None:
+    begin = '[experiment]\nlevel = "01-first-steps"\nprogram = "first.l"\n'
+    assert (
+        "Far is not a constant"
+        in problems(tmp_path, begin + '[[vary]]\nconstant = "Far"\nvalues = [1]\n')[0]
+    )
+    assert problems(tmp_path, begin + '[[vary]]\nlevel = "robots.*.batery"\nvalues = [1]\n')
+    (said,) = problems(tmp_path, begin + '[measure]\nnear = {query = "Nearer(x:)"}\n')
+    assert said.startswith("e.toml:5: first.l: ")
+    assert "Nearer" in said
+
+
+def test_what_is_no_toml_is_said_with_its_line(tmp_path: Path) -> None:
+    (said,) = problems(tmp_path, "[experiment]\nlevel = \n")
+    assert said.startswith("e.toml:2: this is not TOML")
+    with pytest.raises(SpecificationError, match="can't be read"):
+        plan_sweep(tmp_path / "missing.toml")
+
+
+def test_what_is_varied_is_crossed_and_cases_are_not(tmp_path: Path) -> None:
+    file = write_experiment(tmp_path, values=[20, 40])
+    with file.open("a") as text:
+        text.write('[[vary]]\nlevel = "robots.*.heading"\nrange = [0, 90, 45]\n')
+        text.write("[[case]]\nconstants = {Near = 55.5}\n")
+    manifest, inputs = plan_sweep(file)
+    settings = [tuple(cell.settings.values()) for cell in manifest.cells]
+    crossed = [(near, heading) for near in (20, 40) for heading in (0, 45, 90)]
+    assert settings == [*crossed, (55.5,)]
+    program = inputs[manifest.cells[-1].program]
+    assert program == FIRST_STEPS.replace("Near() = 40;", "Near() = 55.5;")
+    assert "heading = 45" in inputs[manifest.cells[1].level]
+
+
+def test_a_level_of_the_web_platform_can_be_varied(tmp_path: Path) -> None:
+    theirs = tmp_path / "theirs.json"
+    assert main(["level", "convert", "11-power-line", str(theirs)]) == 0
+    (tmp_path / "first.l").write_text(FIRST_STEPS)
+    file = tmp_path / "e.toml"
+    file.write_text(
+        '[experiment]\nlevel = "theirs.json"\nprogram = "first.l"\nticks = 5\n'
+        '[[vary]]\nlevel = "robots.*.battery_capacity"\nvalues = [7]\n'
+    )
+    manifest, inputs = plan_sweep(file)
+    level = read_level(inputs[manifest.cells[0].level], "theirs")
+    assert [robot.battery_capacity for robot in level.robots] == [7] * len(level.robots)
+
+
+@pytest.mark.parametrize("value", ["60", "-0.5", "true", '"a b"', "[1, 2]"])
+def test_a_constant_is_replaced_in_the_parsed_program(value: str) -> None:
+    text = "# Near() = 1;\nNear() = 1 + \n 2; Text() = 'Near() = 4;';  # Near() = 5;\n"
+    changed = Program.with_constants(text, {"Near": value})
+    assert changed == text.replace("1 + \n 2", f"{value}\n")
+
+
+@pytest.mark.parametrize(
+    "rule", ["Near(x) = 1;", "Near() = x :- x == 1;", "Near() Sum= 1;", "Far() = 1;", "Near(1);"]
+)
+def test_only_a_predicate_without_arguments_and_body_is_a_constant(rule: str) -> None:
+    with pytest.raises(ProgramError, match="Near is not a constant"):
+        Program.with_constants(rule, {"Near": "2"})
+
+
+def test_programs_are_the_same_but_for_comments_and_space() -> None:
+    text = 'A("x  y") = 1;  # remark\nB() :- A( "x  y" );\n'
+    same = '\nA("x  y")   =\n1; B() :-\tA( "x  y" );'
+    assert normalised(text) == normalised(same)
+    assert normalised(text) != normalised(text.replace("x  y", "x y"))
+
+
+def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_text(
+        '[assignment]\nroster = "r.csv"\nshow = ["won", "grade"]\nstarts = 0\n'
+        '[[level]]\nname = "01-first-steps"\npoints = -1\n[late]\nafter = 2026-01-01T00:00:00\n'
+    )
+    with pytest.raises(SpecificationError) as caught:
+        plan_grading(file, tmp_path)
+    lines = [problem.split(": ")[0].removeprefix(f"{file}:") for problem in caught.value.problems]
+    assert lines == ["3", "7", "9"]
+    (tmp_path / "r.csv").write_text("id\n1\n1\n")
+    file.write_text(
+        '[assignment]\nroster = "r.csv"\nstarts = 0\n[[level]]\nname = "01-first-steps"\n'
+        "[points]\nstarts = 1\n"
+    )
+    with pytest.raises(SpecificationError, match=r"a\.toml:7: there are points for starts"):
+        plan_grading(file, tmp_path)

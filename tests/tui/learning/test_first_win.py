@@ -1,0 +1,59 @@
+"""The first win, as a new player comes to it: by the tour, the README and the briefing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game.pace import FLAT_OUT
+from logical_robots_tui.game.source import load_program
+from logical_robots_tui.shipped import shipped_folder
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+LEVEL = "01-first-steps"
+MOST_KEYS = 20
+
+
+def line(game: Opened) -> str:
+    """The line of the program with the cursor."""
+    return game.editor.document.get_line(game.editor.cursor_location[0])
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int]) -> None:
+    file = shipped_folder("levels") / f"{LEVEL}.toml"
+    starter = load_program("first-steps-starter").text
+    pressed: list[str] = []
+
+    async with opened(data_dir, level=file, text=starter, welcome=True, size=size) as game:
+
+        async def press(*keys: str) -> None:
+            pressed.extend(keys)
+            await game.press(*keys)
+
+        await game.ready()
+        await game.until(lambda: game.shows("1 of 4"))
+        await game.press("enter", "enter", "enter", "enter")
+        await game.until(lambda: not game.shows("4 of 4"))
+        game.session.pace.speed = FLAT_OUT
+
+        await press("space")
+        await game.until(lambda: game.shows("Ada is stuck"))
+        await press("r")
+        await game.until(lambda: game.shows("Try first: change"))
+        await press("2")
+        await game.until(lambda: game.editor.has_focus)
+        while not line(game).endswith("forward_distance < 1"):
+            await press("down")
+        await press("end", "backspace", "6", "0", "ctrl+r")
+        await game.until(lambda: "distance < 60" in (game.session.state.applied or ""))
+        await press("escape", "space")
+        await game.until(lambda: game.main.labyrinth.banner.display)
+        assert game.session.won_at is not None
+    assert len(pressed) <= MOST_KEYS, pressed

@@ -1,0 +1,109 @@
+"""Replays on the screen: saved from the timeline, and opened as a course of their own."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.cli.main import main
+from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
+from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.timeline.replays import level_of, source_of
+from logical_robots_tui.world import World, load_level
+from tests.short import AHEAD
+from tests.tui.conftest import STILL, Opened, opened
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+
+@asynccontextmanager
+async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
+    level, source = level_of(replay), source_of(replay, data_dir / "programs")
+    app = LogicalRobotsApp(level, source, data_dir=data_dir, replay=replay)
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        game = Opened(app, pilot, data_dir)
+        await game.ready()
+        yield game
+
+
+async def saved(game: Opened) -> Replay:
+    await game.press("ctrl+p")
+    await game.until(lambda: game.shows("Find a command"))
+    await game.press(*"savearep")
+    await game.until(lambda: game.shows("Save a replay"))
+    await game.press("enter")
+    folder = game.data_dir / "replays"
+    await game.until(lambda: game.shows("bytes)."))
+    (path,) = folder.iterdir()
+    return load_replay(path)
+
+
+async def test_what_the_timeline_holds_is_saved_and_opened_elsewhere(
+    data_dir: Path, short: Path, tmp_path: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.press("n", "n", "n")
+        await game.until(lambda: game.tick == 3)
+        game.session.put("Pip", (30.0, 12.0, 0.5))
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.press("escape", "n", "n")
+        await game.until(lambda: game.tick == 5)
+        assert game.session.game is not None
+        there = [game.session.game.frame_at(tick) for tick in range(6)]
+        await game.press("p")
+        replay = await saved(game)
+    async with played(replay, tmp_path / "elsewhere") as game:
+        await game.until(lambda: game.tick == 5 and not game.session.busy)
+        await game.until(lambda: game.shows("Replay of 5 ticks"))
+        assert game.editor.text == STILL
+        for frame in reversed(there):
+            game.session.go_to(frame.tick)
+            assert game.session.frame == frame
+
+
+async def test_a_victory_in_a_replay_is_nobody_s(
+    data_dir: Path, short: Path, tmp_path: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        game.session.run_until(100)
+        await game.until(lambda: game.session.won_at and not game.session.busy)
+        replay = await saved(game)
+    async with played(replay, tmp_path / "elsewhere") as game:
+        await game.until(lambda: game.shows("Replay of"))
+        assert game.session.won_at == replay.last
+        assert game.main.recorder.record.state != "won"
+        assert not game.shows("again")
+
+
+async def test_before_the_first_tick_there_is_nothing_to_save(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.main.replays.save()
+        await game.until(lambda: game.shows("Run the robots first"))
+        assert not (data_dir / "replays").exists()
+
+
+def test_a_shipped_level_and_program_are_recognised(tmp_path: Path) -> None:
+    path = tmp_path / "a.replay"
+    ticks = ["--ticks", "5", "-o", str(path)]
+    assert main(["replay", "record", "01-first-steps", "first-steps", *ticks]) == 0
+    replay = load_replay(path)
+    assert level_of(replay).source == load_level("01-first-steps").source
+    assert source_of(replay, tmp_path).shipped
+
+
+@pytest.mark.parametrize("name", ["../../etc/passwd", "a\nb", "", "x" * 300, "first-steps"])
+def test_a_program_of_any_name_is_one_of_the_player_s_folder(tmp_path: Path, name: str) -> None:
+    state = World(load_level("01-first-steps")).save()
+    replay = Replay("x", 1, (Stage("", state, "{}", False, ()),), (Text(1, name, STILL),), {})
+    source = source_of(replay, tmp_path)
+    assert source.path.parent == tmp_path
+    assert not source.shipped
+    assert len(source.path.name) < 60
