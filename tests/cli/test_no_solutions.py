@@ -96,7 +96,7 @@ def test_commands_read_no_solution(
 ) -> None:
     told = command(*words, "--no-solutions", "--data-dir", tmp_path / "data")
     assert told.status == 2
-    assert "the solution of a level that you have not won yet" in told.err
+    assert "a solution of a level that you have not won yet" in told.err
     progress.win("01-first-steps", "text")
     told = command("check", "first-steps", "--no-solutions", "--data-dir", tmp_path / "data")
     assert told.status == 0
