@@ -89,7 +89,7 @@ class ClusterEngine:
                 answer = future.result(timeout=_FETCH_SECONDS)
             except TimeoutError:
                 continue  # the worker that has it says nothing: later, or from another worker
-            except (CancelledError, OSError):
+            except (CancelledError, self._dask.comm.CommClosedError):
                 self._lost.append(self._tasks.pop(future))  # the scheduler has lost it
                 continue
             except Exception as error:
