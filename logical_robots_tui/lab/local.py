@@ -91,9 +91,8 @@ class _Worker:
 
     def start(self, key: object, task: Task) -> None:
         self._key, self.task = key, task
-        before = signal.getsignal(signal.SIGINT)
-        if is_main := threading.current_thread() is threading.main_thread():
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a new process inherits that
+        # A new process inherits that keyboard interrupts wait; here they only wait a moment.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             if self._pool is None:
                 spawn = multiprocessing.get_context("spawn")
@@ -104,8 +103,7 @@ class _Worker:
             self.future = Future()
             self.future.set_exception(error)
         finally:
-            if is_main:
-                signal.signal(signal.SIGINT, before)
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
 
     def finish(self) -> tuple[object, Answer]:
