@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from contextlib import contextmanager
+from datetime import timedelta
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -278,34 +279,32 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
         yield lambda: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TextColumn
 
     columns = (
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
-        TextColumn("{task.fields[pace]:.1f} runs/s"),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[failed]}"),
+        TextColumn("{task.fields[rest]}"),
     )
     is_bar = sys.stderr.isatty()
     console = Console(stderr=True, width=None if is_bar else 120)
     with Progress(*columns, console=console, transient=True, disable=not is_bar) as bar:
         title, total = harmless(manifest.title), first.done + first.due
-        task = bar.add_task(title, completed=first.done, total=total, pace=0.0, failed="")
+        task = bar.add_task(title, completed=first.done, total=total, rest="")
         due = began + _LINE_SECONDS
 
         def show() -> None:
             nonlocal due
             tally, now = coordinator.tally(), monotonic()
             pace = (tally.done - first.done) / (now - began)
-            failed = f"{tally.failed:,} failed" if tally.failed else ""
+            rest = f"{pace:.1f} runs/s"
+            rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
+            rest += f", {tally.failed:,} failed" if tally.failed else ""
             done, total = tally.done, tally.done + tally.due
-            bar.update(task, completed=done, total=total, pace=pace, failed=failed)
+            bar.update(task, completed=done, total=total, rest=rest)
             if not is_bar and now >= due:
                 due = now + _LINE_SECONDS
-                left = f"{tally.due / pace:,.0f} s left" if pace else "time left unknown"
-                said = f"{done:,} of {total:,} runs, {pace:.1f} runs/s, {left}"
-                print(said, failed, sep=", " * bool(failed), file=sys.stderr, flush=True)
+                print(f"{done:,} of {total:,} runs, {rest}", file=sys.stderr, flush=True)
 
         yield show

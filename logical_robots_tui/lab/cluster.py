@@ -89,7 +89,7 @@ class ClusterEngine:
                 answer = future.result(timeout=_FETCH_SECONDS)
             except TimeoutError:
                 continue  # the worker that has it says nothing: later, or from another worker
-            except (CancelledError, OSError):
+            except (CancelledError, self._dask.comm.CommClosedError):
                 self._lost.append(self._tasks.pop(future))  # the scheduler has lost it
                 continue
             except Exception as error:
@@ -108,11 +108,10 @@ class ClusterEngine:
     def _connect(self, seconds: float) -> None:
         try:
             self._client = self._dask.Client(self._address, timeout=seconds)
-        except (OSError, ValueError) as error:
-            hint = "Start one with: dask scheduler"
-            raise InputError(
-                f"there is no Dask scheduler: {error}", place=self._address, hint=hint
-            ) from error
+        except (OSError, RuntimeError, TypeError, ValueError) as error:  # the last ones by TLS
+            message = f"there is no Dask scheduler that can be reached: {error}"
+            hint = "Start one with `dask scheduler`, and check the address and the keys."
+            raise InputError(message, place=self._address, hint=hint) from error
 
     def _reconnect(self) -> None:
         """Submit again what the scheduler has lost, once there is one again.

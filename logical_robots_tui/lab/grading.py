@@ -157,7 +157,8 @@ def _level(
 
 def _share(assignment: Assignment, name: str, first: Result, robust: float) -> float:
     """Return the share of a level's points, from 0 to 1."""
-    split, reference = assignment.points, reference_table().get(name)
+    split = assignment.points
+    reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
     won = first.outcome == "won"
     reached = split.won * won + split.starts * robust
     if won and reference is not None:
@@ -187,15 +188,20 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
     """
     grades = grades_of(manifest, ledger)
     show = manifest.assignment["assignment"]["show"]
+    kept = manifest.assignment["late"]["keep"]
     names = _file_names([grade.student.id for grade in grades])
     for grade, name in zip(grades, names, strict=True):
         data = {**msgspec.to_builtins(grade), "title": manifest.title}
         for level in data["levels"]:
             for key in {"won", "ticks", "rules", "distance"} - set(show):
                 del level[key]
+            if "won" not in show:
+                del level["outcome"]
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
-        folder.put(folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show))
+        folder.put(
+            folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show, kept)
+        )
         folder.put(folder.path / f"feedback/{name}.json", _json(data))
         folder.put(folder.path / f"gradescope/{name}.json", _json(_gradescope(grade, show)))
     for old in (*folder.path.glob("feedback/*"), *folder.path.glob("gradescope/*")):
@@ -245,11 +251,13 @@ def _gradebook(grades: list[Grade]) -> Table:
     return Table((*head, *levels, "remarks"), list(rows))
 
 
-def _feedback(title: str, grade: Grade, show: list[str]) -> str:
+def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
     """Return what a student gets to read, in Markdown."""
     student = grade.student
     lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
-    lines[-1] += f"{grade.points:g} of {grade.most:g} points" + ", late" * student.late
+    lines[-1] += f"{grade.points:g} of {grade.most:g} points"
+    if student.late:
+        lines[-1] += f", late: {kept:.0%} of the points count"
     lines += [""] * bool(student.remarks) + [f"- {_markdown(each)}" for each in student.remarks]
     for level in grade.levels:
         points = "not graded yet" if level.points is None else f"{level.points:g}"

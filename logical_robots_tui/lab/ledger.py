@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from contextlib import contextmanager
-from time import time
+from time import monotonic, time
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import msgspec
@@ -22,6 +22,7 @@ ATTEMPTS = 3
 """Attempts after which a run that could not be finished counts as `infrastructure`."""
 
 _VERSION = 1
+_SYNC_SECONDS = 3.0  # after which records are forced onto the disk
 _SCHEMA = """
 CREATE TABLE results(
     job TEXT NOT NULL, engine TEXT NOT NULL, run TEXT NOT NULL UNIQUE, outcome TEXT NOT NULL,
@@ -80,6 +81,7 @@ class Ledger:
 
     def __init__(self, file: Path, engine: str, *, mixed: bool = False) -> None:
         self._file, self._engine, self._mixed = file, engine, mixed
+        self._synced_at = monotonic()
         with self._in_words():
             self._db = sqlite3.connect(file, isolation_level=None)
             try:
@@ -93,7 +95,7 @@ class Ledger:
         if version > _VERSION:
             hint = "Use the version of Logical Robots that wrote it, or another folder."
             raise LedgerError("a newer version wrote this ledger", place=str(self._file), hint=hint)
-        self._db.executescript("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;")
+        self._db.executescript("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
         if version == 0:
             self._db.executescript(f"BEGIN; {_SCHEMA} PRAGMA user_version = {_VERSION}; COMMIT;")
         found = self._db.execute("SELECT DISTINCT engine FROM results").fetchall()
@@ -132,6 +134,8 @@ class Ledger:
         """Record runs, in one transaction; return their outcomes by job.
 
         A run that was recorded before keeps its result; if the second one differs, that is noted.
+        What is recorded survives the death of this process; a power failure may take a few seconds
+        of it, so that many small records a second don't wait for the disk.
         """
         outcomes = {}
         with self._in_words(), self._transaction():
@@ -148,6 +152,10 @@ class Ledger:
                         self._db.execute(sql, (entry.run, first, entry.result))
                 sql = "INSERT INTO times VALUES (?, ?, ?, ?)"
                 self._db.execute(sql, (entry.run, entry.seconds, entry.worker, time()))
+        if monotonic() > self._synced_at + _SYNC_SECONDS:
+            with self._in_words():
+                self._db.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchall()
+            self._synced_at = monotonic()
         return outcomes
 
     def fail(self, job: str, reason: str, worker: str) -> None:

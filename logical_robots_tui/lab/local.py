@@ -9,6 +9,7 @@ import threading
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from multiprocessing import resource_tracker
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -91,9 +92,9 @@ class _Worker:
 
     def start(self, key: object, task: Task) -> None:
         self._key, self.task = key, task
-        before = signal.getsignal(signal.SIGINT)
-        if is_main := threading.current_thread() is threading.main_thread():
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a new process inherits that
+        resource_tracker.ensure_running()  # its start would let interrupts through again
+        # A new process inherits that keyboard interrupts wait; here they only wait a moment.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             if self._pool is None:
                 spawn = multiprocessing.get_context("spawn")
@@ -104,8 +105,7 @@ class _Worker:
             self.future = Future()
             self.future.set_exception(error)
         finally:
-            if is_main:
-                signal.signal(signal.SIGINT, before)
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
 
     def finish(self) -> tuple[object, Answer]:

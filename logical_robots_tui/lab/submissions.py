@@ -60,6 +60,8 @@ class _Submission:
                 self.remarks.append(f"{file.name}: there is no such level in the assignment")
             else:
                 self._read(file, level)
+        if not self.programs and not self.remarks:
+            self.remarks.append(f"there is no program in it; their names end with {SUFFIX}")
 
     def _files(self, folder: Path) -> list[Path]:
         try:

@@ -100,6 +100,7 @@ def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]
     mind.close()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", list_levels())
 def test_no_reference_program_goes_in_circles_on_its_way_to_victory(name: str) -> None:
     level = load_level(name)

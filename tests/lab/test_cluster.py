@@ -145,6 +145,7 @@ def test_a_run_that_ends_every_worker_is_found(
     assert (tally.done, tally.due, tally.failed) == (3, 0, 1)
 
 
+@pytest.mark.slow
 def test_workers_of_another_version_are_refused(
     tmp_path: Path, machines: Cluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -161,3 +162,13 @@ def test_a_scheduler_that_is_not_there_gets_a_sentence(
     told = Command(capsys)("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
     assert told.status == 2
     assert "there is no Dask scheduler" in told.err
+
+
+def test_without_the_extra_a_cluster_says_what_is_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    file = write_experiment(tmp_path)
+    told = Command(capsys)("sweep", file, "-o", tmp_path / "out", "--dask", "tcp://127.0.0.1:9")
+    assert told.status == 2
+    assert "pip install 'logical-robots-tui[dask]'" in told.err

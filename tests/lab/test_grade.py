@@ -73,6 +73,7 @@ def grades(tmp_path_factory: pytest.TempPathFactory) -> Path:
         b"eve.l": ENDLESS,
         HOSTILE + b"/01-first-steps.l": "\n\n# mine\n" + MISTAKE,
         HOSTILE + b"/readme.txt": "not a program",
+        b"yan/first-steps.txt": right,
         b"zoe/01-first-steps.l": "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, "
         'memory: "") :- Sensor(robot_name:);',
     }
@@ -108,9 +109,10 @@ def test_the_gradebook_has_the_points_of_everybody(exported: Path) -> None:
     book = {row["id"]: row for row in rows(exported / "gradebook.csv")}
     points = {name: float(row["points"]) for name, row in book.items()}
     hostile = next(name for name in book if "cmd" in name)
-    assert points == {"1": 15, "2": 5, "3": 0, "4": 0, "eve": 0, hostile: 0, "zoe": 0}
+    assert points == {"1": 15, "2": 5, "3": 0, "4": 0, "eve": 0, hostile: 0, "yan": 0, "zoe": 0}
     assert (book["2"]["late"], book["2"]["01-first-steps"]) == ("true", "10.0")
     assert book["4"]["remarks"] == "nothing was submitted"
+    assert "there is no program in it" in book["yan"]["remarks"]
     assert "it is a link" in book["zoe"]["remarks"]
     assert all(row["ungraded"] == "0" for row in book.values())
 
@@ -165,6 +167,8 @@ def test_students_read_what_they_may_see(exported: Path) -> None:
     data = json.loads((exported / "feedback/1.json").read_text("utf-8"))
     assert "ticks" not in data["levels"][0]
     assert data["points"] == 15
+    ben = (exported / "feedback/2.md").read_text("utf-8")
+    assert "5 of 15 points, late: 50% of the points count" in ben
     eve = (exported / "feedback/eve.md").read_text("utf-8")
     assert "thinking took more than 1,000,000 steps" in eve
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import multiprocessing
 import os
 import re
 import signal
@@ -100,6 +101,31 @@ def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
     table = (folder.path / "runs.csv").read_text("utf-8")
     assert table.count(",infrastructure,") == 2
     assert table.count("its worker process died") == 2
+
+
+@pytest.mark.slow
+def test_a_worker_that_says_nothing_is_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(local, "_GRACE", 0.0)
+    file = write_experiment(tmp_path, values=(20, 40), starts=1, ticks=60)
+    file.write_text(file.read_text() + "[limits]\nseconds = 2\n")
+    folder = Folder(tmp_path / "out")
+    stopped: list[int] = []
+
+    def stop_the_worker() -> None:
+        if not stopped and recorded(folder.path) > 0:
+            stopped.extend(each.pid or 0 for each in multiprocessing.active_children())
+            for pid in stopped:
+                os.kill(pid, signal.SIGSTOP)
+
+    engine = LocalEngine(1)
+    with folder.locked(), folder.ledger() as ledger:
+        coordinator = Coordinator(folder, folder.write(*plan_sweep(file)), ledger)
+        coordinator.work(engine, lambda: False, stop_the_worker)
+        assert stopped
+        assert coordinator.tally().is_complete
+    engine.close()
 
 
 def test_the_command_of_a_row_replays_that_very_run(tmp_path: Path, command: Command) -> None:

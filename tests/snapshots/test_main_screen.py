@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,21 +20,60 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).parent
 STEPS = 20
+LOOKS = {
+    "light": {},
+    "16-colours": {"TERM": "xterm", "COLORTERM": ""},
+    "no-colours": {"NO_COLOR": "1"},
+}
 
 
-@pytest.fixture(params=[(80, 24), (120, 40)], ids=["80x24", "120x40"])
-def game(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
-    """The game at tick 0 in a terminal with all colours."""
+@contextmanager
+def opened(folder: Path, size: tuple[int, int], look: str = "") -> Iterator[Terminal]:
+    """The game at tick 0, by default in a terminal with all colours."""
+    config = folder / "config" / "logical-robots"
+    config.mkdir(parents=True)
+    if look == "light":
+        (config / "config.toml").write_text('theme = "textual-light"\n', encoding="utf-8")
     level, program = HERE / "snapshot.toml", HERE / "snapshot.l"
     command = [sys.executable, "-m", "logical_robots_tui", "play", level, program]
-    with Terminal([*command, "--data-dir", tmp_path], size=request.param) as terminal:
+    env = {"XDG_CONFIG_HOME": str(config.parent)} | LOOKS.get(look, {})
+    with Terminal([*command, "--data-dir", folder], size=size, env=env) as terminal:
         terminal.wait_for("tick 0")
         terminal.wait_for("· applied")
         yield terminal
 
 
+@pytest.fixture(params=[(80, 24), (120, 40)], ids=["80x24", "120x40"])
+def game(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
+    with opened(tmp_path, request.param) as terminal:
+        yield terminal
+
+
 def test_at_the_start(game: Terminal, pytestconfig: pytest.Config) -> None:
     assert_looks_like("start", game, pytestconfig)
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_in_other_colours(look: str, tmp_path: Path, pytestconfig: pytest.Config) -> None:
+    with opened(tmp_path, (80, 24), look) as game:
+        assert_looks_like(f"start-{look}", game, pytestconfig)
+        game.send("M")
+        game.wait_for("editing")
+        assert_looks_like(f"editor-{look}", game, pytestconfig)
+
+
+def test_the_level_editor(game: Terminal, pytestconfig: pytest.Config) -> None:
+    game.send("M")
+    game.wait_for("editing")
+    assert_looks_like("editor", game, pytestconfig)
+
+
+def test_a_wide_inspector(tmp_path: Path, pytestconfig: pytest.Config) -> None:
+    with opened(tmp_path, (160, 30)) as game:
+        game.send("n")
+        game.wait_for("tick 1 ")
+        game.wait_for("Decision of Ada")
+        assert_looks_like("inspector", game, pytestconfig)
 
 
 def test_after_some_steps(game: Terminal, pytestconfig: pytest.Config) -> None:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import RobotState
 
-__all__ = ["ROUNDS", "Rounds"]
+__all__ = ["ROUNDS", "Rounds", "last_rounds"]
 
 ROUNDS = 3
 """How often in a row a robot that goes round in circles has gone the same way."""
@@ -44,11 +44,7 @@ class Rounds:
         found = 0
         self._tick += 1
         for index, robot in enumerate(robots):
-            place = (
-                robot.x // _CELL,
-                robot.y // _CELL,
-                robot.angle % math.tau * _SECTORS // math.tau,
-            )
+            place = _place_of(robot)
             trace = self._traces.get(robot.name)
             if trace is None:
                 trace = self._traces[robot.name] = _Trace()
@@ -57,7 +53,33 @@ class Rounds:
         return found
 
 
+def last_rounds(path: Sequence[RobotState]) -> tuple[int, int] | None:
+    """Return index and period of the rounds in which a path ends, or None if it ends otherwise.
+
+    Args:
+        path: One robot at the end of each tick.
+    """
+    trace = _Trace()
+    for tick, robot in enumerate(path):
+        if (place := _place_of(robot)) != trace.place:
+            trace.enter(place, tick)
+    end = len(path) - 1
+    if trace.place is None or not trace.goes_round(end):
+        return None
+    if end - trace.seen[trace.place] > trace.period:
+        return None  # it has stopped since
+    return max(trace.since - trace.period, 0), trace.period
+
+
 _Place = tuple[float, float, float]
+
+
+def _place_of(robot: RobotState) -> _Place:
+    return (
+        robot.x // _CELL,
+        robot.y // _CELL,
+        robot.angle % math.tau * _SECTORS // math.tau,
+    )
 
 
 class _Trace:
@@ -97,11 +119,16 @@ class _Trace:
             if not self.period or self.misses > _MISSES:
                 self.period, self.since, self.hits, self.misses = lag, tick, 0, 0
                 self.is_told = self.is_told and lag > 0
-        return self._is_to_be_told(tick - self.since)
-
-    def _is_to_be_told(self, ticks: int) -> bool:
-        again = ROUNDS - 1
-        if self.is_told or not self.period or ticks < max(again * self.period, _SOONEST):
+        if self.is_told or not self.goes_round(tick):
             return False
-        self.is_told = self.hits >= again * _FEWEST
-        return self.is_told
+        self.is_told = True
+        return True
+
+    def goes_round(self, tick: int) -> bool:
+        """Return whether there were enough rounds up to a tick."""
+        again = ROUNDS - 1
+        return (
+            self.period > 0
+            and tick - self.since >= max(again * self.period, _SOONEST)
+            and self.hits >= again * _FEWEST
+        )

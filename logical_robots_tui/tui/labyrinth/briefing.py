@@ -49,16 +49,17 @@ class Briefing(Overlay):
     def tell(self, level: Level) -> None:
         """Show the briefing of a level, if it has one."""
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
-        title = (f"{one_line(level.title)}\n", f"bold {INK.title}")
+        title = (one_line(level.title), f"bold {INK.title}")
+        goals = "".join(f"   ☆ {goal.words}" for goal in level.second_goals)
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:
             offers["hint"] = "gives a hint"
         if level.lesson:
             offers["lesson"] = "lesson"
         keys = [f"{command(name).key_name} {said}" for name, said in offers.items()]
-        halves = "\n".join("   ".join(keys[i : i + 2]) for i in range(0, len(keys), 2))
+        halves = "\n".join("  ".join(keys[i : i + 2]) for i in range(0, len(keys), 2))
         self._as_written, self._flowing = (
-            Content.assemble(title, (f"{words}\n", INK.text), (said, INK.dim))
+            Content.assemble(title, (f"{goals}\n{words}\n", INK.text), (said, INK.dim))
             for words, said in ((text, "   ".join(keys)), (_FOLDED.sub(" ", text), halves))
         )
         self._level, self._place = level if text else None, None
@@ -108,11 +109,11 @@ def least_covering(
     """
     needed = as_written.get_optimal_width({}, viewport.columns)
     spots = []
-    for width in range(needed, needed // 2 - 1, -max(needed // 8, 1)):
+    for width in range(needed, needed // 3, -max(needed // 12, 1)):
         content = as_written if width == needed <= viewport.columns - _EDGES else flowing
         inner = max(min(width, viewport.columns - _EDGES), 1)
         height = content.get_height({}, inner) + 2
-        most = min(height, max(viewport.rows * 3 // 4, 3))
+        most = min(height, viewport.rows)
         right = max(viewport.columns - inner - _EDGES, 0)
         bottom = max(viewport.rows - most, 0)
         spots += [

@@ -62,7 +62,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
         width: 90%; max-width: 96; height: auto; max-height: 90%; padding: 0 1;
         border: round $frame-here; border-title-color: $ink-title; background: $surface;
     }
-    Dialog #complaint { color: $error; height: auto; max-height: 6; display: none; }
+    Dialog #complaint { color: $ink-bad; height: auto; max-height: 6; display: none; }
     Dialog #keys { color: $ink-dim; height: 1; margin-top: 1; text-wrap: nowrap; }
     Dialog Input {
         border: none; height: 1; padding: 0 1; background: $panel; margin-bottom: 1;

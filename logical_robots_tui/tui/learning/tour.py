@@ -79,7 +79,7 @@ class Tour(Static, can_focus=True):
     DEFAULT_CSS = """
     Tour {
         layer: tour; position: absolute; width: 46; height: auto; padding: 0 1;
-        border: heavy $warning; border-title-color: $warning; background: $panel;
+        border: heavy $warning; border-title-color: $ink-warn; background: $panel;
     }
     """
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [

@@ -85,3 +85,23 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
         game.session.run_until(first + 20)
         await game.until(lambda: game.tick == first + 20)
         assert [mark.kind for mark in history.marks.at(first)].count("stuck") == 1
+
+
+async def test_a_robot_that_goes_round_in_circles_is_told_and_marked(
+    data_dir: Path, short: Path
+) -> None:
+    turning = STILL.replace("left_engine: 0.0", "left_engine: 0.5")
+    async with opened(data_dir, level=short, text=turning) as game:
+        await game.ready()
+        game.session.run_until(900)
+        await game.until(lambda: game.shows("Pip goes round in circles: 3 times the same way."))
+        await game.until(lambda: game.tick == 900)
+        await game.press("left_curly_bracket")
+        await game.until(lambda: game.shows("↻ Pip goes in circles"))
+        history, first = game.session.history, game.tick
+        assert history is not None
+        await game.write(turning.replace("memory: 1", "memory: 2"))
+        await game.until(lambda: "memory: 2" in (game.session.state.applied or ""))
+        game.session.run_until(first + 50)
+        await game.until(lambda: game.tick == first + 50)
+        assert not history.marks.has("circling", first + 1, first + 50), "it has only begun"

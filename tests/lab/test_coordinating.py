@@ -1,0 +1,108 @@
+"""The coordinator: whatever fails and in whatever order answers come, the ledger ends the same."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.exporting import done_runs
+from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
+from logical_robots_tui.lab.running import Answer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from logical_robots_tui.lab.running import Task
+
+
+class Whimsical:
+    """An engine whose workers die, are late, and give back what they like, but not for ever."""
+
+    slots = 3
+
+    def __init__(self, seed: int) -> None:
+        self._chance = random.Random(seed)
+        self._tasks: list[tuple[object, Task]] = []
+        self.failures: Counter[str] = Counter()
+        self.executions: Counter[tuple[str, int]] = Counter()
+
+    @property
+    def free(self) -> int:
+        return self.slots - len(self._tasks)
+
+    def submit(self, key: object, task: Task) -> None:
+        assert self.free
+        assert task.starts
+        self._tasks.append((key, task))
+
+    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+        self._chance.shuffle(self._tasks)
+        key, task = self._tasks.pop()
+        fails = self.failures[task.program] < 2 and self._chance.random() < 0.6
+        some = task.starts[: self._chance.randint(not fails, len(task.starts))]
+        done = []
+        for start in some:
+            self.executions[task.program, start] += 1
+            done.append((start, result(task.program, start), 0.1))
+            if start == 0 and task.given_first and '"won"' not in done[-1][1]:
+                yield key, Answer(tuple(done), "w")
+                return
+        if fails and len(done) < len(task.starts):
+            self.failures[task.program] += 1
+            dies = self._chance.random() < 0.5
+            yield key, Answer(() if dies else tuple(done), "" if dies else "w", "it failed")
+            return
+        yield key, Answer(tuple(done), "w")
+
+    def close(self, *, at_once: bool = False) -> None:
+        """Nothing to end."""
+
+
+def result(program: str, start: int) -> str:
+    """What comes of a run; the program says whether it wins from the given start."""
+    if program.startswith("broken"):
+        return '{"outcome":"does not compile"}'
+    won = start != 4 and (start > 0 or not program.startswith("loses"))
+    return '{"outcome":"won","ticks":7}' if won else '{"outcome":"out of ticks","ticks":9}'
+
+
+def manifest_for(folder: Folder, *, given_first: bool) -> Manifest:
+    texts = ["wins a", "wins b", "loses", "broken", "broken  ", "wins c", "wins  c"]
+    cells = []
+    for text in texts:
+        run = " ".join(text.split())
+        own = "" if run == text else digest(text)
+        names = (digest("level"), digest(run), "level", text)
+        cells.append(Cell(*names, 10, student=text, own=own))
+    plan = Manifest("sweep", "t", "", 6, given_first, ("won",), (), 1, 1.0, tuple(cells))
+    return folder.write(plan, {digest(text): text for text in [*texts, "level"]})
+
+
+@pytest.mark.parametrize("given_first", [True, False])
+@pytest.mark.parametrize("seed", range(12))
+def test_the_ledger_ends_the_same(tmp_path: Path, seed: int, *, given_first: bool) -> None:
+    folder, engine = Folder(tmp_path), Whimsical(seed)
+    with folder.locked(), folder.ledger() as ledger:
+        manifest = manifest_for(folder, given_first=given_first)
+        coordinator = Coordinator(folder, manifest, ledger)
+        coordinator.work(engine, lambda: False, lambda: None)
+        tally = coordinator.tally()
+        assert tally.is_complete
+        found = Counter(
+            (done.cell.program_name, done.result.outcome) for done in done_runs(manifest, ledger)
+        )
+        wins = {(name, "won"): 6 for name in ("wins a", "wins b", "wins c", "wins  c")}
+        lost = {(name, "out of ticks"): 1 for name, _ in wins}
+        loser = {("loses", "out of ticks"): 1 if given_first else 2}
+        loser |= {} if given_first else {("loses", "won"): 5}
+        broken = {(name, "does not compile"): 1 for name in ("broken", "broken  ")}
+        assert found == Counter(wins | lost | loser | broken)
+        assert ("wins  c", 0) not in engine.executions  # the same program runs once
+        assert ("broken  ", 0) in engine.executions  # but its mistakes are its own
+        fresh = Coordinator(folder, manifest, ledger)
+        assert fresh.tally().is_complete
