@@ -83,7 +83,7 @@ def _experiment(folder: Path, starts: int, ticks: int) -> Path:
 
 
 def _seconds(plan: tuple[Manifest, dict[str, str]], out: Path, workers: int) -> float:
-    """Return the seconds of all runs, with worker processes that run already."""
+    """Return the seconds of all runs, with the start of the worker processes."""
     folder, engine = Folder(out), LocalEngine(workers)
     with folder.locked(), folder.ledger() as ledger:
         manifest = folder.write(*plan)
@@ -97,8 +97,8 @@ def _seconds(plan: tuple[Manifest, dict[str, str]], out: Path, workers: int) -> 
 
 
 def _workers(effort: Effort) -> Iterator[Measurement]:
-    """Compare two workers with one, on work that takes a worker most of a minute."""
-    starts, ticks = (7, 200) if effort.is_quick else (63, 1_500)
+    """Compare two workers with one, on work that takes one worker about a minute."""
+    starts, ticks = (7, 200) if effort.is_quick else (127, 1_500)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         plan = plan_sweep(_experiment(folder, starts, ticks))

@@ -74,6 +74,8 @@ def _lesson(level: Level) -> Iterator[str]:
         f"{number}. {escape(hint, quote=False)}" for number, hint in enumerate(level.hints, 1)
     )
     yield "\n</details>\n"
+    goals = "; ".join(goal.words for goal in level.second_goals)
+    yield f"**Second goals.** {goals.capitalize()}.\n"
     yield f"**Further.** {level.further.strip()}\n"
 
 

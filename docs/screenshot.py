@@ -14,8 +14,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.game import reference_for
 from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.world import list_levels, load_level
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -81,9 +82,9 @@ def draw_levels() -> None:
     """Win some levels, begin another, and draw the level screen."""
     with tempfile.TemporaryDirectory() as data_dir:
         progress = Progress(Path(data_dir) / FILE_NAME)
-        *won, begun = list(reference_table())[:5]
+        *won, begun = list_levels()[:5]
         for level in won:
-            progress.win(level, level, reference_table()[level])
+            progress.win(level, level, reference_for(load_level(level)))
         progress.begin(begun)
         progress.close()
         game = [sys.executable, "-m", "logical_robots_tui", "play", begun]

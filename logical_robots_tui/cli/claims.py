@@ -28,6 +28,7 @@ class _Victory(msgspec.Struct):
     distance: Annotated[float, msgspec.Meta(ge=0)]
     wins: _Count | None = None
     starts: _Count = 0
+    goals: tuple[str, ...] = ()
 
 
 class _Level(msgspec.Struct):

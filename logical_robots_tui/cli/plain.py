@@ -132,7 +132,8 @@ class _TextGame:
 
     async def play(self) -> int:
         """Read and execute commands until the player leaves."""
-        _say(self._level.title, *self._level.briefing.strip().splitlines(), *self._places())
+        _say(self._level.title, *self._level.briefing.strip().splitlines())
+        _say(*(f"Second goal: {goal.words}." for goal in self._level.second_goals), *self._places())
         _say("Type help for the commands.")
         try:
             while line := await asyncio.to_thread(sys.stdin.readline):
@@ -232,7 +233,7 @@ class _TextGame:
     def _keep(self, victory: Victory) -> None:
         keep_victory(self._progress, self._key, victory)
         if victory.verdict == "reference":
-            _say("Won by the reference program: not counted.")
+            _say("Won by a reference program: not counted.")
         elif victory.refusal:
             _say(victory.refusal)
         elif self._progress.is_kept:
@@ -241,6 +242,7 @@ class _TextGame:
             _say("The victory only counts until you leave: nothing can be saved on this disk.")
         if victory.verdict == "counts" and victory.measures is not None:
             _say(result_line(victory.level, victory.measures))
+            _say(*(f"Second goal reached: {goal}." for goal in victory.measures.goals))
 
     def _places(self) -> Iterator[str]:
         frame = self._game.frame

@@ -32,7 +32,7 @@ FORMAT = 1
 """The version of the exported document."""
 
 CONFIRMED, NOT_CONFIRMED = 0, 1
-CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts")
+CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
 
 EPILOG = """\
 examples:
@@ -94,10 +94,10 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
         table = csv.writer(sys.stdout, lineterminator="\n")
         table.writerow(["level", *CELLS])
         for level, record in records.items():
-            cells = (record.state, record.hints, *record.bests)
+            cells = (record.state, record.hints, *record.bests[:-1], "; ".join(record.bests.goals))
             table.writerow([level, *("" if cell is None else cell for cell in cells)])
     else:
-        head = ("LEVEL", "STATE", "HINTS", "TICKS", "RULES", "DISTANCE", "ROBUST")
+        head = ("LEVEL", "STATE", "HINTS", "TICKS", "RULES", "DISTANCE", "ROBUST", "GOALS")
         rows = [(level, *_row(record)) for level, record in records.items()]
         print(*columns([head, *rows]), sep="\n")
 
@@ -116,7 +116,8 @@ def _row(record: LevelRecord) -> tuple[str, ...]:
     distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
     numbers = (bests.ticks, bests.rules)
     shown = ("" if number is None else str(number) for number in numbers)
-    return record.state, str(record.hints or ""), *shown, distance, robust
+    goals = str(len(bests.goals) or "")
+    return record.state, str(record.hints or ""), *shown, distance, robust, goals
 
 
 def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:
@@ -140,7 +141,7 @@ def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, A
 
 
 def _is_best(found: Measures, bests: Bests) -> bool:
-    return any(
+    return bool(found.goals) or any(
         mine is not None and mine == best for mine, best in zip(found[:4], bests[:4], strict=True)
     )
 
@@ -204,7 +205,7 @@ async def _played_again(level: str, text: str) -> Measures | str:
         return "neither a shipped level nor a labyrinth of the day"
     where = load_level(level)
     if is_reference(where, text):
-        return "this is the reference program"
+        return "this is a reference program"
     try:
         found = await measure(where, Program.compile(text), None)
     except ProgramError as error:
@@ -219,8 +220,11 @@ def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
         mine, theirs = getattr(claimed, name), getattr(found, name)
         if not math.isclose(mine, theirs, rel_tol=1e-6):
             yield f"{name}: {mine:,.10g} claimed, {theirs:,.10g} found"
-    if claimed.wins is not None and claimed[3:] != found[3:]:
+    if claimed.wins is not None and claimed[3:5] != found[3:5]:
         yield f"robust: {claimed.wins} of {claimed.starts} claimed, {found.wins} found"
+    for goal in claimed.goals:
+        if goal not in found.goals:
+            yield f'"{goal}" claimed, not reached'
 
 
 def _line(verdict: Verdict) -> str:

@@ -67,7 +67,10 @@ def toml_text(key: str, value: object) -> str:
     return tomlkit.item(value).as_string()
 
 
-_WORDS = ("idea", "briefing", "hints", "lesson", "further", "starter", "solution", "shared_names")
+_WORDS = (
+    *("idea", "briefing", "hints", "lesson", "further", "starter", "solution", "shared_names"),
+    "second_goals",
+)
 _SEEN = Visibility(memory="all", sensor="all")
 
 

@@ -39,7 +39,7 @@ def record_of(thing: Thing) -> Record:
 
 
 def words_of(level: Level) -> Record:
-    """Return the record of a level's texts, visibility and shared names."""
+    """Return the record of a level's texts, visibility, shared names and second goals."""
     record: Record = {
         "title": level.title,
         "idea": level.idea,
@@ -47,6 +47,7 @@ def words_of(level: Level) -> Record:
         "solution": level.solution,
         "visibility": {"memory": level.visibility.memory, "sensor": level.visibility.sensor},
         "shared_names": list(level.shared_names),
+        "second_goals": [goal.words for goal in level.second_goals],
         "briefing": level.briefing,
         "hints": list(level.hints),
         "lesson": level.lesson,

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
-from logical_robots_tui.game.victory import count_rules
+from logical_robots_tui.game.victory import measures_of
 from logical_robots_tui.progress import Measures
 
 if TYPE_CHECKING:
@@ -149,7 +149,8 @@ class _Work:
             elif told["late"]:
                 raise MeasuringError
             else:
-                return Measures(**told["measures"]) if told["measures"] else None
+                found = told["measures"]
+                return Measures(**found)._replace(goals=tuple(found["goals"])) if found else None
         raise MeasuringError
 
 
@@ -179,12 +180,12 @@ def _measured(level: Level, program: Program, known: Measures | None) -> Measure
         played = play_through(level, program, 2 * MOST_TICKS)
         if played.won_at is None:
             return None
-        known = Measures(played.won_at, count_rules(program.text), played.distance)
+        known = measures_of(level, program, played.won_at, played.distance, played.is_blocked)
     patience = patience_for(known.ticks)
     wins = try_starts(
         level, program, patience, report=lambda tried, won: _say(tried=tried, wins=won)
     )
-    return Measures(known.ticks, known.rules, known.distance, wins, STARTS)
+    return known._replace(wins=wins, starts=STARTS)
 
 
 def _say(**what: object) -> None:

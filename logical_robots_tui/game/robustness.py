@@ -52,11 +52,13 @@ class Played:
         won_at: The tick of victory, or None.
         distance: Map units driven by all robots together.
         ticks: The last tick.
+        is_blocked: Whether a robot was blocked in any tick.
     """
 
     won_at: int | None
     distance: float
     ticks: int = 0
+    is_blocked: bool = False
 
 
 class Thought(NamedTuple):
@@ -134,7 +136,7 @@ def play_through(
     seen = level.visibility
     mind = Mind(program, memory=seen.memory, sensor=seen.sensor, limits=limits, frozen=True)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
-    distance = 0.0
+    distance, is_blocked = 0.0, False
     try:
         before = world.save()
         while world.tick < patience and world.won_at is None:
@@ -145,12 +147,13 @@ def play_through(
             world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
             before, after = world.save(), before
             distance += driven(after, before)
+            is_blocked = is_blocked or any(robot.blocked for robot in before.robots)
             if is_over is not None and is_over(Thought(mind, rows, memories, decisions, before)):
                 break
             memories = {d.robot_name: d.memory for d in decisions}
     finally:
         mind.close()
-    return Played(world.won_at, distance, world.tick)
+    return Played(world.won_at, distance, world.tick, is_blocked)
 
 
 def try_starts(

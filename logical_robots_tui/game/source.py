@@ -33,6 +33,7 @@ __all__ = [
     "list_programs",
     "load_program",
     "mistake_in_question",
+    "reference_names",
     "save_program",
     "shipped_texts",
     "target",
@@ -88,10 +89,32 @@ def is_hidden(name: str) -> bool:
 
 @lru_cache(maxsize=1)
 def _solved_levels() -> Mapping[str, str]:
-    """Return the level that each solution is for, by name."""
+    """Return the level that each reference program is for, by name."""
     from logical_robots_tui.world import list_levels, load_level  # loads numpy
 
-    return {load_level(name).solution: name for name in list_levels()}
+    return {
+        program: name
+        for name in list_levels()
+        for program in reference_names(load_level(name).solution)
+    }
+
+
+def reference_names(solution: str) -> list[str]:
+    """Return the names of the programs that a level's results are compared with.
+
+    Args:
+        solution: The level's solution, which is the first; "" for none.
+    """
+    if not solution:
+        return []
+    files = _folders()[1].glob(f"{solution}-*{SUFFIX}")
+    return [solution, *sorted(file.stem for file in files)]
+
+
+def _folders() -> tuple[Path, Path]:
+    """Return the folders of the shipped programs: those in the list, and the other references."""
+    folder = shipped_folder("programs")
+    return folder, folder / "references"
 
 
 def load_program(
@@ -115,7 +138,7 @@ def load_program(
     except OSError as error:
         raise InputError(f"can't be read: {error.strerror or error}", place=str(path)) from error
     if path.name == str(path_or_name):
-        for folder in (own, shipped_folder("programs")):
+        for folder in (own, *_folders()):
             if folder is not None and is_file(found := folder / f"{path.name}{SUFFIX}"):
                 return _read(found)
     known = list_programs(own)
@@ -129,10 +152,8 @@ def load_program(
 @lru_cache(maxsize=1)
 def shipped_texts() -> Mapping[str, str]:
     """Return the texts of the shipped programs by name."""
-    folder = shipped_folder("programs")
-    return {
-        name: _text_of(folder / f"{name}{SUFFIX}") for name in shipped_names("programs", SUFFIX)
-    }
+    files = [file for folder in _folders() for file in sorted(folder.glob(f"*{SUFFIX}"))]
+    return {file.stem: _text_of(file) for file in files}
 
 
 def save_program(path: Path, text: str) -> None:
@@ -154,10 +175,10 @@ def save_program(path: Path, text: str) -> None:
 
 def _read(path: Path, *, pipes: bool = False) -> Source:
     file = real(path)
-    shipped = file.parent == shipped_folder("programs").resolve()
+    shipped = file.parent in [folder.resolve() for folder in _folders()]
     if shipped and is_hidden(file.stem):
         raise InputError(
-            "is the solution of a level that you have not won yet",
+            "is a solution of a level that you have not won yet",
             place=path.stem,
             hint=f"Win {_solved_levels()[file.stem]}, and you can read it.",
         )

@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-from logical_robots_tui.game.source import shipped_texts
+from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import alike
@@ -31,14 +31,16 @@ __all__ = [
     "is_shipped",
     "keep_victory",
     "level_key",
+    "measures_of",
     "reference_for",
     "reference_table",
+    "references_for",
     "result_line",
     "victory_of",
 ]
 
 FILE_NAME = "reference.csv"
-FIELDS = ("level", "ticks", "rules", "distance", "wins", "starts")
+FIELDS = ("level", "program", "ticks", "rules", "distance", "wins", "starts", "goals")
 
 
 def is_shipped(level: Level) -> bool:
@@ -53,21 +55,29 @@ def level_key(level: Level) -> str:
     return level.name if is_shipped(level) else str(Path(level.source or level.name).absolute())
 
 
+def references_for(level: Level) -> Mapping[str, Measures]:
+    """Return the measures of a level's reference programs by name, its solution first."""
+    return reference_table().get(level.name, {}) if is_shipped(level) else {}
+
+
 def reference_for(level: Level) -> Measures | None:
-    """Return the measures of a level's reference program, or None if there is none."""
-    return reference_table().get(level.name) if is_shipped(level) else None
+    """Return the measures of a level's solution, or None if there is none."""
+    return references_for(level).get(level.solution)
 
 
 @lru_cache(maxsize=1)
-def reference_table() -> Mapping[str, Measures]:
-    """Return the measures of all reference programs by level name."""
+def reference_table() -> Mapping[str, Mapping[str, Measures]]:
+    """Return the measures of all reference programs by level and name, solutions first."""
     import csv  # takes time that the first picture needs
 
+    table: dict[str, dict[str, Measures]] = {}
     try:
         with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
-            return {row["level"]: _measures(row) for row in csv.DictReader(file)}
+            for row in csv.DictReader(file):
+                table.setdefault(row["level"], {})[row["program"]] = _measures(row)
     except FileNotFoundError:
         return {}
+    return table
 
 
 def _measures(row: dict[str, str]) -> Measures:
@@ -77,6 +87,7 @@ def _measures(row: dict[str, str]) -> Measures:
         float(row["distance"]),
         int(row["wins"]),
         int(row["starts"]),
+        tuple(filter(None, row["goals"].split("; "))),
     )
 
 
@@ -107,7 +118,7 @@ class Victory(NamedTuple):
         level: The level as in its file.
         program: The robots' program at the end.
         tick: The tick of victory.
-        verdict: ``counts``; won by the ``reference`` program; or not saved, because a time limit
+        verdict: ``counts``; won by a ``reference`` program; or not saved, because a time limit
             (``clock``) ended a thought or the level was ``edited``.
         measures: Its measures; None if other programs decided earlier ticks.
     """
@@ -143,13 +154,39 @@ def victory_of(game: Game, level: Level) -> Victory | None:
         verdict = "reference"
     measures = None
     if history.is_all_by(program.text, tick):
-        measures = Measures(tick, count_rules(program.text), history.driven(tick))
+        is_blocked = history.is_blocked_up_to(tick)
+        measures = measures_of(level, program, tick, history.driven(tick), is_blocked)
     return Victory(level, program, tick, verdict, measures)
 
 
+def measures_of(
+    level: Level, program: Program, ticks: int, distance: float, is_blocked: bool
+) -> Measures:
+    """Return the measures of a victory from the given start.
+
+    Args:
+        level: The level.
+        program: The program that decided all ticks.
+        ticks: The tick of victory.
+        distance: Map units driven by all robots together.
+        is_blocked: Whether a robot was blocked in any tick.
+    """
+    rules = count_rules(program.text)
+    mentions = sum(used.count("Memory") for used in program.uses.values())
+    found = {
+        "tick": ticks,
+        "rule": rules,
+        "unit": round(distance),
+        "blocked": int(is_blocked),
+        "memory": mentions,
+    }
+    reached = (goal.words for goal in level.second_goals if found[goal.kind] <= goal.most)
+    return Measures(ticks, rules, distance, goals=tuple(reached))
+
+
 def is_reference(level: Level, text: str) -> bool:
-    """Return whether a program is the reference program of a level."""
-    return bool(level.solution) and text == shipped_texts().get(level.solution)
+    """Return whether a program is one of a level's reference programs."""
+    return any(text == shipped_texts().get(name) for name in reference_names(level.solution))
 
 
 def is_by_the_book(history: History, level: Level, tick: int) -> bool:

@@ -9,6 +9,7 @@ import threading
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from multiprocessing import resource_tracker
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -91,6 +92,7 @@ class _Worker:
 
     def start(self, key: object, task: Task) -> None:
         self._key, self.task = key, task
+        resource_tracker.ensure_running()  # its start would let interrupts through again
         # A new process inherits that keyboard interrupts wait; here they only wait a moment.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:

@@ -37,6 +37,8 @@ SELECT wins, starts FROM version WHERE level = ? AND wins NOT NULL
 ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1
 """
 
+_GOALS = "SELECT DISTINCT goals FROM version WHERE level = ? AND goals <> ''"
+
 _KEEP = """
 INSERT INTO version (level, digest, text, turn, kept)
 VALUES (?1, ?2, ?3, (SELECT coalesce(max(turn), 0) + 1 FROM version), ?4)
@@ -55,6 +57,8 @@ AND number NOT IN (SELECT * FROM (
 AND number NOT IN (SELECT * FROM (
     SELECT number FROM version WHERE level = ?1 AND wins NOT NULL
     ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1))
+AND number NOT IN (SELECT * FROM (
+    SELECT max(number) FROM version WHERE level = ?1 AND goals <> '' GROUP BY goals))
 """
 
 
@@ -91,7 +95,10 @@ class Progress:
                 _RECORD, (level,)
             ).fetchone()
             wins, starts = connection.execute(_MOST_WINS, (level,)).fetchone() or (None, 0)
-            bests = Bests(ticks, rules, distance, wins, starts)
+            reached = {
+                goal for (goals,) in connection.execute(_GOALS, (level,)) for goal in _split(goals)
+            }
+            bests = Bests(ticks, rules, distance, wins, starts, tuple(sorted(reached)))
             state: State = "won" if won else "in work" if begun else "new"
             return LevelRecord(state, hints or 0, bests, versions)
 
@@ -152,7 +159,7 @@ class Progress:
         level = _storable(level)
         rows = self._store.read(
             lambda connection: connection.execute(
-                "SELECT number, text, kept, won, ticks, rules, distance, wins, starts "
+                "SELECT number, text, kept, won, ticks, rules, distance, wins, starts, goals "
                 "FROM version WHERE level = ? ORDER BY turn DESC",
                 (level,),
             ).fetchall()
@@ -169,12 +176,12 @@ class Progress:
     def measures(self, level: str, text: str) -> Measures | None:
         """Return the known measures of a text in a level, or None."""
         found = self._row(
-            "SELECT ticks, rules, distance, wins, coalesce(starts, 0) FROM version "
+            "SELECT ticks, rules, distance, wins, coalesce(starts, 0), goals FROM version "
             "WHERE level = ? AND digest = ? AND ticks NOT NULL",
             _storable(level),
             _digest(text),
         )
-        return Measures(*found) if found else None
+        return Measures(*found)._replace(goals=_split(found[-1])) if found else None
 
     def holds(self, text: str) -> bool:
         """Return whether a text is stored as a version for any level."""
@@ -215,12 +222,14 @@ def _keep(connection: sqlite3.Connection, level: str, text: str, now: str) -> No
 
 def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measures) -> None:
     connection.execute(
-        "UPDATE version SET ticks = ?, rules = ?, distance = ?, wins = coalesce(?, wins), "
-        "starts = CASE WHEN ? THEN ? ELSE starts END WHERE level = ? AND digest = ?",
+        "UPDATE version SET ticks = ?, rules = ?, distance = ?, goals = ?, "
+        "wins = coalesce(?, wins), starts = CASE WHEN ? THEN ? ELSE starts END "
+        "WHERE level = ? AND digest = ?",
         (
             found.ticks,
             found.rules,
             found.distance,
+            "\n".join(found.goals),
             found.wins,
             found.wins is not None,
             found.starts,
@@ -231,11 +240,15 @@ def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measu
 
 
 def _version(row: tuple[Any, ...]) -> Version:
-    number, text, kept, won, ticks, rules, distance, wins, starts = row
+    number, text, kept, won, ticks, rules, distance, wins, starts, goals = row
     measures = None
     if ticks is not None:
-        measures = Measures(ticks, rules, distance, wins, starts or 0)
+        measures = Measures(ticks, rules, distance, wins, starts or 0, _split(goals))
     return Version(number, text, datetime.fromisoformat(kept), won is not None, measures)
+
+
+def _split(goals: str) -> tuple[str, ...]:
+    return tuple(goals.splitlines())
 
 
 def _now() -> str:

@@ -13,7 +13,7 @@ State: TypeAlias = Literal["new", "in work", "won"]
 
 
 class Measures(NamedTuple):
-    """The measures of a victory; less is better, except for `wins`.
+    """The measures of a victory; less is better, except for `wins` and `goals`.
 
     Attributes:
         ticks: The tick of victory from the given start.
@@ -21,6 +21,7 @@ class Measures(NamedTuple):
         distance: Map units driven by all robots together until victory.
         wins: How many of `starts` shifted starts it wins, or None if not tried.
         starts: How many shifted starts were tried.
+        goals: The second goals that it reaches, in words.
     """
 
     ticks: int
@@ -28,6 +29,7 @@ class Measures(NamedTuple):
     distance: float
     wins: int | None = None
     starts: int = 0
+    goals: tuple[str, ...] = ()
 
 
 class Bests(NamedTuple):
@@ -39,6 +41,7 @@ class Bests(NamedTuple):
         distance: Fewest map units.
         wins: Most wins from shifted starts.
         starts: How many starts were tried for `wins`.
+        goals: The second goals that any of them reaches, in words.
     """
 
     ticks: int | None = None
@@ -46,6 +49,7 @@ class Bests(NamedTuple):
     distance: float | None = None
     wins: int | None = None
     starts: int = 0
+    goals: tuple[str, ...] = ()
 
 
 class LevelRecord(NamedTuple):

@@ -51,6 +51,10 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         # Facts about the player rather than a level, such as whether the tour was seen.
         "CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
     ),
+    (
+        # goals: the second goals that it reaches, one a line.
+        "ALTER TABLE version ADD COLUMN goals TEXT NOT NULL DEFAULT ''",
+    ),
 )
 
 _TABLES = {"level", "version", "fact"}

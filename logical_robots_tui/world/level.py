@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from logical_robots_tui.errors import InputError
 
@@ -19,6 +20,7 @@ __all__ = [
     "Level",
     "LevelError",
     "Robot",
+    "SecondGoal",
     "Visibility",
     "alike",
 ]
@@ -119,6 +121,39 @@ class Visibility:
     sensor: Literal["own", "all"] = "own"
 
 
+_GoalKind: TypeAlias = Literal["tick", "rule", "unit", "blocked", "memory"]
+
+
+class SecondGoal(NamedTuple):
+    """What a player may achieve besides winning, as a limit to something that is measured.
+
+    Attributes:
+        kind: What is limited: ticks, rules, the units driven, in how many ticks a robot was
+            blocked, or how often the program mentions ``Memory``.
+        most: The limit.
+    """
+
+    kind: _GoalKind
+    most: int = 0
+
+    @property
+    def words(self) -> str:
+        """The goal as a level file and the screen write it."""
+        if self.kind == "blocked":
+            return "never blocked"
+        if self.kind == "memory":
+            return "without memory"
+        return f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
+
+    @classmethod
+    def of(cls, words: str) -> SecondGoal | None:
+        """Return the goal that is written with these words, or None."""
+        number = re.search("[0-9]{1,9}", words)
+        most = int(number[0]) if number else 0
+        goals = (cls(kind, most) for kind in get_args(_GoalKind))
+        return next((goal for goal in goals if goal.words == words), None)
+
+
 @dataclass(frozen=True, eq=False)
 class Level:
     """An immutable description of a labyrinth, its inhabitants and its teaching text.
@@ -141,6 +176,7 @@ class Level:
         starter: Name of the program to start with, or "".
         solution: Name of the program that wins it as the lesson teaches, or "".
         shared_names: Names that several beacons or several areas have on purpose.
+        second_goals: What to achieve besides winning.
         source: Path of the file it came from, or "".
     """
 
@@ -161,6 +197,7 @@ class Level:
     starter: str = ""
     solution: str = ""
     shared_names: tuple[str, ...] = ()
+    second_goals: tuple[SecondGoal, ...] = ()
     source: str = ""
 
 

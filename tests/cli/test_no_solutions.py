@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.game.source import hide_solutions
+from logical_robots_tui.game.source import hide_solutions, reference_names
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.shipped import shipped_folder, shipped_names
 from logical_robots_tui.world import list_levels, load_level
@@ -19,7 +19,12 @@ if TYPE_CHECKING:
 
     from tests.cli.running import Command
 
-SOLUTIONS = {load_level(name).solution: name for name in list_levels()}
+REFERENCES = {
+    program: name
+    for name in list_levels()
+    for program in reference_names(load_level(name).solution)
+}
+SOLUTIONS = set(REFERENCES) & set(shipped_names("programs", ".l"))
 
 
 @pytest.fixture(autouse=True)
@@ -43,7 +48,7 @@ def test_the_list_of_programs_leaves_out_solutions(
     everything = set(shipped_names("programs", ".l"))
     assert listed(command, tmp_path / "data") == everything
     progress.win("02-open-space", "text")
-    hidden = set(SOLUTIONS) - {"open-space"}
+    hidden = SOLUTIONS - {"open-space"}
     assert listed(command, tmp_path / "data", "--no-solutions") == everything - hidden
 
 
@@ -51,30 +56,30 @@ def test_a_variable_of_the_environment_hides_them_too(
     command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("LOGICAL_ROBOTS_NO_SOLUTIONS", "1")
-    assert not listed(command, tmp_path) & set(SOLUTIONS)
+    assert not listed(command, tmp_path) & SOLUTIONS
 
 
-@pytest.mark.parametrize("name", SOLUTIONS)
+@pytest.mark.parametrize("name", REFERENCES)
 def test_a_solution_can_be_read_when_its_level_is_won(
     name: str, progress: Progress, tmp_path: Path
 ) -> None:
     hide_solutions(progress)
-    file = shipped_folder("programs") / f"{name}.l"
+    (file,) = shipped_folder("programs").rglob(f"{name}.l")
     link = tmp_path / "mine.l"
     link.symlink_to(file)
     for way in (name, file, link):
         with pytest.raises(InputError, match="not won yet") as caught:
             load_program(way)
-        assert SOLUTIONS[name] in caught.value.hint
+        assert REFERENCES[name] in caught.value.hint
     assert name not in list_programs()
-    progress.win(SOLUTIONS[name], "text")
+    progress.win(REFERENCES[name], "text")
     assert load_program(link).text == load_program(name).text == file.read_text("utf-8")
-    assert name in list_programs()
+    assert (name in list_programs()) is (name in SOLUTIONS)
 
 
 def test_everything_else_can_be_read(progress: Progress) -> None:
     hide_solutions(progress)
-    for name in set(shipped_names("programs", ".l")) - set(SOLUTIONS):
+    for name in set(shipped_names("programs", ".l")) - SOLUTIONS:
         assert load_program(name).shipped
 
 
@@ -91,7 +96,7 @@ def test_commands_read_no_solution(
 ) -> None:
     told = command(*words, "--no-solutions", "--data-dir", tmp_path / "data")
     assert told.status == 2
-    assert "the solution of a level that you have not won yet" in told.err
+    assert "a solution of a level that you have not won yet" in told.err
     progress.win("01-first-steps", "text")
     told = command("check", "first-steps", "--no-solutions", "--data-dir", tmp_path / "data")
     assert told.status == 0
@@ -102,7 +107,7 @@ def test_the_game_in_lines_opens_no_solution(command: Command, tmp_path: Path) -
         "play", "01-first-steps", "first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path
     )
     assert told.status == 2
-    assert "the solution of a level that you have not won yet" in told.err
+    assert "a solution of a level that you have not won yet" in told.err
     assert "Win 01-first-steps" in told.err
 
 

@@ -118,7 +118,7 @@ def test_a_victory_is_kept_but_for_that_of_the_reference_program(
     told = typed.play("run", options=(level, ahead, *data)).out
     assert "The victory is saved in your progress." in told
     by_the_book = typed.play("run", options=("01-first-steps", "first-steps", *data)).out
-    assert "Won by the reference program: not counted." in by_the_book
+    assert "Won by a reference program: not counted." in by_the_book
     progress = Progress(tmp_path / "data" / FILE_NAME)
     mine, reference = progress.record(str(level)), progress.record("01-first-steps")
     progress.close()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from tests.cli.running import Command
 
 LEVEL = "01-first-steps"
+GOALS = ("never blocked",)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +39,7 @@ def folder(tmp_path: Path, won: tuple[str, Measures]) -> Path:
     """The files of a player who has won the first level, and begun a level of her own."""
     progress = Progress(tmp_path / FILE_NAME)
     progress.begin(LEVEL)
-    progress.win(LEVEL, *won)
+    progress.win(LEVEL, won[0], won[1]._replace(goals=GOALS))
     progress.win(LEVEL, "Worse() = 1;", Measures(9000, 99, 9e9, 1, 20))
     progress.reveal("02-open-space", 2)
     progress.begin("/maps/cellar.toml")
@@ -57,7 +58,7 @@ def test_each_level_has_a_line(command: Command, folder: Path, won: tuple[str, M
     lines = [line.split() for line in command("progress", "--data-dir", folder).out.splitlines()]
     ticks, rules, *_ = won[1]
     assert [LEVEL, "won", str(ticks), str(rules)] == lines[1][:4]
-    assert lines[1][-3:] == ["1", "of", "20"]
+    assert lines[1][-4:] == ["1", "of", "20", "1"]
     assert lines[2] == ["02-open-space", "new", "2"]
     assert lines[-1] == ["/maps/cellar.toml", "in", "work"]
 
@@ -75,6 +76,7 @@ def test_csv_has_the_best_of_each_measure(
     rows = list(csv.DictReader(io.StringIO(told.out)))
     assert rows[0]["level"] == LEVEL
     assert int(rows[0]["ticks"]) == won[1].ticks
+    assert (rows[0]["goals"], rows[1]["goals"]) == ("never blocked", "")
     assert rows[1]["ticks"] == ""
 
 
@@ -82,7 +84,7 @@ def test_an_export_holds_the_programs_of_the_best_results(
     command: Command, folder: Path, won: tuple[str, Measures]
 ) -> None:
     first = exported(command, folder)["levels"][0]
-    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20}
+    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)}
     assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
 
 
@@ -97,19 +99,26 @@ def test_programs_are_played_again(
         "wins": 20,
         "starts": 20,
     }
-    false: list[dict[str, object]] = [{"ticks": 3}, {"rules": 1}, {"distance": 5.0}, {"wins": 3}]
+    false: list[dict[str, object]] = [
+        {"ticks": 3},
+        {"rules": 1},
+        {"distance": 5.0},
+        {"wins": 3},
+        {"goals": ["at most 9 ticks"]},
+    ]
     victories = [true, *(true | change for change in false)]
     file = tmp_path / "export.json"
     levels = [{"level": LEVEL, "victories": victories}]
     file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
     told = command("progress", "--check", file)
     assert told.status == 1
-    _, confirmed, ticks, rules, distance, wins = told.out.splitlines()
+    _, confirmed, ticks, rules, distance, wins, goals = told.out.splitlines()
     assert confirmed.endswith("20 of 20  confirmed")
     assert f"ticks: 3 claimed, {measures.ticks:,} found" in ticks
     assert f"rules: 1 claimed, {measures.rules} found" in rules
     assert "distance: 5 claimed, " in distance
     assert "robust: 3 of 20 claimed, 20 found" in wins
+    assert '"at most 9 ticks" claimed, not reached' in goals
 
 
 @pytest.mark.slow
@@ -134,7 +143,7 @@ def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
     ("level", "program", "problem"),
     [
         (LEVEL, "Robot(", "line 1: "),
-        (LEVEL, load_program("first-steps").text, "this is the reference program"),
+        (LEVEL, load_program("first-steps").text, "this is a reference program"),
         ("no-such-level", "Robot();", "neither a shipped level nor"),
         ("daily-2026-11-22-tiny", "Robot();", "neither a shipped level nor"),
         ("daily-2026-11-22-small", "Robot(", "line 1: "),

@@ -13,6 +13,7 @@ from logical_robots_tui.editing.things import KINDS, Kind, Ref, add, change, dup
 from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
+from logical_robots_tui.world.level import SecondGoal
 from tests.world.making import make_level
 
 if TYPE_CHECKING:
@@ -107,6 +108,9 @@ _VALUES: dict[Kind, dict[str, st.SearchStrategy[Any]]] = {
     "areas": {"radius": _NUMBERS, "on_beacon": NAMES, "sticky_switch": _BOTH, "color": COLORS},
 }
 _ALL = {"name": NAMES, "x": PLACES, "y": PLACES}
+GOALS = st.sampled_from(
+    [SecondGoal("rule", 1), SecondGoal("tick", 900), SecondGoal("unit", 7), SecondGoal("blocked")]
+)
 _WORDS = st.fixed_dictionaries(
     {},
     optional={
@@ -116,6 +120,7 @@ _WORDS = st.fixed_dictionaries(
         "lesson": TEXTS,
         "hints": st.lists(TEXTS, max_size=3).map(tuple),
         "shared_names": st.lists(NAMES, max_size=2).map(tuple),
+        "second_goals": st.lists(GOALS, max_size=2).map(tuple),
         "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
     },
 )

@@ -16,9 +16,8 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from logical_robots_tui.game import Frame, Game, History, load_program
+from logical_robots_tui.game import Frame, Game, History, load_program, reference_for
 from logical_robots_tui.game.history.packing import Moment, Packed
-from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import (
@@ -294,4 +293,6 @@ async def test_back_and_forward_again_is_the_same_in_every_tick(name: str) -> No
 @pytest.mark.proof
 @pytest.mark.parametrize("name", list_levels())
 async def test_back_and_forward_again_is_the_same_in_every_tick_to_victory(name: str) -> None:
-    await every_tick_backward_and_forward(name, reference_table()[name].ticks + 10)
+    reference = reference_for(load_level(name))
+    assert reference is not None
+    await every_tick_backward_and_forward(name, reference.ticks + 10)

@@ -12,13 +12,19 @@ import pytest
 
 from benchmarks.reference import measure_reference
 from logical_robots_tui import Game, Program, list_levels, load_level
-from logical_robots_tui.game import count_rules, level_key, measuring, reference_for
+from logical_robots_tui.game import (
+    count_rules,
+    level_key,
+    load_program,
+    measuring,
+    reference_for,
+)
 from logical_robots_tui.game.measuring import Trial, measure, patience_for
 from logical_robots_tui.game.robustness import play_through, shifted, try_starts
+from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.shipped import shipped_folder
 from tests.short import AHEAD
 from tests.short import LEVEL as SHORT
 from tests.waiting import until
@@ -184,17 +190,20 @@ def test_progress_at_a_level_of_ones_own_is_kept_by_its_path(level: Level) -> No
     assert reference_for(level) is None
 
 
-def test_there_is_a_reference_for_each_level_that_has_a_solution() -> None:
-    solved = {name: load_level(name).solution for name in list_levels()}
-    assert set(reference_table()) == {name for name, solution in solved.items() if solution}
-    for name, measures in reference_table().items():
-        text = (shipped_folder("programs") / f"{solved[name]}.l").read_text("utf-8")
-        assert measures.rules == count_rules(text)
-        assert 0 < measures.ticks <= 20_000
+def test_there_are_references_for_each_level_that_has_a_solution() -> None:
+    solved = {name: reference_names(load_level(name).solution) for name in list_levels()}
+    assert {name: list(table) for name, table in reference_table().items()} == solved
+    for table in reference_table().values():
+        for program, measures in table.items():
+            assert measures.rules == count_rules(load_program(program).text)
+            assert 0 < measures.ticks <= 20_000
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize("name", reference_table())
-async def test_the_reference_is_what_its_program_does(name: str) -> None:
-    found = await measure_reference(load_level(name))
-    assert found == reference_table()[name], "run `make measures`"
+@pytest.mark.parametrize(
+    ("name", "program"),
+    [(name, each) for name, table in reference_table().items() for each in table],
+)
+async def test_the_reference_is_what_its_program_does(name: str, program: str) -> None:
+    found = await measure_reference(load_level(name), program)
+    assert found == reference_table()[name][program], "run `make measures`"

@@ -19,7 +19,7 @@ def test_the_wheel_carries_every_level_and_program_and_the_licence(wheel: Path) 
     shipped = {
         f"logical_robots_tui/{path.relative_to(CHECKOUT)}"
         for folder in ("levels", "programs")
-        for path in (CHECKOUT / folder).iterdir()
+        for path in (CHECKOUT / folder).rglob("*.*")
     }
     assert shipped
     assert shipped <= carried

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 from logical_robots_tui import Level, Program, list_levels, load_level
 from logical_robots_tui.game.robustness import play_through
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.game.source import load_program, reference_names
+from logical_robots_tui.game.victory import reference_table
+
+if TYPE_CHECKING:
+    from logical_robots_tui.progress import Measures
 
 LEVELS = list_levels()
 
 
 def program_text(name: str) -> str:
-    return (shipped_folder("programs") / f"{name}.l").read_text("utf-8")
+    return load_program(name).text
 
 
 @cache
@@ -25,6 +30,16 @@ def solution_of(name: str) -> str:
     solution = load_level(name).solution
     assert solution, f"{name} has no solution"
     return solution
+
+
+def measured(name: str) -> Measures:
+    """The measures of the program that wins a level."""
+    return reference_table()[name][solution_of(name)]
+
+
+def references_of(name: str) -> list[str]:
+    """The names of a level's reference programs, its solution first."""
+    return reference_names(solution_of(name))
 
 
 def ticks_to_win(level: Level, program: Program | str, ticks: int) -> int | None:

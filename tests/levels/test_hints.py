@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 
 from logical_robots_tui import Mind, Program, World, load_level
-from logical_robots_tui.game.victory import reference_table
-from tests.levels.playing import LEVELS, program_text, ticks_to_win
+from tests.levels.playing import LEVELS, measured, program_text, ticks_to_win
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -118,7 +117,7 @@ def test_the_code_of_the_last_hint_is_in_the_program_that_results(name: str) -> 
 @pytest.mark.sampled
 @each_level
 def test_the_program_that_results_from_the_last_hint_wins(name: str) -> None:
-    ticks = 2 * reference_table()[name].ticks
+    ticks = 2 * measured(name).ticks
     assert ticks_to_win(load_level(name), step(name, "hint"), ticks)
 
 

@@ -15,10 +15,9 @@ import pytest
 
 from logical_robots_tui import Desire, Program, World, load_level
 from logical_robots_tui.game.robustness import play_through, shifted
-from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.shipped import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
-from tests.levels.playing import LEVELS, program_text, shipped_program, solution_of
+from tests.levels.playing import LEVELS, measured, program_text, shipped_program, solution_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -228,5 +227,5 @@ def test_no_easy_variation_is_twice_as_fast_as_the_solution(
     for before, after in changes:
         assert before in text
         text = text.replace(before, after)
-    half = reference_table()[name].ticks // 2
+    half = measured(name).ticks // 2
     assert play_through(load_level(name), Program.compile(text), half).won_at is None

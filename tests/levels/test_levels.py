@@ -10,6 +10,7 @@ import pytest
 
 from logical_robots_tui import Game, Program, load_level
 from logical_robots_tui.game.robustness import FARTHEST_SHIFT, try_starts
+from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.shipped import shipped_names
 from tests.levels.playing import LEVELS, program_text, shipped_program, ticks_to_win
 
@@ -173,7 +174,7 @@ async def every_notice(level: str) -> set[str]:
     return kinds
 
 
-@pytest.mark.parametrize("name", shipped_names("programs", ".l"))
+@pytest.mark.parametrize("name", shipped_texts())
 def test_a_program_begins_by_saying_what_it_shows(name: str) -> None:
     first = program_text(name).split("\n", 1)[0]
     assert re.fullmatch(r"# .+: .+\.", first)

@@ -1,6 +1,6 @@
 """Every shipped program drives its robots the same way on every Python and every machine.
 
-``ticks.txt`` has a digest of each level under its starter and its solution; it was written with
+``ticks.txt`` has a digest of each level under its starter and its references; it was written with
 ``pytest --update-snapshots tests/levels/test_ticks.py``.
 """
 
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from logical_robots_tui import Mind, load_level
+from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.world import World
 from tests.levels.playing import LEVELS, shipped_program
 
@@ -28,7 +29,7 @@ PLACES = 6  # decimals; the last ones are those of the processor's mathematics
 PAIRS = [
     (level.name, program)
     for level in map(load_level, LEVELS)
-    for program in (level.starter, level.solution)
+    for program in (level.starter, *reference_names(level.solution))
     if program
 ]
 

@@ -117,15 +117,31 @@ def test_old_versions_go_but_never_one_that_holds_a_best(
     progress.win("one", "straight", Measures(9, 9, 1.0))
     progress.win("one", "robust", Measures(9, 9, 9.0, 20, 20))
     progress.win("one", "plain", Measures(9, 9, 9.0, 19, 20))
+    progress.win("one", "quiet", Measures(9, 9, 9.0, goals=("never blocked",)))
     progress.keep("two", "elsewhere")
     for number in range(10):
         progress.keep("one", f"try {number}")
     assert texts(progress, "one") == [
-        *("try 9", "try 8", "try 7", "robust", "straight", "short", "fast"),
+        *("try 9", "try 8", "try 7", "quiet", "robust", "straight", "short", "fast"),
     ]
-    assert progress.record("one").bests == Bests(1, 1, 1.0, 20, 20)
+    assert progress.record("one").bests == Bests(1, 1, 1.0, 20, 20, ("never blocked",))
     assert texts(progress, "two") == ["elsewhere"]
     assert MOST_VERSIONS >= 50
+
+
+def test_second_goals_are_those_of_all_victories_together(file: Path) -> None:
+    progress = opened(file)
+    progress.win("one", "quiet", MEASURED._replace(goals=("never blocked",)))
+    progress.win("one", "both", MEASURED._replace(goals=("at most 1 rule", "never blocked")))
+    progress.win("one", "neither", MEASURED)
+    assert progress.record("one").bests.goals == ("at most 1 rule", "never blocked")
+    assert progress.measures("one", "quiet") == MEASURED._replace(goals=("never blocked",))
+    assert [version.measures.goals for version in progress.versions("one") if version.measures] == [
+        (),
+        ("at most 1 rule", "never blocked"),
+        ("never blocked",),
+    ]
+    assert progress.record("two").bests.goals == ()
 
 
 @given(st.lists(st.tuples(st.sampled_from("ab"), st.text()), max_size=12))

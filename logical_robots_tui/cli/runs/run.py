@@ -79,6 +79,7 @@ async def play_out(
         show: Called with each finished tick.
     """
     from logical_robots_tui.game import Game
+    from logical_robots_tui.game.victory import victory_of
 
     game = Game(level, program, history=1)
     tally = Tally()
@@ -91,9 +92,12 @@ async def play_out(
     began = perf_counter()
     try:
         frame = await game.run_until(tick=ticks)
+        victory = victory_of(game, level)
     finally:
         await game.close()
-    return Outcome(level, program_name, frame, tally, perf_counter() - began)
+    seconds = perf_counter() - began
+    measures = victory and victory.measures
+    return Outcome(level, program_name, frame, tally, seconds, measures.goals if measures else ())
 
 
 @dataclass
@@ -134,6 +138,7 @@ class Outcome:
         frame: The last frame.
         tally: The statistics.
         seconds: How long it took.
+        reached: The second goals that were reached, in words.
     """
 
     level: Level
@@ -141,6 +146,7 @@ class Outcome:
     frame: Frame
     tally: Tally
     seconds: float
+    reached: tuple[str, ...] = ()
 
     @property
     def won_at(self) -> int | None:
@@ -167,6 +173,9 @@ class Outcome:
                 {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
                 for goal in goals(self.level, self.frame.after)
             ],
+            "second_goals": {
+                goal.words: goal.words in self.reached for goal in self.level.second_goals
+            },
             "notices": {
                 "count": self.tally.notices.total(),
                 "kinds": dict(self.tally.notices),
@@ -184,7 +193,14 @@ class Outcome:
 
     def as_text(self) -> str:
         """Return the result as a few lines of text."""
-        lines = [self._verdict(), "", *self._table()]
+        lines = [self._verdict()]
+        if self.won_at is not None and self.level.second_goals:
+            goals = (goal.words for goal in self.level.second_goals)
+            told = "; ".join(
+                f"{words}: {'yes' if words in self.reached else 'no'}" for words in goals
+            )
+            lines.append(f"Second goals: {told}.")
+        lines += ["", *self._table()]
         if self.tally.first:
             total = self.tally.notices.total()
             noun = "notice" if total == 1 else "notices"

@@ -58,6 +58,7 @@ class Course:
         self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
         self._unreliable_from: int | None = None
+        self._blocked_from: int | None = None
         self._blocked: dict[str, int] = {}  # ticks in a row, by robot
         self._rounds = Rounds()
 
@@ -98,6 +99,8 @@ class Course:
             self.marks.note(frame.tick, "circling", circling)
         if self._unreliable_from is None and not frame.is_reliable:
             self._unreliable_from = frame.tick
+        if self._blocked_from is None and self._blocked:
+            self._blocked_from = frame.tick
         if not self._programs or self._programs[-1][1] is not program:
             self._use(frame.tick, program)
         is_packed = False
@@ -172,6 +175,7 @@ class Course:
         copy._length = self._length
         copy._oldest = self._oldest
         copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
+        copy._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
         copy._programs = self.programs(tick)
         begins = [*map(_begin_of, self._packs), self._loose[0].after.tick]
         whole = bisect_right(begins, tick) - 1
@@ -208,6 +212,10 @@ class Course:
     def is_reliable_up_to(self, tick: int) -> bool:
         """Return whether no thought was cut off by the clock up to this tick."""
         return self._unreliable_from is None or tick < self._unreliable_from
+
+    def is_blocked_up_to(self, tick: int) -> bool:
+        """Return whether a robot was blocked in any tick up to this one."""
+        return self._blocked_from is not None and self._blocked_from <= tick
 
     def _ready(self) -> int:
         """Return how many of the oldest unpacked moments to pack now; never the last one."""

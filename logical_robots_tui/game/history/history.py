@@ -161,6 +161,10 @@ class History:
         """Return whether no thought was cut off by the clock up to this tick."""
         return self._course.is_reliable_up_to(tick)
 
+    def is_blocked_up_to(self, tick: int) -> bool:
+        """Return whether a robot was blocked in any tick up to this one."""
+        return self._course.is_blocked_up_to(tick)
+
     def known(self, tick: int) -> Known:
         """Return a stored tick for replay.
 

@@ -155,7 +155,7 @@ def lesson(screen: MainScreen) -> None:
 
 @learning.command("Results", "m", bar="Results", spare=7)
 def results(screen: MainScreen) -> None:
-    """Compare your best results with those of the reference program."""
+    """Compare your best results with those of the reference programs."""
     screen.labyrinth.banner.toggle(screen.recorder)
     screen.go_to(screen.labyrinth)
 
@@ -175,9 +175,9 @@ def copy_result(screen: MainScreen) -> None:
     screen.tell(line)
 
 
-@learning.command("Reference program", "W")
+@learning.command("Reference programs", "W")
 async def solution(screen: MainScreen) -> None:
-    """Read the program that the lesson explains; asks first if you have not won."""
+    """Read the program that the lesson explains, and others; asks first if you have not won."""
     await screen.learning.solution()
 
 

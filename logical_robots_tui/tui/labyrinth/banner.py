@@ -10,6 +10,7 @@ from textual.style import Style
 from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
+from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip, counted
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -18,11 +19,9 @@ if TYPE_CHECKING:
 
     from textual import events
 
-    from logical_robots_tui.game.measuring import Trial
-    from logical_robots_tui.progress import Bests, Measures
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
-__all__ = ["Overlay", "VictoryBanner", "brief", "results_lines"]
+__all__ = ["Overlay", "VictoryBanner"]
 
 _OFFERS = (
     ("next level", "next_level"),
@@ -30,7 +29,7 @@ _OFFERS = (
     ("lesson", "lesson"),
     ("stay", "leave"),
 )
-_LOOKED_UP = (("reference program", "solution"), ("versions", "versions"), ("close", "results"))
+_LOOKED_UP = (("reference programs", "solution"), ("versions", "versions"), ("close", "results"))
 _CONFETTI = "·*✦•˚+"
 _COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
 _ROOMY = 24  # lines of the pane from which there is space between the parts
@@ -104,7 +103,7 @@ class VictoryBanner(Overlay):
     def _table(self, recorder: ProgressRecorder) -> list[Content]:
         rows = results_lines(recorder)
         if self._seed is not None and recorder.is_reference:
-            note = "Won by the reference program: not counted."
+            note = "Won by a reference program: not counted."
             return [Content.styled(note, INK.dim), *rows]
         return rows
 
@@ -143,71 +142,3 @@ def _sprinkle(width: int, chance: random.Random, density: float) -> Content:
         for _ in range(width)
     ]
     return Content.assemble(*parts)
-
-
-_TITLES = ("ticks", "rules", "distance", "robust")
-_WIDTHS = (9, 7, 10, 11)
-_LABEL = 11
-
-
-def results_lines(recorder: ProgressRecorder) -> list[Content]:
-    """Return lines of equal width: titles, the victory, the bests, the reference and the trial.
-
-    If several programs won together, the last one alone is measured, from the start. A new best is
-    marked with a star; unknown values are a dot.
-    """
-    rows = [_row("", _TITLES, INK.dim)]
-    if recorder.latest is not None and not recorder.is_reference:
-        label = "from start" if recorder.is_mixed else "this run"
-        rows.append(_latest(label, recorder.latest, recorder.former, recorder.trial))
-    rows.append(_row("your bests", _numbers(recorder.record.bests), INK.text))
-    if recorder.reference is not None:
-        rows.append(_row("reference", _numbers(recorder.reference), INK.dim))
-    if recorder.trial is not None:
-        told = f"trial of shifted starts: {recorder.trial.tried} so far …"
-        rows.append(Content.styled(f"{told:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
-    return rows
-
-
-def brief(bests: Bests, width: int) -> str:
-    """Return the bests in a few words that fit, or "" if there are none."""
-    if bests.ticks is None or bests.rules is None or bests.distance is None:
-        return ""
-    parts = [counted(bests.ticks, "tick"), counted(bests.rules, "rule")]
-    parts.append(f"{bests.distance:.0f} driven")
-    if bests.wins is not None:
-        parts.append(f"{bests.wins}/{bests.starts}")
-    told = (gap.join(parts) for gap in (" · ", "  "))
-    return next((each for each in told if len(each) <= width), " ".join(parts))
-
-
-def _latest(label: str, latest: Measures, former: Bests, trial: Trial | None) -> Content:
-    cells = list(_numbers(latest))
-    fresh = [
-        former.ticks is None or latest.ticks < former.ticks,
-        former.rules is None or latest.rules < former.rules,
-        former.distance is None or latest.distance < former.distance - 0.5,
-        latest.wins is not None and (former.wins is None or latest.wins > former.wins),
-    ]
-    if trial is not None and latest.wins is None:
-        cells[3] = "…"
-    row = Content.styled(f"{label:<{_LABEL}}", f"bold {INK.key}")
-    for cell, width, is_fresh in zip(cells, _WIDTHS, fresh, strict=True):
-        style = f"bold {INK.good}" if is_fresh else INK.text
-        row = row.append(Content.styled(f"{cell:>{width - 2}}{' ★' if is_fresh else '  '}", style))
-    return row
-
-
-def _row(label: str, cells: tuple[str, ...], style: str) -> Content:
-    numbers = "".join(f"{cell:>{width - 2}}  " for cell, width in zip(cells, _WIDTHS, strict=True))
-    return Content.assemble((f"{label:<{_LABEL}}", INK.dim), (numbers, style))
-
-
-def _numbers(found: Bests | Measures) -> tuple[str, str, str, str]:
-    distance = "·" if found.distance is None else f"{found.distance:.0f}"
-    wins = "·" if found.wins is None else f"{found.wins} of {found.starts}"
-    return _number(found.ticks), _number(found.rules), distance, wins
-
-
-def _number(value: int | None) -> str:
-    return "·" if value is None else str(value)

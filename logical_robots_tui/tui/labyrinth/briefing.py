@@ -49,7 +49,8 @@ class Briefing(Overlay):
     def tell(self, level: Level) -> None:
         """Show the briefing of a level, if it has one."""
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
-        title = (f"{one_line(level.title)}\n", f"bold {INK.title}")
+        title = (one_line(level.title), f"bold {INK.title}")
+        goals = "".join(f"   ☆ {goal.words}" for goal in level.second_goals)
         offers = {"run": "runs", "briefing": "hides this"}
         if level.hints:
             offers["hint"] = "gives a hint"
@@ -58,7 +59,7 @@ class Briefing(Overlay):
         keys = [f"{command(name).key_name} {said}" for name, said in offers.items()]
         halves = "\n".join("  ".join(keys[i : i + 2]) for i in range(0, len(keys), 2))
         self._as_written, self._flowing = (
-            Content.assemble(title, (f"{words}\n", INK.text), (said, INK.dim))
+            Content.assemble(title, (f"{goals}\n{words}\n", INK.text), (said, INK.dim))
             for words, said in ((text, "   ".join(keys)), (_FOLDED.sub(" ", text), halves))
         )
         self._level, self._place = level if text else None, None

@@ -1,4 +1,4 @@
-"""Hints, the lesson, the reference program, and the player's earlier versions.
+"""Hints, the lesson, the reference programs, and the player's earlier versions.
 
 Dialogs are loaded when first used, so that the first picture comes sooner.
 """
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import load_program
-from logical_robots_tui.game.source import is_hidden
+from logical_robots_tui.game.source import is_hidden, reference_names
 from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.layout.dialogs import Question
@@ -75,7 +75,7 @@ class LearningController:
             self._ui.tell("This level has no lesson.")
 
     async def solution(self) -> None:
-        """Show the reference program; before a victory, ask first."""
+        """Show the reference programs; before a victory, ask first."""
         from logical_robots_tui.tui.learning.reader import Reader, coloured
 
         level = self._session.level
@@ -83,23 +83,24 @@ class LearningController:
             self._ui.tell("This level has no reference program.")
             return
         if await asyncio.to_thread(is_hidden, level.solution):
-            self._ui.tell("You can read the reference program when you have won this level.")
+            self._ui.tell("You can read the reference programs when you have won this level.")
             return
         if self._recorder.record.state != "won":
             answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]
             question = with_keys(
-                "Do you want to see the winning program before you have won? "
+                "Do you want to see winning programs before you have won? "
                 "A hint ({hint}) may be all you need."
             )
-            asked = Question("Reference program", question, answers)
+            asked = Question("Reference programs", question, answers)
             if await self._ui.ask(asked) != "yes":
                 return
         try:
-            source = await asyncio.to_thread(load_program, level.solution)
+            sources = await asyncio.to_thread(_references, level.solution)
         except InputError as error:
             self._ui.warn(str(error))
             return
-        self._ui.show(Reader(f"Reference · {source.name}", coloured(source.text)))
+        text = "\n\n".join(source.text for source in sources)
+        self._ui.show(Reader(f"References · {level.title}", coloured(text)))
 
     async def choose_version(self) -> None:
         """Ask for an earlier version and use it; the editor's text is kept as a version."""
@@ -142,3 +143,8 @@ class LearningController:
             self._recorder.keep(self._program.text, starter.text)
             self._open_program(starter, starter.text)
             self._ui.tell("The starter program is back.")
+
+
+def _references(solution: str) -> list[Source]:
+    """Return the programs with whose results a level's are compared. Blocks."""
+    return [load_program(name) for name in reference_names(solution)]

@@ -12,10 +12,10 @@ from textual.strip import Strip
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.progress import NEW, LevelRecord
-from logical_robots_tui.tui.labyrinth.banner import brief
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
+from logical_robots_tui.tui.labyrinth.results import brief
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.world import World, load_level

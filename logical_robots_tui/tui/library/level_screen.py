@@ -13,8 +13,10 @@ from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import is_file, typed_path
 from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.card import LevelCard, miniature, shipped_level
 from logical_robots_tui.tui.library.cards import LevelCards
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
 __all__ = ["LevelScreen", "NewLevel", "own_levels"]
 
 
+_ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
+
+
 class NewLevel:
     """The request to create a level."""
 
@@ -57,6 +62,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     LevelScreen #head { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; }
     LevelScreen Input { margin: 0; }
     LevelScreen #detail { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
+    LevelScreen #detail.-tall { height: 5; }
     LevelScreen #complaint { padding: 0 1; }
     LevelScreen #keys { margin: 0; padding: 0 1; background: $panel; }
     """
@@ -106,7 +112,8 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         in_background(self, self._read_all, "cards", exclusive=True)
 
     def on_resize(self, event: events.Resize) -> None:
-        """Draw the miniatures in the new size."""
+        """Draw the miniatures in the new size, and the results where there is room."""
+        self.query_one("#detail").set_class(event.size.height >= _ROOMY, "-tall")
         self._cards.forget_pictures()
         if self._all:
             in_background(self, self._draw_all, "pictures", exclusive=True)
@@ -209,6 +216,11 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             count = len(card.level.robots) if card.level else 0
             robots = f"{counted(count, 'robot')} · " if count else ""
             told = Content.assemble((robots, INK.dim), (card.idea, INK.text))
+            if card.level is not None:
+                bests = card.record.bests
+                scales = scale_lines(references_for(card.level).values(), bests)
+                goals = goal_lines(card.level.second_goals, bests.goals)
+                told = Content("\n").join([told, *scales, *goals])
         self.query_one("#detail", Static).update(told)
 
     # -- messages ------------------------------------------------------------------------------

@@ -8,14 +8,14 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
-from logical_robots_tui.game import level_key, reference_for
+from logical_robots_tui.game import level_key
 from logical_robots_tui.game.continuing import keep_if_own, note_level
-from logical_robots_tui.game.victory import keep_victory
+from logical_robots_tui.game.victory import keep_victory, references_for
 from logical_robots_tui.progress import NEW, Progress
 from logical_robots_tui.tui.app.session_state import SessionListener, nothing
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from logical_robots_tui.game import Frame
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.world import Level
+    from logical_robots_tui.world.level import SecondGoal
 
 __all__ = ["THEME", "TOUR", "ProgressRecorder"]
 
@@ -50,11 +51,12 @@ class ProgressRecorder(SessionListener):
     Attributes:
         progress: The record itself; its methods block.
         record: The record of the current level.
-        reference: Measures of the reference program there, or None.
+        references: Measures of the reference programs there by name, the solution first.
+        goals: The second goals there.
         latest: Measures of the last victory there, as far as known, or None.
         former: The bests before that victory.
         trial: The progress of the robustness test at the current level, or None.
-        is_reference: Whether the last victory was that of the reference program.
+        is_reference: Whether the last victory was that of a reference program.
         is_mixed: Whether several programs won it, so that `latest` is measured from the start.
     """
 
@@ -62,7 +64,8 @@ class ProgressRecorder(SessionListener):
         self._news: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.progress = Progress(file, self._news.put)
         self.record: LevelRecord = NEW
-        self.reference: Measures | None = None
+        self.references: Mapping[str, Measures] = {}
+        self.goals: tuple[SecondGoal, ...] = ()
         self.latest: Measures | None = None
         self.former: Bests = NEW.bests
         self.is_reference = self.is_mixed = False
@@ -118,7 +121,8 @@ class ProgressRecorder(SessionListener):
 
     def level_opened(self, level: Level) -> None:
         """Switch to a level."""
-        self._key, self.reference = level_key(level), reference_for(level)
+        self._key, self.references = level_key(level), references_for(level)
+        self.goals = level.second_goals
         self.record, self.latest, self._has_begun = NEW, None, False
         self._write(lambda progress: note_level(progress, level))
 

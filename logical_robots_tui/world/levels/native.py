@@ -16,6 +16,7 @@ from logical_robots_tui.world.level import (
     Level,
     LevelError,
     Robot,
+    SecondGoal,
     Visibility,
 )
 from logical_robots_tui.world.levels.drawing import read_drawing
@@ -49,6 +50,7 @@ _TOP_KEYS = (
     "solution",
     "visibility",
     "shared_names",
+    "second_goals",
     "robots",
     "beacons",
     "areas",
@@ -109,7 +111,7 @@ def read_native(text: str, name: str, source: str) -> Level:
 
 
 class Words(TypedDict):
-    """A level's texts, what its programs may see, and names that are meant to be shared."""
+    """A level's texts, goals, what its programs may see, and names that are meant to be shared."""
 
     title: str
     idea: str
@@ -121,10 +123,11 @@ class Words(TypedDict):
     solution: str
     visibility: Visibility
     shared_names: tuple[str, ...]
+    second_goals: tuple[SecondGoal, ...]
 
 
 def read_words(top: Fields) -> Words:
-    """Read the texts, the visibility and the shared names of a level."""
+    """Read the texts, the visibility, the shared names and the second goals of a level."""
     return Words(
         title=top.name("title"),
         idea=top.name("idea", ""),
@@ -136,6 +139,7 @@ def read_words(top: Fields) -> Words:
         solution=top.name("solution", ""),
         visibility=_visibility(top.table("visibility")),
         shared_names=top.names("shared_names"),
+        second_goals=tuple(_second_goals(top)),
     )
 
 
@@ -252,6 +256,19 @@ def read_area(fields: Fields) -> Area:
         sticky_switch=fields.flag("sticky"),
         impenetrable=fields.flag("solid"),
     )
+
+
+def _second_goals(top: Fields) -> Iterator[SecondGoal]:
+    for i, words in enumerate(top.names("second_goals")):
+        goal = SecondGoal.of(words)
+        if goal is None:
+            raise top.error(
+                f"second_goals[{i}]",
+                f'"{words}" is not a second goal.',
+                'Write "at most N ticks", "at most N rules", "at most N units", "never blocked" or '
+                '"without memory".',
+            )
+        yield goal
 
 
 def _visibility(fields: Fields) -> Visibility:

@@ -73,7 +73,7 @@ async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
         await game.until(lambda: game.shows(f"1 of {len(NAMES)} won"))
         for words in ("★ won", "◐ in work", "○ new", "not won yet"):
             assert game.shows(words)
-        assert game.shows("1255 ticks 1 rule 973 driven 19/20")
+        assert game.shows("1,255 ticks 1 rule 973 driven 19/20")
 
 
 async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:

@@ -1,0 +1,58 @@
+"""Second goals without a screen."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.cli.runs.run import play_out
+from logical_robots_tui.mind import Program
+from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.world import load_level
+from tests.short import AHEAD, LEVEL
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.cli.running import Command
+
+GOALS = ("at most 9 ticks", "never blocked")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "goals.toml"
+    path.write_text(f"second_goals = {list(GOALS)}\n{LEVEL}", "utf-8")
+    return path
+
+
+def test_a_run_says_which_are_reached(command: Command, file: Path, ahead: Path) -> None:
+    found = command("run", file, ahead).data["second_goals"]
+    assert found == {"at most 9 ticks": False, "never blocked": True}
+
+
+async def test_a_run_says_so_in_words(file: Path) -> None:
+    outcome = await play_out(load_level(file), Program.compile(AHEAD), "ahead", 500)
+    told = outcome.as_text()
+    assert "\nSecond goals: at most 9 ticks: no; never blocked: yes.\n" in told
+
+
+def test_a_level_without_them_says_nothing_of_them(
+    command: Command, level: Path, ahead: Path
+) -> None:
+    assert command("run", level, ahead).data["second_goals"] == {}
+
+
+def test_the_game_in_lines_names_and_keeps_them(
+    command: Command, file: Path, ahead: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("run\n"))
+    told = command("play", file, ahead, "--plain", "--data-dir", tmp_path / "data").out
+    assert "Second goal: never blocked.\n" in told
+    assert "Second goal reached: never blocked.\n" in told
+    assert "reached: at most 9 ticks" not in told
+    progress = Progress(tmp_path / "data" / FILE_NAME)
+    assert progress.record(str(file)).bests.goals == ("never blocked",)
+    progress.close()

@@ -1,0 +1,105 @@
+"""Where a player's results stand among those of the reference programs, and second goals."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import pytest
+from rich.cells import cell_len
+
+from logical_robots_tui.game.victory import references_for
+from logical_robots_tui.progress import FILE_NAME, Bests, Measures, Progress
+from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
+from logical_robots_tui.tui.library.level_screen import LevelScreen
+from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world.level import SecondGoal
+from tests.short import AHEAD
+from tests.tui.conftest import opened
+
+THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
+GOALS = [SecondGoal("rule", 1), SecondGoal("blocked")]
+SIZES = [(80, 24), (120, 40)]
+
+
+def scales(
+    ticks: int | None = None, rules: int | None = None, distance: float | None = None
+) -> list[str]:
+    return [line.plain for line in scale_lines(THREE, Bests(ticks, rules, distance))]
+
+
+def test_a_scale_goes_from_the_best_reference_to_the_worst() -> None:
+    assert scales() == [
+        "ticks      ┼─────────┼─────────┼  100  150  200",
+        "rules      ┼─────────┼─────────┼  1  5  9",
+        "distance   ┼─────────┼─────────┼  250  300  350",
+    ]
+
+
+def test_ones_own_mark_stands_where_one_is() -> None:
+    ticks, rules, distance = scales(175, 1, 250.2)
+    assert ticks == "ticks      ┼─────────┼────●────┼  100  150  175●  200"
+    assert rules == "rules      ●─────────┼─────────┼  1●  5  9"
+    assert distance == "distance   ●─────────┼─────────┼  250●  300  350"
+
+
+def test_a_scale_reaches_as_far_as_ones_own_result() -> None:
+    better, *_, worse = scales(0, None, 450)
+    assert better.startswith("ticks      ●─────────┼────┼────┼")
+    assert worse.startswith("distance   ┼────┼────┼─────────●")
+
+
+def test_without_references_there_is_no_scale() -> None:
+    assert list(scale_lines([], Bests(1, 1, 1.0))) == []
+
+
+def test_equal_references_are_one_mark() -> None:
+    (_, rules, _) = scale_lines([THREE[0]] * 3, Bests())
+    assert rules.plain == "rules      ┼────────────────────  1"
+
+
+def test_second_goals_are_ticked_when_they_are_reached() -> None:
+    (line,) = goal_lines(GOALS, ["never blocked"])
+    assert line.plain == "goals      · at most 1 rule   ✓ never blocked"
+    assert list(goal_lines([], ["never blocked"])) == []
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int, int]) -> None:
+    level = load_level(list_levels()[0])
+    (goal, other) = level.second_goals
+    progress = Progress(data_dir / FILE_NAME)
+    progress.win(level.name, AHEAD, Measures(1500, 3, 1300.0, goals=(goal.words,)))
+    progress.close()
+    async with opened(data_dir, level=Path(level.source), size=size) as game:
+        await game.until(lambda: game.main.recorder.record.state == "won")
+        await game.press("1", "m")
+        told = [f"✓ {goal.words}", f"· {other.words}", "1500●", "1300●", "● your best"]
+        told += [f"  {each.ticks}" for each in references_for(level).values()]
+        for words in told:
+            await game.until(partial(game.shows, words))
+        assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
+        await game.press("l")
+        await game.until(lambda: isinstance(game.app.screen, LevelScreen))
+        for words in ("1500●", f"✓ {goal.words}"):
+            await game.until(partial(game.shows, words))
+        assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
+
+
+@pytest.fixture
+def with_goals(short: Path) -> Path:
+    goals = 'second_goals = ["at most 1 rule", "at most 20 ticks"]\n'
+    short.write_text(goals + short.read_text())
+    return short
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_a_victory_ticks_the_goals_that_it_reaches(
+    data_dir: Path, with_goals: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, level=with_goals, text=AHEAD, size=size) as game:
+        await game.ready()
+        assert game.shows("☆ at most 1 rule")
+        await game.press(*["plus"] * 6, "space")
+        await game.until(lambda: game.shows("✓ at most 1 rule   · at most 20 ticks"))
+    assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == ("at most 1 rule",)
