@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game.history.rounds import ROUNDS, Rounds
-from logical_robots_tui.game.source import load_program
+from logical_robots_tui.game.source import shipped_texts
+from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.world import World, list_levels, load_level
+from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -89,7 +90,7 @@ def test_who_leaves_the_circle_and_comes_back_is_told_again() -> None:
 def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]:
     """The robots after each tick, up to the victory."""
     world, sight = World(level), level.visibility
-    program = Program.compile(load_program(name).text)
+    program = Program.compile(shipped_texts()[name])
     mind = Mind(program, memory=sight.memory, sensor=sight.sensor, frozen=True)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
     while world.tick < ticks and world.won_at is None:
@@ -101,10 +102,14 @@ def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("name", list_levels())
-def test_no_reference_program_goes_in_circles_on_its_way_to_victory(name: str) -> None:
-    level = load_level(name)
+@pytest.mark.parametrize(
+    ("level", "program"),
+    [(level, program) for level, programs in reference_table().items() for program in programs],
+)
+def test_no_reference_program_goes_in_circles_on_its_way_to_victory(
+    level: str, program: str
+) -> None:
     rounds = Rounds()
-    for tick, robots in enumerate(run(level, level.solution, 20_000), 1):
+    for tick, robots in enumerate(run(load_level(level), program, 20_000), 1):
         circling = rounds.follow(robots)
         assert not circling, (tick, [r.name for i, r in enumerate(robots) if circling >> i & 1])
