@@ -28,6 +28,7 @@ from benchmarks.measure import Effort, Measurement
 from benchmarks.memory import memory
 from benchmarks.mind import compiling, thinking
 from benchmarks.proofs import proofs
+from benchmarks.replays import replays
 from benchmarks.schemas import schemas
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
@@ -49,6 +50,7 @@ BENCHMARKS = {
     "breakpoints": breakpoints,
     "editing": editing,
     "history": history,
+    "replays": replays,
     "memory": memory,
     "inspector": inspector,
     "folding": folding,

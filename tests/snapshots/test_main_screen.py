@@ -57,7 +57,12 @@ def test_at_the_start(game: Terminal, pytestconfig: pytest.Config) -> None:
 def test_in_other_colours(look: str, tmp_path: Path, pytestconfig: pytest.Config) -> None:
     with opened(tmp_path, (80, 24), look) as game:
         assert_looks_like(f"start-{look}", game, pytestconfig)
-        game.send("M")
+        game.send("w")
+        game.wait_for("Robot")
+        assert_looks_like(f"why-{look}", game, pytestconfig)
+        game.send("3")
+        assert_looks_like(f"inspector-{look}", game, pytestconfig)
+        game.send("1M")
         game.wait_for("editing")
         assert_looks_like(f"editor-{look}", game, pytestconfig)
 

@@ -86,7 +86,7 @@ class PredicateList(Listing):
         self.clear_options()
         self.add_options(
             [
-                Option(Content.styled(title, f"bold {INK.title}"), id=page)
+                Option(Content.styled(title, f"bold {INK.entry}"), id=page)
                 for page, title in _PAGES.items()
             ]
             + [Option(_entry(predicate), id=predicate.name) for predicate in listed]

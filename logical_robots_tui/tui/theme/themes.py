@@ -82,6 +82,7 @@ _ANSI = {
     "ink-dim": "ansi_default",
     "ink-faint": "ansi_bright_black",
     "ink-title": "ansi_bright_blue",
+    "ink-entry": "ansi_default",
     "ink-key": "ansi_yellow",
     "ink-good": "ansi_green",
     "ink-warn": "ansi_yellow",
@@ -170,7 +171,7 @@ def colours_in(theme: Theme) -> dict[str, str]:
     }
     if theme.name == NIGHT.name:
         found |= _NIGHT | {f"ink-{name}": hue for name, hue in _HUES.items()}
-    return found
+    return found | {"ink-entry": found["ink-title"]}
 
 
 def contrast(one: Color, other: Color) -> float:
@@ -205,6 +206,7 @@ class Ink:
     dim = "$ink-dim"
     faint = "$ink-faint"
     title = "$ink-title"
+    entry = "$ink-entry"
     key = "$ink-key"
     good = "$ink-good"
     warn = "$ink-warn"

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["CursorView", "LinesView"]
 
 _CURSOR = "on $here"
+_CURSOR_OF_16 = "$here-ink on $here"
 _END = 1_000_000
 
 
@@ -102,6 +103,8 @@ class LinesView(ScrollView, can_focus=True):
             return Strip.blank(self.columns, self.rich_style)
         content, style = self.content(number), self.rich_style
         if self.is_at_cursor(number):
+            if self.app.current_theme.ansi:  # an ink may be as blue as the cursor
+                content = content.stylize(_CURSOR_OF_16)
             content, style = content.stylize_before(_CURSOR), style + rich_style(_CURSOR)
         strip = Strip(content.render_segments(self.visual_style))
         return strip.adjust_cell_length(self.columns, style)
