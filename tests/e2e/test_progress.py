@@ -120,7 +120,7 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     start_anew(player)
     player.tmux.press("l")
     player.tmux.wait_for("★ won")
-    player.tmux.wait_for(f"{record_of(player).record(FIRST.name).bests.ticks} ticks")
+    player.tmux.wait_for(f"{record_of(player).record(FIRST.name).bests.ticks:,} ticks")
 
 
 @pytest.mark.slow
