@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["laboratory"]
 
+STARTS = 6
 LEVELS = ("01-first-steps", "07-station-management", "10-distributed-mapping")
 CLASS = (
     "01-first-steps",
@@ -55,17 +56,18 @@ def laboratory(effort: Effort) -> Iterator[Measurement]:
 
 
 def _overhead(name: str, effort: Effort) -> Iterator[Measurement]:
-    """Compare runs in a task with the bare loop of world and mind, by turns."""
+    """Compare the runs of a task with the bare loop of world and mind, by turns."""
     level = load_level(name)
     text = (shipped_folder("programs") / f"{level.solution}.l").read_text("utf-8")
     program = Program.compile(text)
     source = Path(level.source).read_text("utf-8")
-    ticks = 3 * effort.ticks
-    task = Task(source, text, ticks, (1,), (), 100_000_000, 600.0, False, fingerprint())
+    ticks, starts = 2 * effort.ticks, tuple(range(STARTS))
+    task = Task(source, text, ticks, starts, (), 100_000_000, 600.0, False, fingerprint())
     ratios = []
     for _ in range(effort.repeats + 1):
         began = process_time()
-        play_through(start_of(level, 1), program, ticks)
+        for start in starts:
+            play_through(start_of(level, start), program, ticks)
         bare = process_time() - began
         began = process_time()
         execute(task)

@@ -162,7 +162,7 @@ async def test_all_that_a_run_depends_on_is_in_its_key(
         run_key(replace(level, areas=()), program, Limits()),
         run_key(replace(level, robots=(replace(ada, x=41.0), *others)), program, Limits()),
     ]
-    monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
+    monkeypatch.setattr(running, "simulation_digest", lambda: b"as it will be")
     keys.append(run_key(level, program, Limits()))
     assert len(set(keys)) == len(keys)
     assert run_key(replace(level, title="New"), program, Limits()) == keys[-1]
@@ -172,7 +172,7 @@ async def test_a_recording_by_other_code_is_not_looked_at(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await frames(level)
-    monkeypatch.setattr(running, "_simulation", lambda: b"as it will be")
+    monkeypatch.setattr(running, "simulation_digest", lambda: b"as it will be")
     assert await known(level) == 0
 
 

@@ -174,7 +174,7 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
         await game.press("at")
         await game.until(lambda: game.shows("% shows what is pinned"))
         await game.press("W")
-        await game.until(lambda: game.shows("(^P) may be all you need."))
+        await game.until(lambda: game.shows("A hint (^P)"))
 
 
 async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> None:
