@@ -84,6 +84,7 @@ def sweep(machines: Cluster, file: Path, out: Path) -> Background:
     return running
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_files_whatever_is_killed(
     tmp_path: Path, machines: Cluster, capsys: pytest.CaptureFixture[str]
 ) -> None:

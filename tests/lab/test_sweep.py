@@ -66,6 +66,7 @@ def test_what_was_computed_is_not_computed_again(tmp_path: Path, command: Comman
     assert recorded(out) == 6
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
     file = write_experiment(tmp_path, values=(20, 30, 40, 50), starts=7, ticks=400)
     running = start("sweep", file, "-o", tmp_path / "out", "--workers", 2)
@@ -77,6 +78,7 @@ def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
     assert recorded(tmp_path / "out") == 32
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,6 +174,7 @@ def test_two_results_of_a_run_that_differ_are_said_loudly(tmp_path: Path, comman
     assert manifest.run(run.job) in told.out
 
 
+@pytest.mark.slow
 def test_the_first_interrupt_stops_after_the_runs_at_hand(tmp_path: Path) -> None:
     file = write_experiment(tmp_path, values=range(20, 60), starts=3, ticks=120)
     out = tmp_path / "out"
@@ -188,6 +191,7 @@ def test_the_first_interrupt_stops_after_the_runs_at_hand(tmp_path: Path) -> Non
     assert int(left[1]) == 160 - recorded(out)
 
 
+@pytest.mark.slow
 def test_the_second_interrupt_ends_at_once(tmp_path: Path) -> None:
     file = write_experiment(tmp_path, values=(20,), starts=0, ticks=40_000)
     running = start("sweep", file, "-o", tmp_path / "out", "--workers", 1)
@@ -216,6 +220,7 @@ def test_a_second_coordinator_is_refused(tmp_path: Path, command: Command) -> No
         running.kill()
 
 
+@pytest.mark.slow
 def test_a_terminal_shows_how_far_it_is(tmp_path: Path) -> None:
     file = write_experiment(tmp_path, values=range(20, 40), ticks=300)
     with in_terminal("sweep", str(file), "-o", str(tmp_path / "out")) as terminal:
