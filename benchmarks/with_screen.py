@@ -23,7 +23,7 @@ __all__ = ["SIZE", "opened", "traffic", "with_screen"]
 
 SIZE = (120, 40)
 LEVEL, PROGRAM = "02-open-space", "open-space-starter"  # never wins
-FIRST = "# Open space"  # the text at the editor's cursor
+FIRST = "Freedom(radar)"  # the text at the editor's cursor
 FASTEST = 12  # presses of "faster" that reach full speed
 TRAFFIC = (
     ("07-station-management", "station-management", "3 robots", (120, 40), 60),

@@ -128,7 +128,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         game.inspector.pages.pins.toggle(pin)
         await game.press("V", "less_than_sign")
         await game.until(lambda: links(game).pointed)
-        assert game.shows("set in tick 4")
+        await game.until(lambda: game.shows("set in tick 4"))
         assert pointed(game).value == "fetch"
         await game.press("w")
         view = game.inspector.pages.why.view
