@@ -30,6 +30,7 @@ __all__ = [
     "is_set",
     "line_of_json",
     "new_command",
+    "new_group",
     "number_from",
     "own_programs",
     "prefers_json",
@@ -67,6 +68,25 @@ def new_command(
     )
     command.set_defaults(start=start, wants_json=wants_json)
     return command
+
+
+def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Commands:
+    """Declare a command that consists of commands, and return where to add those.
+
+    Args:
+        commands: Where to add it.
+        name: The command's name.
+        summary: One line for the list of commands; as a sentence, the first line of its own help.
+        epilog: Examples, already formatted.
+    """
+    command = commands.add_parser(
+        name,
+        help=summary,
+        description=f"{summary[0].upper()}{summary[1:]}.",
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    return command.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
 
 def number_from(least: int) -> Callable[[str], int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import shutil
 import sys
@@ -10,10 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import harmless, new_command
+from logical_robots_tui.cli.command import harmless, new_command, new_group
 from logical_robots_tui.cli.level_files import declare_convert, declare_new, write
 
 if TYPE_CHECKING:
+    import argparse
+
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.editing.checks import Finding
     from logical_robots_tui.world import Level
@@ -33,14 +34,8 @@ examples:
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = commands.add_parser(
-        "level",
-        help="create, check, convert and show levels",
-        description="Create, check, convert and show levels.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    inner = command.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    summary = "create, check, convert and show levels"
+    inner = new_group(commands, "level", summary=summary, epilog=EPILOG)
     declare_new(inner)
     _declare_check(inner)
     declare_convert(inner)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import json
 from pathlib import Path
@@ -15,12 +14,14 @@ from logical_robots_tui.cli.command import (
     finite,
     harmless,
     new_command,
+    new_group,
     number_from,
 )
 from logical_robots_tui.cli.level_files import write
 from logical_robots_tui.cli.runs.common import opened, progress_bar
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
@@ -45,14 +46,8 @@ examples:
 
 def declare(commands: Commands) -> None:
     """Add the command to the list."""
-    command = commands.add_parser(
-        "replay",
-        help="record a run in a file, play it again and verify it",
-        description="Record a run in a file, play it again, verify it and show it.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    inner = command.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    summary = "record a run in a file, play it again, verify it and show it"
+    inner = new_group(commands, "replay", summary=summary, epilog=EPILOG)
     _declare_record(inner)
     _declare_play(inner)
     _declare_verify(inner)
