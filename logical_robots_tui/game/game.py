@@ -124,7 +124,7 @@ class Game:
     @property
     def hits(self) -> tuple[Hit, ...]:
         """The breakpoints that were hit in the current tick."""
-        return self.history.hits_at(self.frame.tick)
+        return self.history.hits_at(self._frame.tick)
 
     def problem_with(self, breakpoint_: Breakpoint) -> str:
         """Return why a breakpoint can't be hit, one sentence, or ""."""

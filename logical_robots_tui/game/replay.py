@@ -342,16 +342,18 @@ class Verifier:
         if tick in self._undecided:
             return decisions
         wanted = self._replay.desires_in(tick)
-        for decision in decisions:
-            if decision.desire != wanted[decision.robot_name] and self._replay.has_programs:
-                self._note(tick, f"{decision.robot_name} wants something else.")
+        if self._replay.has_programs:
+            for decision in decisions:
+                if decision.desire != wanted[decision.robot_name]:
+                    self._note(tick, f"{decision.robot_name} wants something else.")
         return tuple(
             [replace(decision, desire=wanted[decision.robot_name]) for decision in decisions]
         )
 
     def look(self, frame: Frame) -> None:
         """Compare the world after a tick with its hash, if there is one."""
-        if self._replay.hashes.get(frame.tick, mine := _hash_of(frame.after)) != mine:
+        known = self._replay.hashes.get(frame.tick)
+        if known is not None and known != _hash_of(frame.after):
             self._note(frame.tick, "The world is another one.")
 
     def _note(self, tick: int, reason: str) -> None:
