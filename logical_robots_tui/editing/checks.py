@@ -15,7 +15,7 @@ from logical_robots_tui.editing.walls import Regions
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.levels.fields import Fields
 from logical_robots_tui.world.levels.limits import MOST_OF_A_KIND
-from logical_robots_tui.world.levels.native import oddities, read_words
+from logical_robots_tui.world.levels.native import misfits, oddities, read_words
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 from logical_robots_tui.world.walls import row_clearances
 
@@ -84,6 +84,8 @@ def _refused(level: Level) -> Iterator[Finding]:
         yield Finding(error.message, forbids=True)
     if not level.robots:
         yield Finding("The level has no robots.", forbids=True)
+    for found in misfits(level.robots, level.teams):
+        yield Finding(f"{found.message} {found.hint}".rstrip(), forbids=True)
     for kind in KINDS:
         things = getattr(level, kind)
         if len(things) > MOST_OF_A_KIND:

@@ -61,6 +61,8 @@ def toml_text(key: str, value: object) -> str:
     if isinstance(value, dict):
         inner = ", ".join(f"{name} = {toml_text(name, part)}" for name, part in value.items())
         return f"{{{inner}}}"
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return f"[{', '.join(toml_text('', record) for record in value)}]"
     if key == "hints" and isinstance(value, list):
         lines = "".join(f"  {tomlkit.item(hint).as_string()},\n" for hint in value)
         return f"[\n{lines}]"
@@ -69,7 +71,7 @@ def toml_text(key: str, value: object) -> str:
 
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "starter", "solution", "shared_names"),
-    "second_goals",
+    *("second_goals", "teams"),
 )
 _SEEN = Visibility(memory="all", sensor="all")
 
@@ -101,6 +103,7 @@ def lost_in_web(level: Level) -> list[str]:
 def _record(thing: Thing) -> Record:
     """Return the record of a thing, whose keys are the names of its attributes."""
     record: Record = {name: written_number(value) for name, value in asdict(thing).items()}
+    record.pop("team", None)
     if isinstance(thing, Robot) and not (
         thing.has_battery or thing.battery_capacity or thing.battery_consumption_rate
     ):

@@ -26,7 +26,7 @@ def set_words(level: Level, **values: Any) -> Level:
         level: The level.
         **values: By the names of the attributes of ``Level``: ``title``, ``idea``, ``briefing``,
             ``hints``, ``lesson``, ``further``, ``starter``, ``solution``, ``visibility``,
-            ``shared_names``.
+            ``shared_names``, ``second_goals``, ``teams``.
 
     Raises:
         LevelError: A text is too long or can't be shown, or a value is invalid.

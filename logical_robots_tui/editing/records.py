@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.world.level import AREA_COLOR, ROBOT_COLOR, Area, Beacon, Robot, Visibility
+from logical_robots_tui.world.level import (
+    AREA_COLOR,
+    ROBOT_COLOR,
+    Area,
+    Beacon,
+    Robot,
+    Team,
+    Visibility,
+)
 from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER
 
 if TYPE_CHECKING:
@@ -39,7 +48,7 @@ def record_of(thing: Thing) -> Record:
 
 
 def words_of(level: Level) -> Record:
-    """Return the record of a level's texts, visibility, shared names and second goals."""
+    """Return the record of what a level says besides the labyrinth and the objects in it."""
     record: Record = {
         "title": level.title,
         "idea": level.idea,
@@ -52,10 +61,16 @@ def words_of(level: Level) -> Record:
         "hints": list(level.hints),
         "lesson": level.lesson,
         "further": level.further,
+        "teams": [_told(team) for team in level.teams],
     }
     if level.visibility == Visibility():
         del record["visibility"]
     return {key: value for key, value in record.items() if value or key == "title"}
+
+
+def _told(part: Team) -> Record:
+    """Return the attributes that say something."""
+    return {name: value for name, value in asdict(part).items() if value}
 
 
 def _robot(robot: Robot) -> Record:
@@ -76,6 +91,8 @@ def _robot(robot: Robot) -> Record:
         battery["used"] = False
     if battery != {"capacity": 0, "used": False}:
         record["battery"] = battery
+    if robot.team:
+        record["team"] = robot.team
     return record
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
-from tomlkit.items import AoT, Array, Item
+from tomlkit.items import AoT, Array
 
 from logical_robots_tui.editing.level_text import (
     block_text,
@@ -178,7 +178,8 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
     if lenient:
         document["lenient"] = True
     for kind in inline:
-        document[kind] = _inline([record_of(some) for some in getattr(level, kind)])
+        records = [record_of(some) for some in getattr(level, kind)]
+        document[kind] = tomlkit.value(toml_text(kind, records))
     if not same_walls:
         drawing = _drawing(document, drawing, level)
         if place is None:
@@ -196,10 +197,6 @@ def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:
         earlier = []
     lines = "\n".join(draw_rows(level.walls, cell, earlier))
     return lines + ("\n" if drawing.endswith("\n") else "")
-
-
-def _inline(records: Sequence[Record]) -> Item:
-    return tomlkit.value(f"[{', '.join(toml_text('', record) for record in records)}]")
 
 
 _HEADER = re.compile(

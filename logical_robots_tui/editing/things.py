@@ -69,7 +69,8 @@ def thing(level: Level, ref: Ref) -> Thing:
 def add(level: Level, new: Thing) -> tuple[Level, Ref]:
     """Add a robot, beacon or area, as the last of its kind.
 
-    A number is appended to the name of a robot if it is taken.
+    A number is appended to the name of a robot if it is taken. Where there are teams, a robot
+    without one joins the first.
 
     Returns:
         The level, and a reference to the new object.
@@ -83,6 +84,8 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
         raise LevelError(f"There are {MOST_OF_A_KIND} {kind} already, the most allowed.")
     if isinstance(new, Robot):
         new = replace(new, name=_free_name(new.name, {robot.name for robot in level.robots}))
+        if level.teams and not new.team:
+            new = replace(new, team=level.teams[0].name)
     ref = Ref(kind, len(things))
     return _with(level, kind, (*things, _checked(level, ref, new))), ref
 

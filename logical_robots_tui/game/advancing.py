@@ -206,8 +206,12 @@ def after_change(
 
 
 def is_thought_alike(before: Level, after: Level) -> bool:
-    """Return whether robots, areas and visibility are the same, so that decisions stay valid."""
+    """Return whether robots, teams, areas and visibility are the same: decisions stay valid."""
     return before.visibility == after.visibility and all(
-        [thing.name for thing in one] == [thing.name for thing in other]
-        for one, other in ((before.robots, after.robots), (before.areas, after.areas))
+        one == other for one, other in zip(_thinkers(before), _thinkers(after), strict=True)
     )
+
+
+def _thinkers(level: Level) -> tuple[list[str], ...]:
+    robots, areas = level.robots, level.areas
+    return [one.name for one in robots], [one.team for one in robots], [one.name for one in areas]

@@ -236,6 +236,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "beacons": [asdict(beacon) for beacon in level.beacons],
         "areas": [asdict(area) for area in level.areas],
         "visibility": asdict(level.visibility),
+        "teams": [asdict(team) for team in level.teams],
         "program": program.text,
         "limits": asdict(limits),
     }

@@ -21,6 +21,7 @@ __all__ = [
     "LevelError",
     "Robot",
     "SecondGoal",
+    "Team",
     "Visibility",
     "alike",
 ]
@@ -49,6 +50,7 @@ class Robot:
         can_charge: Whether it charges other robots; only with a battery.
         battery_capacity: Charge at the start and at most.
         battery_consumption_rate: Charge per tick at full power of both engines.
+        team: Name of its team, or "" in a level without teams.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Robot:
     can_charge: bool = False
     battery_capacity: float = 0.0
     battery_consumption_rate: float = 0.0
+    team: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +124,19 @@ class Visibility:
     sensor: Literal["own", "all"] = "own"
 
 
+@dataclass(frozen=True, slots=True)
+class Team:
+    """Robots that think with one program of their own.
+
+    Attributes:
+        name: Unique in the level.
+        program: Name of the program that plays it when nobody else does, or "".
+    """
+
+    name: str
+    program: str = ""
+
+
 _GoalKind: TypeAlias = Literal["tick", "rule", "unit", "blocked", "memory"]
 
 
@@ -177,6 +193,8 @@ class Level:
         solution: Name of the program that wins it as the lesson teaches, or "".
         shared_names: Names that several beacons or several areas have on purpose.
         second_goals: What to achieve besides winning.
+        teams: In file order; () where one program drives all robots. Otherwise every robot is in
+            one of them, and none is empty.
         source: Path of the file it came from, or "".
     """
 
@@ -198,6 +216,7 @@ class Level:
     solution: str = ""
     shared_names: tuple[str, ...] = ()
     second_goals: tuple[SecondGoal, ...] = ()
+    teams: tuple[Team, ...] = ()
     source: str = ""
 
 

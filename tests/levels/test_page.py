@@ -7,15 +7,24 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.world import Level, LevelError, load_level
+from logical_robots_tui.world import Level, LevelError, Team, load_level
 from tests.levels.playing import ticks_to_win
 
 PAGE = Path(__file__).parents[2] / "docs" / "levels.md"
 
 
+def examples() -> list[str]:
+    return re.findall(r"^```toml\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+
+
 def example() -> str:
-    (text,) = re.findall(r"^```toml\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
-    return str(text)
+    return examples()[0]
+
+
+def arena() -> str:
+    """The example of a level with teams: its other objects are those of the first one."""
+    head, _, _ = example().partition("[[robots]]")
+    return head + examples()[1]
 
 
 @pytest.fixture
@@ -36,6 +45,13 @@ def test_the_example_is_a_level(level: Level) -> None:
     assert [robot.name for robot in level.robots] == ["Ann", "Bob"]
 
 
+def test_the_example_with_teams_is_a_level(file: Path) -> None:
+    file.write_text(arena(), "utf-8")
+    level = load_level(file)
+    assert level.teams == (Team("red", "obstacle-avoider"), Team("blue"))
+    assert [robot.team for robot in level.robots] == ["red", "blue"]
+
+
 def test_the_example_can_be_played(level: Level) -> None:
     text = """
     Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
@@ -52,21 +68,26 @@ EVERY_TABLE = [
     ("battery = {", "battery = {zzz = 1, "),
     ("[[beacons]]", "[[beacons]]\nzzz = 1"),
     ("[[areas]]", "[[areas]]\nzzz = 1"),
+    ("[[teams]]", "[[teams]]\nzzz = 1"),
 ]
+TABLES = {"robots", "beacons", "areas", "teams"}
 
 
 @pytest.mark.parametrize(("before", "after"), EVERY_TABLE)
 def test_example_and_page_name_every_key_that_a_level_knows(
     file: Path, before: str, after: str
 ) -> None:
-    file.write_text(example().replace(before, after, 1), "utf-8")
+    text = example() if before in example() else arena()
+    file.write_text(text.replace(before, after, 1), "utf-8")
     with pytest.raises(LevelError) as caught:
         load_level(file)
     known = caught.value.hint.removeprefix("Known keys: ").removesuffix(".").split(", ")
     assert len(known) > 1
-    explained = PAGE.read_text("utf-8").replace(example(), "")
-    for key in set(known) - {"robots", "beacons", "areas"}:
+    explained = PAGE.read_text("utf-8")
+    for text in examples():
+        explained = explained.replace(text, "")
+    for key in set(known) - TABLES:
         assert f"`{key}`" in explained
-        assert re.search(rf"\b{key} = ", example())
-    for key in ("robots", "beacons", "areas"):
+        assert re.search(rf"\b{key} = ", "".join(examples()))
+    for key in TABLES:
         assert f"`[[{key}]]`" in explained

@@ -83,6 +83,8 @@ class ThingForm(Form):
                 heading = math.degrees(thing.angle)
                 yield "Start heading", Number("start_angle", heading, "The heading at the start")
             yield "Colour", _colour(thing.color)
+            if teams := {team.name: team.name for team in self._editor.level.teams}:
+                yield "Team", Choice("team", teams, thing.team)
             yield "Battery", Flag("has_battery", "its engines need charge", value=thing.has_battery)
             capacity = Number("battery_capacity", thing.battery_capacity, "The capacity")
             yield "Capacity", capacity

@@ -17,6 +17,7 @@ from logical_robots_tui.world.level import (
     LevelError,
     Robot,
     SecondGoal,
+    Team,
     Visibility,
 )
 from logical_robots_tui.world.levels.drawing import read_drawing
@@ -24,10 +25,11 @@ from logical_robots_tui.world.levels.fields import Fields, check_robot_names
 from logical_robots_tui.world.levels.limits import excess_of_toml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 __all__ = [
     "Words",
+    "misfits",
     "oddities",
     "read_area",
     "read_beacon",
@@ -51,11 +53,12 @@ _TOP_KEYS = (
     "visibility",
     "shared_names",
     "second_goals",
+    "teams",
     "robots",
     "beacons",
     "areas",
 )
-_ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery")
+_ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
 _BEACON_KEYS = ("name", "x", "y", "charging_station")
 _AREA_KEYS = (
@@ -91,6 +94,8 @@ def read_native(text: str, name: str, source: str) -> Level:
     height, width = walls.shape
     robots = top.each("robots", read_robot)
     check_robot_names(top, tuple(robot.name for robot in robots))
+    for found in misfits(robots, words["teams"]):
+        raise top.error(found.path, found.message, found.hint)
     beacons = top.each("beacons", read_beacon)
     areas = top.each("areas", read_area)
     level = Level(
@@ -111,7 +116,7 @@ def read_native(text: str, name: str, source: str) -> Level:
 
 
 class Words(TypedDict):
-    """A level's texts, goals, what its programs may see, and names that are meant to be shared."""
+    """What a level file says besides the labyrinth and the objects in it."""
 
     title: str
     idea: str
@@ -124,10 +129,11 @@ class Words(TypedDict):
     visibility: Visibility
     shared_names: tuple[str, ...]
     second_goals: tuple[SecondGoal, ...]
+    teams: tuple[Team, ...]
 
 
 def read_words(top: Fields) -> Words:
-    """Read the texts, the visibility, the shared names and the second goals of a level."""
+    """Read the texts, the visibility, the shared names, the second goals and the teams."""
     return Words(
         title=top.name("title"),
         idea=top.name("idea", ""),
@@ -140,15 +146,16 @@ def read_words(top: Fields) -> Words:
         visibility=_visibility(top.table("visibility")),
         shared_names=top.names("shared_names"),
         second_goals=tuple(_second_goals(top)),
+        teams=top.each("teams", _team),
     )
 
 
 @dataclass(frozen=True, slots=True)
 class Oddity:
-    """Something that only a lenient level may contain.
+    """Something in a level that does not fit the rest.
 
     Attributes:
-        kind: ``robots`` or ``areas``.
+        kind: ``robots``, ``areas`` or ``teams``.
         index: Index in that list.
         key: The key at fault, or "" for the whole record.
         message: What is wrong.
@@ -168,7 +175,10 @@ class Oddity:
 
 
 def oddities(level: Level) -> Iterator[Oddity]:
-    """Yield robots outside the map, and unknown robots and beacons that areas refer to."""
+    """Yield what only a lenient level may contain.
+
+    These are robots outside the map, and unknown robots and beacons that areas refer to.
+    """
     size = f"The map is {level.width} x {level.height} units."
     for i, robot in enumerate(level.robots):
         if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
@@ -186,6 +196,29 @@ def oddities(level: Level) -> Iterator[Oddity]:
                     f'Area "{area.name}" is switched by "{name}", but there is no such beacon.'
                 )
                 yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
+
+
+def misfits(robots: Sequence[Robot], teams: Sequence[Team]) -> Iterator[Oddity]:
+    """Yield robots without a team, teams without robots, and teams of the same name."""
+    names = [team.name for team in teams]
+    for i, robot in enumerate(robots):
+        if robot.team not in (names or [""]):
+            message, hint = (
+                f'Robot "{robot.name}" has no team.',
+                "In a level with teams each has one.",
+            )
+            if robot.team:
+                message = f'Robot "{robot.name}" is in "{robot.team}", but there is no such team.'
+                hint = did_you_mean(robot.team, names) or "List the teams as [[teams]]."
+            yield Oddity("robots", i, "team", message, hint)
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield Oddity("teams", i, "name", f'Two teams are called "{name}".', "")
+        elif name not in [robot.team for robot in robots]:
+            yield Oddity("teams", i, "", f'Team "{name}" has no robots.', _JOIN.format(name))
+
+
+_JOIN = 'Write team = "{}" in a record of robots.'
 
 
 def _parsed(text: str, source: str) -> dict[str, object]:
@@ -227,6 +260,7 @@ def read_robot(fields: Fields) -> Robot:
         can_charge=used and battery.flag("charges_others"),
         battery_capacity=battery.number("capacity", least=0) if has_battery else 0.0,
         battery_consumption_rate=battery.number("consumption", 0.0, least=0),
+        team=fields.name("team", ""),
     )
 
 
@@ -256,6 +290,11 @@ def read_area(fields: Fields) -> Area:
         sticky_switch=fields.flag("sticky"),
         impenetrable=fields.flag("solid"),
     )
+
+
+def _team(fields: Fields) -> Team:
+    fields.refuse_unknown(("name", "program"))
+    return Team(fields.name("name"), fields.name("program", ""))
 
 
 def _second_goals(top: Fields) -> Iterator[SecondGoal]:

@@ -1,0 +1,78 @@
+"""Teams in the level editor and in the files that it writes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
+from logical_robots_tui.editing.properties import set_words
+from logical_robots_tui.editing.rewriting import rewritten
+from logical_robots_tui.editing.things import Ref, add, change, remove
+from logical_robots_tui.world import LevelError, Robot, Team
+from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.levels.native import read_native
+from logical_robots_tui.world.levels.web import read_web
+from tests.editing.test_files import read
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TEAMS = """\
+title = "Match"
+cell = 10
+walls = '''
+####
+#..#
+####
+'''
+
+# who plays
+[[teams]]
+name = "red"  # the first
+program = "herd"
+
+[[teams]]
+name = "blue"
+
+[[robots]]
+name = "Ann"
+x = 15
+y = 15
+team = "red"
+
+[[robots]]
+name = "Bob"
+x = 25
+y = 15
+team = "blue"
+"""
+
+
+def test_teams_are_written_and_keep_their_comments() -> None:
+    level = read_native(TEAMS, "match", "")
+    assert alike(read(write_native(level)), level)
+    moved = change(level, Ref("robots", 1), x=24)
+    assert rewritten(TEAMS, moved) == TEAMS.replace("x = 25", "x = 24")
+    joined, ref = add(moved, Robot("Cid", 16, 16))
+    assert joined.robots[2].team == "red"
+    other = change(joined, ref, team="blue")
+    assert alike(read(rewritten(TEAMS, other)), other)
+    named = set_words(level, teams=(Team("red"), Team("blue", "swarm")))
+    assert alike(read(rewritten(TEAMS, named)), named)
+
+
+def test_a_team_without_robots_is_not_saved(tmp_path: Path) -> None:
+    level = read_native(TEAMS, "match", "")
+    with pytest.raises(LevelError, match='Team "blue" has no robots'):
+        save_level(remove(level, Ref("robots", 1)), tmp_path / "match.toml")
+
+
+def test_teams_are_lost_in_the_web_format() -> None:
+    level = read_native(TEAMS, "match", "")
+    assert lost_in_web(level)[-2:] == ["teams", "visibility"]
+    robots = tuple(replace(robot, team="") for robot in level.robots)
+    assert read_web(write_web(level), "match", "").robots == robots
