@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import (
@@ -34,21 +34,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Answer", "Game"]
+__all__ = ["Game"]
 
 _KNOWN_TOGETHER = 16  # ticks taken from history at once
 _SECONDS_SHOWN = 0.008  # of computing at once when each tick is to be shown soon
 _SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half a tick
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """Rows of a predicate at one tick; stale if ``game.run_number`` is not its `run`."""
-
-    run: int
-    tick: int
-    predicate: str
-    table: Table
 
 
 class Game:
@@ -143,7 +133,7 @@ class Game:
         """
         return self._frame if tick == self._frame.tick else self._past.frame(tick)
 
-    async def query(self, predicate: str, frame: Frame | None = None) -> Answer:
+    async def query(self, predicate: str, frame: Frame | None = None) -> Table:
         """Return the rows of a predicate at a frame, by default the current one.
 
         The current program is evaluated, even for ticks that another program decided.
@@ -153,7 +143,7 @@ class Game:
             QueryError: The predicate has no rows of its own, or failed.
         """
         frame = frame or self._frame
-        run, program, level = self.run_number, self.program, self.history.level_at(frame.tick)
+        program, level = self.program, self.history.level_at(frame.tick)
         self._asker.stop()
 
         def ask(stop: threading.Event) -> Table:
@@ -163,7 +153,7 @@ class Game:
         table = await self._asker.do(ask)
         if program is not self.program:
             raise Superseded
-        return Answer(run, frame.tick, predicate, table)
+        return table
 
     # -- moving --------------------------------------------------------------------------------
 
@@ -204,6 +194,10 @@ class Game:
         self._is_program_wanted = True
         self._show(frame)
         return frame
+
+    def look_at(self, team: str) -> None:
+        """Answer questions about a team's program from now on; the robots notice nothing."""
+        self.program = self.program.for_team(team)
 
     def use(self, program: Program) -> None:
         """Use another program from the next tick on; world and memories are kept."""

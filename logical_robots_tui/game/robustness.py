@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.game.frame import driven
-from logical_robots_tui.mind import Mind
+from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping, Sequence
 
-    from logical_robots_tui.mind import Decision, Limits, Program
+    from logical_robots_tui.mind import Decision, Limits, Mind, Program
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level, WorldState
 
@@ -133,8 +133,7 @@ def play_through(
         LateError: The clock cut off a thought.
     """
     world = World(level)
-    seen = level.visibility
-    mind = Mind(program, memory=seen.memory, sensor=seen.sensor, limits=limits, frozen=True)
+    mind = mind_for(program, level, limits)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
     distance, is_blocked = 0.0, False
     try:

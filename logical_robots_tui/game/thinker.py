@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Limits, Mind, Program
-    from logical_robots_tui.world import Level, Visibility
+    from logical_robots_tui.world import Level
 
 __all__ = ["Thinker"]
 
@@ -31,28 +31,19 @@ class Thinker:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
         self._stop = threading.Event()
         self._mind: Mind | None = None
-        self._visibility: Visibility | None = None
+        self._serves: tuple[object, ...] = ()
         self._worlds: Worlds | None = None
 
     def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
-        """Return the mind for a program; call it in the thread."""
-        visibility = level.visibility
-        if (
-            self._mind is None
-            or self._mind.program is not program
-            or self._visibility != visibility
-        ):
-            from logical_robots_tui.mind import Mind
+        """Return the mind for a program in a level; call it in the thread."""
+        teams = {robot.name: robot.team for robot in level.robots} if level.teams else {}
+        serves = (program, level.visibility, teams)
+        if self._mind is None or serves != self._serves:
+            from logical_robots_tui.game.minds import mind_for
 
             self._forget()
-            self._visibility = visibility
-            self._mind = Mind(
-                program,
-                memory=visibility.memory,
-                sensor=visibility.sensor,
-                limits=limits,
-                frozen=True,
-            )
+            self._serves = serves
+            self._mind = mind_for(program, level, limits)
         return self._mind
 
     def replay(

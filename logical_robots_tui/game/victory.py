@@ -171,7 +171,7 @@ def measures_of(
         distance: Map units driven by all robots together.
         is_blocked: Whether a robot was blocked in any tick.
     """
-    rules = count_rules(program.text)
+    rules = count_rules(program.own.text)
     mentions = sum(used.count("Memory") for used in program.uses.values())
     found = {
         "tick": ticks,

@@ -41,6 +41,7 @@ class ProgramError(LogicalRobotsError):
     Attributes:
         diagnostics: At least one, in text order.
         is_unfinished: Whether compiling was given up, so that another attempt may end otherwise.
+        team: The team whose program it is, or "".
     """
 
     title = "This program can't run yet"
@@ -48,6 +49,7 @@ class ProgramError(LogicalRobotsError):
     def __init__(self, diagnostics: tuple[Diagnostic, ...], *, is_unfinished: bool = False) -> None:
         self.diagnostics = diagnostics
         self.is_unfinished = is_unfinished
+        self.team = ""
         super().__init__("\n".join(str(d) for d in diagnostics))
 
 

@@ -48,6 +48,7 @@ class Mind:
         frozen: Whether the caller never changes a record or list that it passes or receives, as a
             game doesn't. Then values that stay the same stay the same objects and are not
             processed again.
+        robots: Names of the robots that it thinks for; nothing of others reaches it. All if None.
     """
 
     def __init__(
@@ -59,13 +60,16 @@ class Mind:
         *,
         plain: bool = False,
         frozen: bool = False,
+        robots: Collection[str] | None = None,
     ) -> None:
         self.program = program
+        self._robots = robots
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
         self._sizes = Sizes() if frozen else None
         self._moment: Moment | None = None
+        self._rows: Sequence[SensorRow] | None = None  # of that moment, with those of others
         # What `Robot` returned at that moment, as far as known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
@@ -171,12 +175,11 @@ class Mind:
             Stopped: `stop` was set before the query was finished.
         """
         if predicate == "Sensor":
-            return Table(
-                ("robot_name", "sensor"), tuple((r["robot_name"], r["sensor"]) for r in rows)
-            )
+            sensed = tuple((r["robot_name"], r["sensor"]) for r in self._own(rows))
+            return Table(("robot_name", "sensor"), sensed)
         if predicate == "Memory":
-            found = tuple((r["robot_name"], memories.get(r["robot_name"])) for r in rows)
-            return Table(("robot_name", "memory"), found)
+            names = [row["robot_name"] for row in self._own(rows)]
+            return Table(("robot_name", "memory"), tuple((n, memories.get(n)) for n in names))
         known = self.program.predicate(predicate)
         if known is None:
             raise QueryError(f"The program has no predicate {predicate}.")
@@ -246,7 +249,7 @@ class Mind:
         Raises:
             Stopped: `stop` was set.
         """
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._new_moment(rows, memories)
         for view in moment.views:
             if viewers is not None and not any(name in viewers for name in view.viewers):
                 continue
@@ -277,7 +280,7 @@ class Mind:
         from logical_robots_tui.mind.why.explainer import Explainer
         from logical_robots_tui.mind.why.relations import Relations
 
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._new_moment(rows, memories)
         view = next((view for view in moment.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
@@ -308,7 +311,7 @@ class Mind:
         known = self.program.predicate(predicate)
         if known is None or predicate not in self.program.statements:
             raise QueryError(known.reason if known else f"The program has no {predicate}.")
-        moment = Moment(rows, memories, self.memory, self.sensor)
+        moment = self._new_moment(rows, memories)
         within = self._within_query(self.limits.rows, stop)
         try:
             tuned, plan = self._asking.plan(predicate, moment, moment.views[0], within)
@@ -337,11 +340,20 @@ class Mind:
     def _moment_of(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
         """Return the moment; the previous one if nothing can have changed."""
         last = self._moment
-        if last is None or last.sensors is not rows or last.remembered is not memories:
-            last = Moment(rows, memories, self.memory, self.sensor)
+        if last is None or self._rows is not rows or last.remembered is not memories:
+            last = self._new_moment(rows, memories)
             self._moment = last if self._sizes is not None else None
-            self._thought = []
+            self._rows, self._thought = rows, []
         return last
+
+    def _new_moment(self, rows: Sequence[SensorRow], memories: Memories) -> Moment:
+        return Moment(self._own(rows), memories, self.memory, self.sensor)
+
+    def _own(self, rows: Sequence[SensorRow]) -> Sequence[SensorRow]:
+        """Return the rows of the robots that it thinks for."""
+        if self._robots is None:
+            return rows
+        return [row for row in rows if row["robot_name"] in self._robots]
 
     def _table(
         self,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import json
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError
@@ -23,7 +24,10 @@ __all__ = [
     "Predicate",
     "Program",
     "Question",
+    "TeamProgram",
     "Tuned",
+    "join_teams",
+    "split_teams",
 ]
 
 INPUTS: Mapping[str, tuple[str, ...]] = {
@@ -179,19 +183,33 @@ class Program:
         """Compile Logica text in a separate process. Blocks.
 
         Args:
-            text: The program.
+            text: The program, or the programs of several teams as `join_teams` returns them.
             stop: Set it from another thread to cancel; takes effect within 0.1 s.
             limits: Limits for the text and for compiling it.
             report: Called with the number of compiled predicates and of all.
 
         Raises:
-            ProgramError: The program has errors; holds diagnostics with line, column and hint.
+            ProgramError: The program has errors; holds diagnostics with line, column and hint, and
+                the team.
             Stopped: `stop` was set.
         """
         from logical_robots_tui.mind.compilation import check_text, compiled
 
-        check_text(text, limits)
-        return compiled({"text": text}, cls, stop=stop, limits=limits, report=report)
+        def of_one(text: str) -> Program:
+            check_text(text, limits)
+            return compiled({"text": text}, Program, stop=stop, limits=limits, report=report)
+
+        texts = split_teams(text)
+        if texts is None:
+            return of_one(text)
+        parts = {}
+        for team, part in texts.items():
+            try:
+                parts[team] = of_one(part)
+            except ProgramError as error:
+                error.team = team
+                raise
+        return TeamProgram.of(parts)
 
     @staticmethod
     def with_constants(text: str, values: Mapping[str, str], limits: Limits | None = None) -> str:
@@ -279,3 +297,97 @@ class Program:
     def predicate(self, name: str) -> Predicate | None:
         """Return the predicate of that name, or None."""
         return next((p for p in self.predicates if p.name == name), None)
+
+    @property
+    def own(self) -> Program:
+        """The program without those of other teams."""
+        return self
+
+    def for_team(self, team: str) -> Program:
+        """Return the program as a team's robots think with it; the same if all think alike."""
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class TeamProgram(Program):
+    """The programs of several teams; seen as a program, it is that of one of them.
+
+    Attributes:
+        text: All texts, as `join_teams` returns them.
+        teams: The compiled programs by team, in the order of the teams.
+        team: The team whose program it is seen as.
+        views: The same for other teams, as far as they were needed.
+    """
+
+    teams: Mapping[str, Program] = field(default_factory=dict)
+    team: str = ""
+    views: dict[str, TeamProgram] = field(default_factory=dict, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, teams: Mapping[str, Program]) -> TeamProgram:
+        """Return the programs of teams as one, seen as that of the first team."""
+        text = join_teams({team: program.text for team, program in teams.items()})
+        return cls(text, (), {}, teams=teams).for_team(next(iter(teams)))
+
+    @property
+    def own(self) -> Program:
+        """The program of the team alone."""
+        return self.teams[self.team]
+
+    def for_team(self, team: str) -> TeamProgram:
+        """Return the program as a team's robots think with it; the same if it has no such team."""
+        if team not in self.teams:
+            return self
+        if team not in self.views:
+            part = self.teams[team]
+            seen = {f.name: getattr(part, f.name) for f in fields(Program) if f.name != "text"}
+            self.views[team] = replace(self, team=team, views=self.views, **seen)
+        return self.views[team]
+
+    def question(
+        self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
+    ) -> Question:
+        """Compile a question about the team's program."""
+        return self.own.question(query, stop=stop, limits=limits)
+
+    def decompose(
+        self,
+        predicate: str,
+        within: str = "",
+        *,
+        stop: threading.Event | None = None,
+        limits: Limits | None = None,
+    ) -> Probing:
+        """Decompose the rules of a predicate of the team's program."""
+        return self.own.decompose(predicate, within, stop=stop, limits=limits)
+
+
+_TEAMS = "# teams: "
+
+
+def join_teams(texts: Mapping[str, str]) -> str:
+    """Return the texts of the teams' programs as one text, from which none can get at another.
+
+    Args:
+        texts: Logica texts by team.
+    """
+    lines = {team: text.count("\n") + 1 for team, text in texts.items()}
+    return "\n".join([_TEAMS + json.dumps(lines), *texts.values()])
+
+
+def split_teams(text: str) -> dict[str, str] | None:
+    """Return the texts of the teams' programs by team, or None if the text is not that of teams."""
+    head, _, rest = text.partition("\n")
+    try:
+        counts = json.loads(head.removeprefix(_TEAMS)) if head.startswith(_TEAMS) else None
+    except ValueError:
+        return None
+    if not isinstance(counts, dict) or not counts:
+        return None
+    lines, texts = rest.split("\n"), {}
+    for team, count in counts.items():
+        if type(count) is not int or not 0 < count <= len(lines):
+            return None
+        texts[team] = "\n".join(lines[:count])
+        lines = lines[count:]
+    return None if lines else texts

@@ -246,6 +246,10 @@ class Level:
     divided_charge: bool = False
     source: str = ""
 
+    def team_of(self, robot_name: str) -> str:
+        """Return the team of a robot, or "" if it has none."""
+        return next((each.team for each in self.robots if each.name == robot_name), "")
+
 
 _COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
 

@@ -52,7 +52,7 @@ def _write_level(folder: Path, name: str) -> None:
 
 def _write_gate(folder: Path) -> None:
     """The level of the page on the format."""
-    level, _ = (b.text for b in blocks(DOCS / "levels.md") if b.language == "toml")
+    level = next(b.text for b in blocks(DOCS / "levels.md") if b.language == "toml")
     (folder / "gate.toml").write_text(level, "utf-8")
 
 

@@ -197,6 +197,14 @@ class Opened:
     def shows(self, text: str) -> bool:
         return text in self.screen()
 
+    async def sees(self, text: str) -> None:
+        """Wait until the screen shows a text: what is drawn trails what is known."""
+        await self.until(lambda: self.shows(text))
+
+    async def sees_no(self, text: str) -> None:
+        """Wait until the screen no longer shows a text."""
+        await self.until(lambda: not self.shows(text))
+
 
 @pytest.fixture(autouse=True)
 def _pages_at_once(monkeypatch: pytest.MonkeyPatch) -> None:

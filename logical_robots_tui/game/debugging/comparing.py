@@ -67,10 +67,11 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
     here = _Course(robot, *history.replay(tick), game.limits)
     there = _Course(robot, *history.in_other(tick), game.limits)
     programs = history.program_at(tick), history.program_in_other(tick)
-    mine, other = (program or game.program for program in programs)
+    team = game.level.team_of(robot)
+    mine, other = ((program or game.program).for_team(team) for program in programs)
     try:
         proofs = await here.proof(mine), await there.proof(other)
-        found = first_difference(*proofs, mine.text, other.text)
+        found = first_difference(*proofs, mine.own.text, other.own.text)
         condition = None
         if found is not None and found.kind == "rule":
             asked = found.asked

@@ -156,6 +156,7 @@ async def origin_in_game(
         except NoSuchTickError:
             raise QueryError(f"Tick {at} is no longer in the timeline.") from None
         program = history.program_at(at) or game.program
+        program = program.for_team(known.level.team_of(whose))
 
         def work(stop: threading.Event) -> tuple[Made, Mapping[str, Value]]:
             frame, mind = thinker.replay(program, before, known, game.limits)

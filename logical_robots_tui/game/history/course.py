@@ -101,7 +101,7 @@ class Course:
             self._unreliable_from = frame.tick
         if self._blocked_from is None and self._blocked:
             self._blocked_from = frame.tick
-        if not self._programs or self._programs[-1][1] is not program:
+        if not self._programs or self._programs[-1][1].text != program.text:
             self._use(frame.tick, program)
         is_packed = False
         while together := self._ready():
@@ -240,7 +240,7 @@ class Course:
         self.hits = {at: hits for at, hits in self.hits.items() if at >= tick}
 
     def _use(self, tick: int, program: Program) -> None:
-        if self._programs and self._programs[-1][1].text != program.text:
+        if self._programs:
             self.marks.note(tick, "program")
         self._programs.append((tick, program))
         self._rounds = Rounds()

@@ -307,7 +307,7 @@ class Session:
         """
         if self.game is None:
             raise Superseded
-        return (await self.game.query(predicate, frame)).table
+        return await self.game.query(predicate, frame)
 
     def release(self, close: Work) -> None:
         """Close something in the background."""

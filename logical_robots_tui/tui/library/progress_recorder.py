@@ -133,7 +133,7 @@ class ProgressRecorder(SessionListener):
 
     def program_used(self, program: Program) -> None:
         """Keep the program as a version, if it is the player's own."""
-        key, text = self._key, program.text
+        key, text = self._key, program.own.text
         self._write(lambda progress: keep_if_own(progress, key, text))
 
     def tick_shown(self, frame: Frame) -> None:

@@ -139,24 +139,24 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
         await game.until(lambda: not game.session.running)
         await game.until(lambda: "needs all: R ✓ P ✓ Q ✓" in game.status)
         assert "WON" in game.status
-        await game.until(lambda: game.shows("Everybody is there"))
-        assert game.shows(f"{game.session.won_at} ticks")
+        await game.sees("Everybody is there")
+        await game.sees(f"{game.session.won_at} ticks")
         await game.press("escape")
         await game.until(lambda: not game.shows("Everybody is there"))
         await game.press("p", "n")
         await game.until(lambda: game.session.won_at is not None)
-        assert not game.shows("Everybody is there")
+        await game.sees_no("Everybody is there")
         await game.press("r")
         await game.until(lambda: game.tick == 0)
         await game.press("space")
-        await game.until(lambda: game.shows("Everybody is there"))
+        await game.sees("Everybody is there")
 
 
 async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
         await game.press(*["plus"] * 6, "space")
-        await game.until(lambda: game.shows("Everybody is there"))
+        await game.sees("Everybody is there")
         recorder = game.main.recorder  # whose trial of shifted starts has a line that goes
         await game.until(lambda: recorder.latest and recorder.latest.wins is not None)
         await game.until(lambda: not game.shows("so far"))
@@ -164,7 +164,7 @@ async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
         row = next(row for row, line in enumerate(lines) if "again" in line and "stay" in line)
         await game.pilot.click(offset=(lines[row].index("again") + 1, row))
         await game.until(lambda: game.tick == 0)
-        assert not game.shows("Everybody is there")
+        await game.sees_no("Everybody is there")
 
 
 async def test_a_run_never_lays_the_screen_out_anew(data_dir: Path) -> None:
@@ -204,16 +204,16 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
         await game.press("n")
         await game.until(lambda: game.tick == 1)
         assert "\x1b" not in game.screen()
-        assert game.shows("[link]")
+        await game.sees("[link]")
         assert "[/]C: [b]A[/b] ·" in game.status
-        await game.until(lambda: game.shows('[b]A[/b] remembers "␛[2J[red]"'))
+        await game.sees('[b]A[/b] remembers "␛[2J[red]"')
 
 
 async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
         await game.press(*["plus"] * 6, "space", "2")
-        await game.until(lambda: game.shows("Everybody is there"))
+        await game.sees("Everybody is there")
         await game.press("r", "greater_than_sign", "space")
         await game.until(lambda: game.editor.text.startswith("r> "))
         assert game.session.won_at is not None
@@ -233,7 +233,7 @@ async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir:
     async with opened(data_dir, text=WRONG) as game:
         await game.ready()
         await game.press("space")
-        await game.until(lambda: game.shows("a mistake in line 3"))
+        await game.sees("a mistake in line 3")
         assert not game.session.busy
         await game.write(PAPER)
         await game.until(lambda: game.session.game is not None)
@@ -265,7 +265,7 @@ async def test_the_mouse_at_what_has_just_gone_away_does_nothing(data_dir: Path)
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
         game.main.tell("This goes away soon.")
-        await game.until(lambda: game.shows("This goes away soon."))
+        await game.sees("This goes away soon.")
         toast = game.main.query_one(Toast)
         x, y = toast.region.center
         holder = toast.parent

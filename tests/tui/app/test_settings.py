@@ -143,7 +143,7 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
     wanted = Settings("textual-light", cones=False, keys=keys, complaints=("run: odd",))
     async with opened(data_dir, text=STILL, settings=wanted) as game:
         await game.ready()
-        await game.until(lambda: game.shows("run: odd"))
+        await game.sees("run: odd")
         assert game.app.theme == "textual-light"
         assert not game.main.labyrinth.view.rays
         assert "% Step" in game.main.query_one(CommandBar).render().plain
@@ -164,15 +164,15 @@ async def test_what_is_said_names_the_keys_that_are_set(data_dir: Path, short: P
     keys = {"editor": ("tilde",), "apply": ("f9",), "hint": (), "watch": ("percent_sign",)}
     wanted = Settings(keys=keys)
     async with opened(data_dir, level=short, text=STILL, welcome=True, settings=wanted) as game:
-        await game.until(lambda: game.shows("1 of 4"))
+        await game.sees("1 of 4")
         await game.press("enter")
-        await game.until(lambda: game.shows("tick. ~ goes there; edit it, F9 applies"))
+        await game.sees("tick. ~ goes there; edit it, F9 applies")
         await game.press("enter", "enter")
-        await game.until(lambda: game.shows("^P gives a"))
+        await game.sees("^P gives a")
         await game.press("enter")
         await game.ready()
         await game.press("at")
-        await game.until(lambda: game.shows("% shows what is pinned"))
+        await game.sees("% shows what is pinned")
         await game.press("W")
         await game.until(lambda: game.shows("A hint (^P)"))
 
@@ -183,10 +183,10 @@ async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> N
         await game.ready()
         await game.press("f9")
         await game.until(lambda: game.main.editing.is_on)
-        assert game.shows("% Brush")
-        assert game.shows("^P Line")
+        await game.sees("% Brush")
+        await game.sees("^P Line")
         await game.press("percent_sign")
-        await game.until(lambda: game.shows("units wide"))
+        await game.sees("units wide")
         await game.press("M", "percent_sign")  # the former is no key of anything now
         assert game.main.editing.is_on
         await game.press("f9")

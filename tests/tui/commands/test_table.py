@@ -144,7 +144,7 @@ async def test_the_palette_finds_a_command_and_does_it(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("2", "ctrl+p")
-        await game.until(lambda: game.shows("Find a command"))
+        await game.sees("Find a command")
         await game.press(*"half", "enter")
         view = game.main.query_one(LabyrinthView)
         await game.until(lambda: view.drawing is Drawing.HALVES)
@@ -168,7 +168,7 @@ async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_di
 
         async def ask_for(words: str, shown: str) -> None:
             await game.press("ctrl+p")
-            await game.until(lambda: game.shows("Find a command"))
+            await game.sees("Find a command")
             await game.press(*words)
             await game.until(lambda: shown in " ".join(game.screen().split()))
             await game.press("enter")
@@ -191,7 +191,7 @@ async def test_what_keys_do_in_the_editor_the_palette_does_from_anywhere(data_di
         await game.press("escape")
         await game.until(lambda: not game.editor.completion.display)
         await ask_for("copy", "Copy ^C")
-        await game.until(lambda: game.shows("Select something to copy first."))
+        await game.sees("Select something to copy first.")
 
 
 @pytest.mark.slow
@@ -245,7 +245,7 @@ async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> 
 
         async def headings(about: str) -> list[str]:
             await game.press("f1")
-            await game.until(lambda: game.shows(f"Help · {about}"))
+            await game.sees(f"Help · {about}")
             shown = game.app.screen.query_one("#help", Static)
             await game.until(lambda: "Restart" in str(shown.visual))
             await game.press("escape")
@@ -272,7 +272,7 @@ async def test_the_help_shows_what_matches_the_typed_words(data_dir: Path) -> No
         await game.until(lambda: "Restart" not in str(shown.visual))
         assert "Watch" in str(shown.visual)
         await game.press(*"qqq")
-        await game.until(lambda: game.shows("Nothing here has that in it."))
+        await game.sees("Nothing here has that in it.")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
 
@@ -327,7 +327,7 @@ async def test_rays_and_the_way_of_drawing_change_by_key(data_dir: Path) -> None
 async def test_q_leaves_and_so_does_a_second_ctrl_c_but_not_ctrl_q(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("ctrl+q", "ctrl+c")
-        await game.until(lambda: game.shows("^C again to quit, or q"))
+        await game.sees("^C again to quit, or q")
         assert game.app.is_running
         await game.press("ctrl+c")
         await game.until(lambda: not game.app.is_running)
@@ -341,7 +341,7 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
 ) -> None:
     async with opened(data_dir, level="team_goal") as game:
         view = game.main.query_one(LabyrinthView)
-        await game.until(lambda: game.shows("robot  "))
+        await game.sees("robot  ")
         place = next(
             (column, row)
             for row in range(view.size.height)
@@ -350,6 +350,6 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
         )
         await game.pilot.click(LabyrinthView, offset=place)
         await game.until(lambda: view.selected == "R")
-        assert game.shows('R remembers ""')
+        await game.sees('R remembers ""')
         await game.pilot.click("#robots", offset=(3, 2))
         await game.until(lambda: view.selected == "Q")

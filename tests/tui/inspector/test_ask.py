@@ -35,26 +35,26 @@ async def test_a_query_is_answered_and_follows_the_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "Sensor(sensor:), clock == 100 + sensor.clock")
-        await game.until(lambda: game.shows("Ask · tick 0 · 1 row"))
-        assert game.shows("100")
+        await game.sees("Ask · tick 0 · 1 row")
+        await game.sees("100")
         await game.press("escape", "n")
-        await game.until(lambda: game.shows("Ask · tick 1 · 1 row"))
-        await game.until(lambda: game.shows("101"))
+        await game.sees("Ask · tick 1 · 1 row")
+        await game.sees("101")
 
 
 async def test_a_query_can_be_typed_before_the_page_for_it_is_loaded(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.press("slash", *"Robot", "enter")
-        await game.until(lambda: game.shows("Ask · tick 0 · 1 row"))
+        await game.sees("Ask · tick 0 · 1 row")
 
 
 async def test_a_mistake_is_shown_at_its_place_and_changes_nothing(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "Sensor(robot_nam:)")
-        await game.until(lambda: game.shows("Sensor has no column robot_nam."))
-        assert game.shows("       ^^^^^^^^^")
-        assert game.shows("Did you mean robot_name?")
+        await game.sees("Sensor has no column robot_nam.")
+        await game.sees("       ^^^^^^^^^")
+        await game.sees("Did you mean robot_name?")
         assert game.tick == 0
         assert line(game).value == "Sensor(robot_nam:)"
         line(game).value = "Sensor(r"
@@ -65,23 +65,23 @@ async def test_a_query_that_fails_says_why(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, 'x in ["a"], x.field == 2')
-        await game.until(lambda: game.shows("neither a record nor a list"))
+        await game.sees("neither a record nor a list")
 
 
 async def test_no_rows_are_no_rows(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "x in [1], x > 2")
-        await game.until(lambda: game.shows("No rows."))
+        await game.sees("No rows.")
 
 
 async def test_up_brings_earlier_queries_back(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "1 + 1")
-        await game.until(lambda: game.shows("1 row"))
+        await game.sees("1 row")
         await ask(game, "2 + 2")
-        await game.until(lambda: game.shows("       4"))
+        await game.sees("       4")
         await game.press("up")
         await game.until(lambda: line(game).value == "2 + 2")
         await game.press("up")
@@ -116,30 +116,30 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "1000 + 1")
-        await game.until(lambda: game.shows("1001"))
+        await game.sees("1001")
         await ask(game, SLOW)
-        await game.until(lambda: game.shows(" s  esc here stops it"))
+        await game.sees(" s  esc here stops it")
         assert any(sign in game.screen() for sign in "▖▘▝▗")
         assert not game.shows("1001"), "an old answer stands under a new question"
         assert answered(game) == SLOW
         first = game.screen()
         await game.until(lambda: game.screen() != first)  # the time goes on
         await game.press("escape")
-        await game.until(lambda: game.shows("Stopped after "))
+        await game.sees("Stopped after ")
         assert line(game).has_focus
         assert line(game).value == SLOW
         await ask(game, "1000 + 2")
-        await game.until(lambda: game.shows("1002"))
+        await game.sees("1002")
 
 
 async def test_escape_stops_a_question_from_the_list_too(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, SLOW)
-        await game.until(lambda: game.shows("esc here stops it"))
+        await game.sees("esc here stops it")
         game.inspector.enter()
         await game.press("escape")
-        await game.until(lambda: game.shows("Stopped after "))
+        await game.sees("Stopped after ")
         assert game.inspector.has_focus_within
         await game.press("escape")
         await game.until(lambda: game.main.labyrinth.has_focus)
@@ -152,12 +152,12 @@ async def test_another_question_does_not_wait_for_the_answer_of_the_one_before(
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, SLOW)
-        await game.until(lambda: game.shows("esc here stops it"))
+        await game.sees("esc here stops it")
         await ask(game, query)
-        await game.until(lambda: game.shows("Ask · tick 0 · 1 row"))
+        await game.sees("Ask · tick 0 · 1 row")
         await game.press("escape", "n")
-        await game.until(lambda: game.shows("701"))
-        assert game.shows("Ask · tick 1 · 1 row")
+        await game.sees("701")
+        await game.sees("Ask · tick 1 · 1 row")
 
 
 async def test_an_answer_stands_with_its_own_question_while_another_one_is_typed(
@@ -166,10 +166,10 @@ async def test_an_answer_stands_with_its_own_question_while_another_one_is_typed
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "1000 + 1")
-        await game.until(lambda: game.shows("1001"))
+        await game.sees("1001")
         line(game).value = "1000 + 5"
-        await game.until(lambda: game.shows("1000 + 5"))
-        assert game.shows("1001")
+        await game.sees("1000 + 5")
+        await game.sees("1001")
         assert answered(game) == "1000 + 1"
 
 
@@ -177,12 +177,12 @@ async def test_an_answer_that_is_cut_off_says_so_and_how_to_narrow_it_down(data_
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
         await ask(game, "x in Range(1001)")
-        await game.until(lambda: game.shows("first 1,000 rows, there are more: / narrows down"))
+        await game.sees("first 1,000 rows, there are more: / narrows down")
         table = game.main.query_one("#answer", ValueTable)
         table.action_go(10_000, 0)
-        await game.until(lambda: game.shows("there are more rows than these first 1,000"))
+        await game.sees("there are more rows than these first 1,000")
         await ask(game, "x in Range(1001), x > 990")
-        await game.until(lambda: game.shows("Ask · tick 0 · 10 rows"))
+        await game.sees("Ask · tick 0 · 10 rows")
         assert not table.missing
 
 
@@ -193,7 +193,7 @@ async def test_the_line_shows_an_example_and_the_bar_names_its_keys(
     async with opened(data_dir, size=size) as game:
         await game.ready()
         await game.press("slash")
-        await game.until(lambda: game.shows("sensor.forward_distance < 60"))
+        await game.sees("sensor.forward_distance < 60")
         bar = game.main.query_one(CommandBar)
         await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
         assert "F5 Run" in bar.render().plain

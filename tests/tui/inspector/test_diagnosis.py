@@ -32,7 +32,7 @@ async def looked(game: Opened) -> None:
         await game.until(lambda: game.tick == tick)  # noqa: B023 - waited for here
     game.main.action_command("diagnose")
     await game.until(lambda: page(game).view.has_focus)
-    await game.until(lambda: game.shows("Look through the run up to tick 4"))
+    await game.sees("Look through the run up to tick 4")
     await game.press("enter")
     await game.until(lambda: page(game).found is not None)
 
@@ -41,8 +41,8 @@ async def test_the_run_is_looked_through_and_a_finding_leads_to_its_tick(data_di
     async with opened(data_dir, text=LATE) as game:
         await looked(game)
         assert game.inspector.inspected == DIAGNOSIS
-        await game.until(lambda: game.shows("Ticks 1 to 4, not won."))
-        await game.until(lambda: game.shows("warning, line 3, tick 3"))
+        await game.sees("Ticks 1 to 4, not won.")
+        await game.sees("warning, line 3, tick 3")
         await game.press("down")
         await game.until(lambda: game.editor.selected_text.startswith("Robot(robot_name:, des"))
         await game.press("enter")
@@ -53,10 +53,10 @@ async def test_it_is_offered_again_when_the_run_has_gone_on(data_dir: Path) -> N
     async with opened(data_dir, text=LATE) as game:
         await looked(game)
         await game.press("n")
-        await game.until(lambda: game.shows("Look through the run up to tick 5"))
+        await game.sees("Look through the run up to tick 5")
 
 
 async def test_all_of_it_is_usable_on_a_small_screen(data_dir: Path) -> None:
     async with opened(data_dir, text=LATE, size=(80, 24)) as game:
         await looked(game)
-        await game.until(lambda: game.shows("warning, line 3, tick 3"))
+        await game.sees("warning, line 3, tick 3")

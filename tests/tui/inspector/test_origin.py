@@ -77,7 +77,7 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it(data_dir: Path) -> 
             f"    from {robot}'s memory.seen = 1",
         ]
         assert f"2. {robot}'s memory.seen = 1" in plain
-        assert game.shows(f"{robot}'s memory.seen after tick 9 comes from")
+        await game.sees(f"{robot}'s memory.seen after tick 9 comes from")
 
 
 async def test_the_cursor_shows_the_expression_in_the_program(data_dir: Path) -> None:
@@ -95,7 +95,7 @@ async def test_enter_goes_to_the_tick_and_says_why_and_the_key_comes_back(data_d
         await followed(game, *TO_SEEN)
         await game.press("down", "enter")
         await game.until(lambda: game.tick == 2 and game.inspector.inspected == WHY)
-        await game.until(lambda: game.shows("Why · tick 2"))
+        await game.sees("Why · tick 2")
         await game.press("less_than_sign")
         await game.until(lambda: game.inspector.inspected == ORIGIN)
         assert links(game).has_focus
@@ -107,12 +107,12 @@ async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir:
     async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
         await at_tick(game, 9)
         game.inspector.open("Memory")
-        await game.until(lambda: game.shows("Memory · tick 9"))
+        await game.sees("Memory · tick 9")
         await game.press("enter")
         await game.until(lambda: game.inspector.pages.table.has_focus)
         await game.press("right", "less_than_sign")
         await game.until(lambda: links(game).pointed)
-        assert game.shows("memory after tick 8 comes from")
+        await game.sees("memory after tick 8 comes from")
         await game.press("p")
         await game.until(lambda: game.tick == 8)
         assert game.inspector.inspected == ORIGIN
@@ -128,7 +128,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         game.inspector.pages.pins.toggle(pin)
         await game.press("V", "less_than_sign")
         await game.until(lambda: links(game).pointed)
-        await game.until(lambda: game.shows("set in tick 4"))
+        await game.sees("set in tick 4")
         assert pointed(game).value == "fetch"
         await game.press("w")
         view = game.inspector.pages.why.view
@@ -140,7 +140,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         )
         view.action_move(place - view.lines.index(view.line))
         await game.press("less_than_sign")
-        await game.until(lambda: game.shows("memory.plan after tick 4 comes from"))
+        await game.sees("memory.plan after tick 4 comes from")
 
 
 async def test_where_there_is_no_memory_under_the_cursor_that_is_said(data_dir: Path) -> None:
@@ -148,7 +148,7 @@ async def test_where_there_is_no_memory_under_the_cursor_that_is_said(data_dir: 
         await at_tick(game, 1)
         game.inspector.open("Sensor")
         await game.press("less_than_sign")
-        await game.until(lambda: game.shows("Put the cursor on a memory"))
+        await game.sees("Put the cursor on a memory")
 
 
 async def test_a_question_of_ticks_that_were_left_says_so(data_dir: Path) -> None:
@@ -161,7 +161,7 @@ async def test_a_question_of_ticks_that_were_left_says_so(data_dir: Path) -> Non
         assert game.session.game is not None
         game.session.game.forget_future()
         game.inspector.follow()
-        await game.until(lambda: game.shows("another future since then"))
+        await game.sees("another future since then")
         assert links(game).pointed is None
 
 
@@ -169,12 +169,12 @@ async def test_it_has_room_in_a_small_terminal(data_dir: Path) -> None:
     async with opened(data_dir, text=PHASES, size=(80, 24)) as game:
         await at_tick(game, 9)
         await followed(game, *TO_SEEN)
-        assert game.shows("set in tick 6 by the rule in line 1")
+        await game.sees("set in tick 6 by the rule in line 1")
         await game.press("down")
         await game.until(lambda: pointed(game).tick == 2)
-        assert game.shows("set in tick 2")
+        await game.sees("set in tick 2")
         links(game).show(Origin((pointed(game),), complete=False))
-        await game.until(lambda: game.shows("This is not all of it"))
+        await game.sees("This is not all of it")
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ async def test_it_says_how_far_back_it_is_and_can_be_stopped(data_dir: Path) -> 
         game.inspector.follow_back(MemoryPart(robot, ("first",), 1_500))
         await game.until(lambda: re.search(r"at tick [\d,]+, [\d,]+ ticks? back", game.screen()))
         await game.press("escape")
-        await game.until(lambda: game.shows("Stopped at tick"))
+        await game.sees("Stopped at tick")
         assert links(game).pointed is None
         game.inspector.follow_back(MemoryPart(robot, ("first",), 20))
         await game.until(lambda: links(game).pointed)

@@ -47,11 +47,11 @@ async def test_the_robots_come_first(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
         assert game.inspector.inspected == ROBOTS
-        await game.until(lambda: game.shows("Robots · tick 0"))
+        await game.sees("Robots · tick 0")
         for words in ("radar, left to right", "● P", "● Q", "● R"):
-            assert game.shows(words)
+            await game.sees(words)
         await game.press("n")
-        await game.until(lambda: game.shows("Robots · tick 1"))
+        await game.sees("Robots · tick 1")
 
 
 async def test_each_predicate_has_its_number_of_rows_and_a_mark_if_they_changed(
@@ -106,13 +106,13 @@ async def test_rows_follow_step_by_step(data_dir: Path) -> None:
     async with opened(data_dir, text=MORE) as game:
         await game.ready()
         await inspect(game, "Seen")
-        await game.until(lambda: game.shows("Seen · tick 0 · 1 row"))
-        assert game.shows('""')
+        await game.sees("Seen · tick 0 · 1 row")
+        await game.sees('""')
         await game.press("n", "n")
-        await game.until(lambda: game.shows("Seen · tick 2 · 1 row"))
-        assert game.shows("I am a robot")
+        await game.sees("Seen · tick 2 · 1 row")
+        await game.sees("I am a robot")
         await game.press("p", "p")
-        await game.until(lambda: game.shows("Seen · tick 0 · 1 row"))
+        await game.sees("Seen · tick 0 · 1 row")
 
 
 async def test_a_function_shows_the_values_that_it_had_for_the_chosen_robot(data_dir: Path) -> None:
@@ -126,49 +126,49 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         await game.press("n")
         await game.until(lambda: game.tick == 1)
         await inspect(game, "Half")
-        await game.until(lambda: game.shows("Half · tick 1 · 2 calls of P"))
+        await game.sees("Half · tick 1 · 2 calls of P")
         table = game.main.query_one("#rows", ValueTable)
         assert table.shown.columns == ("col0", "value")
         assert sorted(row[:2] for row in table.shown.rows) == [(1, 0.5), (2, 1)]
         game.inspector.choose("Q")
-        await game.until(lambda: game.shows("Half · tick 1 · 2 calls of Q"))
+        await game.sees("Half · tick 1 · 2 calls of Q")
         await game.press("n")
-        await game.until(lambda: game.shows("Half · tick 2 · 2 calls of Q"))
+        await game.sees("Half · tick 2 · 2 calls of Q")
         await game.until(lambda: (3, 1.5) in table.shown.rows)
         table.focus()
         await game.press("at")
-        await game.until(lambda: game.shows("Choose a predicate"))
+        await game.sees("Choose a predicate")
 
 
 async def test_a_function_that_was_not_called_has_no_calls(data_dir: Path) -> None:
     async with opened(data_dir, text=f"Idle(x) = x + 1;\n{MORE}") as game:
         await game.ready()
         await inspect(game, "Idle")
-        await game.until(lambda: game.shows("Idle · tick 0 · 0 calls of Solo"))
+        await game.sees("Idle · tick 0 · 0 calls of Solo")
 
 
 async def test_a_predicate_with_more_rows_than_are_shown_says_so(data_dir: Path) -> None:
     async with opened(data_dir, text=f"Big(x) :- x in Range(1500);\n{MORE}") as game:
         await game.ready()
         await inspect(game, "Big")
-        await game.until(lambda: game.shows("Big · tick 0 · first 1,000 rows, there are more"))
+        await game.sees("Big · tick 0 · first 1,000 rows, there are more")
         table = game.main.query_one("#rows", ValueTable)
         assert "these first 1,000; / asks" in table.missing
         table.focus()
         await game.press("J")
         await game.until(lambda: "950 more rows side by side; J shows" in table.missing)
         await game.press("c")
-        await game.until(lambda: game.shows("side by side"))
+        await game.sees("side by side")
 
 
 async def test_values_are_plain_text_in_short_form(data_dir: Path) -> None:
     async with opened(data_dir, text=MORE) as game:
         await game.ready()
         await inspect(game, "Odd")
-        await game.until(lambda: game.shows("Odd · tick 0 · 1 row"))
-        assert game.shows("[bold]x[/bold]")
-        assert game.shows("{a: 1, b: [1, 2]}")
-        assert game.shows("0.3 ")
+        await game.sees("Odd · tick 0 · 1 row")
+        await game.sees("[bold]x[/bold]")
+        await game.sees("{a: 1, b: [1, 2]}")
+        await game.sees("0.3 ")
         assert "\x1b" not in game.screen()
 
 
@@ -177,11 +177,11 @@ async def test_the_value_under_the_cursor_is_shown_in_full(data_dir: Path) -> No
         await game.ready()
         await game.press("3")
         await inspect(game, "Sensor")
-        await game.until(lambda: game.shows("robot_name"))
+        await game.sees("robot_name")
         await game.press("enter", "right")
-        await game.until(lambda: game.shows("sensor = {"))
-        assert game.shows("forward_distance:")
-        assert game.shows('forward_object: "none"')
+        await game.sees("sensor = {")
+        await game.sees("forward_distance:")
+        await game.sees('forward_object: "none"')
 
 
 async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
@@ -189,7 +189,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.ready()
         await game.press("3")
         await inspect(game, "Ray")
-        await game.until(lambda: game.shows("31 rows"))
+        await game.sees("31 rows")
         await game.press("enter", "down", "down", "right")
         table = game.main.query_one(ValueTable)
         third = table.pointed
@@ -198,7 +198,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.until(lambda: table.scroll_offset.y > 0)
         assert table.pointed != third
         await game.press("home", "n")
-        await game.until(lambda: game.shows("Ray · tick 1 · 31 rows"))
+        await game.sees("Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
         await game.pilot.click(ValueTable, offset=(1, 3))
         await game.until(lambda: table.pointed and table.pointed[0] == "col0")
@@ -210,9 +210,9 @@ async def test_the_inspector_follows_a_run_without_holding_it_up(data_dir: Path)
         await inspect(game, "Ray")
         await game.press("space")
         await game.until(lambda: game.tick > 20)
-        assert game.shows("Ray · tick ")
+        await game.sees("Ray · tick ")
         await game.press("space")
-        await game.until(lambda: game.shows(f"Ray · tick {game.tick} · "))
+        await game.sees(f"Ray · tick {game.tick} · ")
 
 
 async def test_a_slow_predicate_does_not_hold_up_the_game(data_dir: Path) -> None:
@@ -223,7 +223,7 @@ async def test_a_slow_predicate_does_not_hold_up_the_game(data_dir: Path) -> Non
         await game.press("space")
         await game.until(lambda: game.tick > 10)
         await inspect(game, "Sensor")
-        await game.until(lambda: game.shows("Sensor · tick"))
+        await game.sees("Sensor · tick")
 
 
 async def test_a_predicate_that_is_gone_says_so_and_shows_again_when_it_is_back(
@@ -232,11 +232,11 @@ async def test_a_predicate_that_is_gone_says_so_and_shows_again_when_it_is_back(
     async with opened(data_dir, text=MORE) as game:
         await game.ready()
         await inspect(game, "Ray")
-        await game.until(lambda: game.shows("31 rows"))
+        await game.sees("31 rows")
         await game.write(PAPER)
-        await game.until(lambda: game.shows("no predicate Ray"))
+        await game.sees("no predicate Ray")
         await game.write(MORE)
-        await game.until(lambda: game.shows("31 rows"))
+        await game.sees("31 rows")
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
@@ -247,7 +247,7 @@ async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[in
         await game.press("n", "3")
         await game.until(lambda: game.tick == 1)
         message = game.session.frame.decisions[0].notices[0].message
-        await game.until(lambda: game.shows(f"! Solo: {message[:20]}"))
+        await game.sees(f"! Solo: {message[:20]}")
 
 
 async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: Path) -> None:
@@ -256,8 +256,8 @@ async def test_a_row_that_names_no_robot_says_in_whose_mind_it_holds(data_dir: P
     async with opened(data_dir, level="team_goal", text=text) as game:
         await game.ready()
         await inspect(game, "Clock")
-        await game.until(lambda: game.shows("in the mind of"))
-        assert all(game.shows(name) for name in "PQR")
+        await game.sees("in the mind of")
+        await game.until(lambda: all(game.shows(name) for name in "PQR"))
 
 
 async def test_the_sql_the_plan_and_the_cost_of_predicates_are_told(data_dir: Path) -> None:
@@ -265,8 +265,8 @@ async def test_the_sql_the_plan_and_the_cost_of_predicates_are_told(data_dir: Pa
         await game.ready()
         await inspect(game, "Names")
         await game.press("K")
-        await game.until(lambda: game.shows("SQLite's plan for Names"))
-        assert game.shows("Milliseconds")
+        await game.sees("SQLite's plan for Names")
+        await game.sees("Milliseconds")
         await game.press("escape")
         await game.until(lambda: not game.shows("SQLite's plan for Names"))
 
@@ -278,7 +278,7 @@ async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
         view = game.main.query_one("#decision", LinesView)
         await game.until(lambda: "Nobody has thought yet." in view.plain)
         await game.press("n")
-        await game.until(lambda: game.shows("Decision of Solo · tick 1"))
+        await game.sees("Decision of Solo · tick 1")
         await game.until(lambda: "on the way" in view.plain and "as given" in view.plain)
         for words in ("sensor in", "memory before", "as driven", "memory after"):
             assert words in view.plain

@@ -40,11 +40,11 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
     async with opened(data_dir, text=TEXT) as game:
         await game.ready()
         await game.press("R")
-        await game.until(lambda: game.shows("Users → predicate"))
+        await game.sees("Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Robot", "the page of robots is no predicate"
-        await game.until(lambda: game.shows("nobody     • Robot ─┬▶ • Speed"))
-        assert game.shows("╰▶ • Near")
+        await game.sees("nobody     • Robot ─┬▶ • Speed")
+        await game.sees("╰▶ • Near")
         await game.press("right", "down", "right")
         assert view.middle == "Near"
         await game.until(lambda: "─┼▶ • Near ──▶ • Ahead" in game.screen())
@@ -56,13 +56,13 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
         await game.until(lambda: view.middle == "Speed")
         await game.press("right", "up", "enter")
         await game.until(lambda: game.inspector.inspected == "Ahead")
-        await game.until(lambda: game.shows("Ahead · tick 0 · 1 row"))
+        await game.sees("Ahead · tick 0 · 1 row")
         await game.press("R")
-        await game.until(lambda: game.shows("Users → predicate"))
+        await game.sees("Users → predicate")
         view = game.app.screen.query_one(GraphView)
         assert view.middle == "Ahead", "it begins with what is inspected"
         view.centre("WeightedAverage")
-        await game.until(lambda: game.shows("• Mean ──▶ ◦ WeightedAverage"))
+        await game.sees("• Mean ──▶ ◦ WeightedAverage")
         await game.press("enter")
-        await game.until(lambda: game.shows("It is in the prelude."))
+        await game.sees("It is in the prelude.")
         assert game.inspector.inspected == "Ahead"

@@ -95,7 +95,7 @@ async def test_keys_sort_filter_and_turn(data_dir: Path) -> None:
         game.inspector.choose("Q")
         await game.press("O")
         await game.until(lambda: [row[0] for row in table(game).shown.rows] == ["Q"])
-        await game.until(lambda: game.shows("only Q"))
+        await game.sees("only Q")
         await game.press("O")
         await game.until(lambda: len(table(game).shown.rows) == 3)
         table(game).focus()
@@ -134,7 +134,7 @@ async def test_rows_that_cannot_be_saved_say_why(data_dir: Path) -> None:
         await inspected(game)
         (data_dir / "rows").write_text("a file in the way")
         await game.press("S")
-        await game.until(lambda: game.shows("can't be saved"))
+        await game.sees("can't be saved")
 
 
 async def test_one_key_stops_at_a_predicate(data_dir: Path) -> None:

@@ -22,10 +22,10 @@ async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path
     async with opened(data_dir, text=SLOW) as game:
         await game.ready()
         await game.press("w")
-        await game.until(lambda: game.shows("taking the rules of Robot apart"))
-        await game.until(lambda: game.shows("s  esc here stops it"))
+        await game.sees("taking the rules of Robot apart")
+        await game.sees("s  esc here stops it")
         await game.press("escape")
-        await game.until(lambda: game.shows("Stopped after "))
+        await game.sees("Stopped after ")
         assert view(game).has_focus
 
 
@@ -51,20 +51,20 @@ async def test_the_first_level_is_there_before_the_whole_proof(
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
         assert told(game)[told(game).index(CALL) + 1] == "Speed(d) = 0.5 :- d > 20"
         assert view(game).line is view(game).lines[place]
-        assert not game.shows("unfolding")
+        await game.sees_no("unfolding")
 
 
 async def test_while_robots_run_the_first_level_is_enough(data_dir: Path) -> None:
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.press("space")
-        await game.until(lambda: game.shows("a pause unfolds it"))
+        await game.sees("a pause unfolds it")
         assert CALL in told(game)
         assert "Speed(d) = 0.5 :- d > 20" not in told(game)
         await game.press("space")
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        assert not game.shows("a pause unfolds it")
-        assert game.shows(f"Why · tick {game.tick}")
+        await game.sees_no("a pause unfolds it")
+        await game.sees(f"Why · tick {game.tick}")
 
 
 async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
@@ -81,9 +81,9 @@ async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
     monkeypatch.setattr(Inquiry, "proof", never_of_robot)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
-        await game.until(lambda: game.shows("unfolding"))
+        await game.sees("unfolding")
         await game.press("escape")
-        await game.until(lambda: game.shows("stopped after"))
+        await game.sees("stopped after")
         go_to(game, CALL)
         await game.press("right")
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
@@ -123,7 +123,7 @@ async def test_the_cursor_stays_while_a_slow_answer_for_another_tick_is_awaited(
         place = go_to(game, CALL)
         is_let.clear()
         await game.press("n")
-        await game.until(lambda: game.shows("taking the rules of Robot apart"))
+        await game.sees("taking the rules of Robot apart")
         assert not view(game).lines
         is_let.set()
         await game.until(lambda: view(game).lines)
@@ -138,5 +138,5 @@ async def test_no_old_proof_stands_under_a_new_question(data_dir: Path) -> None:
         await asked_why(game)
         game.inspector.inspect("Many")
         await game.press("w")
-        await game.until(lambda: game.shows("Solo: Many"))
+        await game.sees("Solo: Many")
         assert not any(text.startswith("Robot(") for text in told(game))

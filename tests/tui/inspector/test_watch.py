@@ -75,7 +75,7 @@ async def inspect(game: Opened, name: str, counted: str) -> ValueTable:
     """Go to the rows of a predicate."""
     await game.until(lambda: name in [p.name for p in game.session.predicates])
     game.inspector.open(name)
-    await game.until(lambda: game.shows(counted))
+    await game.sees(counted)
     await game.press("enter")
     table = game.main.query_one("#rows", ValueTable)
     await game.until(lambda: table.has_focus)
@@ -87,7 +87,7 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
     async with opened(data_dir, text=TEXT) as game:
         await game.ready()
         await game.press("V")
-        await game.until(lambda: game.shows("Nothing is pinned."))
+        await game.sees("Nothing is pinned.")
         await game.press("left", "right", "enter", "delete", "@")
         game.session.run_until(40)
         await game.until(lambda: game.tick == 40 and not game.session.busy)
@@ -102,16 +102,16 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
             ["robot_name", "i"],
         )
         game.inspector.open("Late")
-        await game.until(lambda: game.shows("Late · tick 40 · 3 rows"))
+        await game.sees("Late · tick 40 · 3 rows")
         game.inspector.enter()
         await game.press("at")
         await inspect(game, "Memory", "Memory · tick 40 · 1 row")
         await game.press("right", "enter")
-        await game.until(lambda: game.shows("enter or space fold"))
+        await game.sees("enter or space fold")
         tree = game.app.screen.query_one(Tree)
         await game.until(lambda: len(tree.root.children[0].children) == 2)
         await game.press("down", "down", "enter")
-        await game.until(lambda: game.shows("n  39"))
+        await game.sees("n  39")
         await game.press("up", "at", "down", "down", "at", "escape")
         await game.until(lambda: len(view(game).pins) == 4)
         whose = (("robot_name", "Solo"),)
@@ -144,10 +144,10 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         # A program without the predicate says so in place; the pin is still there afterwards.
         await game.write(PAPER)
         await game.until(lambda: "no predicate Late" in view(game).plain)
-        assert game.shows("by the current program")
+        await game.sees("by the current program")
         await game.write(TEXT)
         await game.until(lambda: line in view(game).plain)
-        assert not game.shows("by the current program")
+        await game.sees_no("by the current program")
 
         # Another drawing has nothing to do with it, but plain characters have.
         labyrinth = game.main.labyrinth.view
@@ -175,7 +175,7 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         assert [str(node.label).split("  ")[0] for node in tree.root.children] == [
             *("sensor", "memory before", "desire", "memory after")
         ]
-        await game.until(lambda: game.shows("left_engine  0.2"))
+        await game.sees("left_engine  0.2")
         radar = next(
             each for each in tree.root.children[0].children if str(each.label).startswith("radar")
         )
@@ -193,7 +193,7 @@ async def test_a_decision_is_looked_into_and_its_parts_are_pinned(data_dir: Path
         await game.until(lambda: game.tick > 30)
         await game.press("space")
         await game.until(lambda: not game.session.busy)
-        await game.until(lambda: game.shows(f"Watch · tick {game.tick}"))
+        await game.sees(f"Watch · tick {game.tick}")
         pin = view(game).pins[1]
         await game.until(lambda: None not in view(game)._samples.of(pin, view(game).ticks))
 
@@ -224,7 +224,7 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         tree.move_cursor(groups.children[2])
         await game.until(lambda: tree.cursor_node is groups.children[2])
         await game.press("at")
-        await game.until(lambda: game.shows("Only a value of a predicate can be pinned."))
+        await game.sees("Only a value of a predicate can be pinned.")
         await game.press("escape")
         game.inspector.ask()
         game.inspector.pages.ask.line.value = "Long(l:)"
@@ -240,7 +240,7 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         assert len(view(game).pins) == 2
         await game.press("escape")
         game.inspector.open("Nowhere")
-        await game.until(lambda: game.shows("The program has no predicate Nowhere."))
+        await game.sees("The program has no predicate Nowhere.")
 
 
 async def _tree(game: Opened) -> Tree[object]:

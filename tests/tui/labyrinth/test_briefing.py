@@ -15,7 +15,7 @@ TASK = "Bring Pip to the door."
 async def test_the_briefing_comes_back_with_the_start(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=PAPER) as game:
         await game.ready()
-        assert game.shows(TASK)
+        await game.sees(TASK)
         view = game.main.labyrinth.view
         shown, size = view.view, view.size
         await game.press("space")
@@ -27,7 +27,7 @@ async def test_the_briefing_comes_back_with_the_start(data_dir: Path, short: Pat
         await game.press("b")
         await game.until(lambda: not game.shows(TASK))
         await game.press("r")
-        await game.until(lambda: game.shows(TASK))
+        await game.sees(TASK)
         await game.press("n")
         await game.until(lambda: game.tick > 0 and not game.shows(TASK))
         await game.press("p")
@@ -42,7 +42,7 @@ async def test_the_briefing_can_be_read_under_way(data_dir: Path, short: Path) -
         await game.press("n")
         await game.until(lambda: game.tick == 1 and not game.shows(TASK))
         await game.press("b")
-        await game.until(lambda: game.shows(TASK))
+        await game.sees(TASK)
         await game.press("b")
         await game.until(lambda: not game.shows(TASK))
 
@@ -58,7 +58,7 @@ async def test_the_briefing_stays_away_while_the_level_is_edited(
         await game.until(lambda: game.main.editing.is_on)
         game.session.go_to(0)
         await game.until(lambda: game.tick == 0)
-        assert not game.shows(TASK)
+        await game.sees_no(TASK)
         await game.press("escape")
         await game.until(lambda: not game.main.editing.is_on and game.shows(TASK))
 
@@ -69,12 +69,12 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
     async with opened(data_dir, level=short, text=backwards) as game:
         await game.ready()
         game.session.run_until(150)
-        await game.until(lambda: game.shows("Pip is stuck: blocked for 100 ticks."))
+        await game.sees("Pip is stuck: blocked for 100 ticks.")
         await game.until(lambda: game.tick == 150)
         history = game.session.history
         assert history is not None
         await game.press("left_curly_bracket")
-        await game.until(lambda: game.shows("⊘ Pip is stuck"))
+        await game.sees("⊘ Pip is stuck")
         first = game.tick
         ticks = range(first - 99, first + 1)
         assert all(history.around(tick)[1].after.robots[0].blocked for tick in ticks)
@@ -94,10 +94,10 @@ async def test_a_robot_that_goes_round_in_circles_is_told_and_marked(
     async with opened(data_dir, level=short, text=turning) as game:
         await game.ready()
         game.session.run_until(900)
-        await game.until(lambda: game.shows("Pip goes round in circles: 3 times the same way."))
+        await game.sees("Pip goes round in circles: 3 times the same way.")
         await game.until(lambda: game.tick == 900)
         await game.press("left_curly_bracket")
-        await game.until(lambda: game.shows("↻ Pip goes in circles"))
+        await game.sees("↻ Pip goes in circles")
         history, first = game.session.history, game.tick
         assert history is not None
         await game.write(turning.replace("memory: 1", "memory: 2"))

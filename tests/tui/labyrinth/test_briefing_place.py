@@ -74,4 +74,4 @@ async def test_the_briefing_finds_its_place_at_any_size(
         await game.press("b")
         await game.until(lambda: not game.main.labyrinth.briefing.display)
         await game.press("b")
-        await game.until(lambda: game.shows("t lesson"))
+        await game.sees("t lesson")

@@ -114,11 +114,11 @@ async def test_one_key_goes_through_the_views(data_dir: Path) -> None:
             await game.until(partial(looks_at, view, sight))
         assert view.selected == name
         await game.press("f")
-        await game.until(lambda: game.shows(f"Labyrinth · {name} 3"))
+        await game.sees(f"Labyrinth · {name} 3")
         await game.press("z")
-        await game.until(lambda: game.shows(f"{name} 4"))
+        await game.sees(f"{name} 4")
         await game.press("Z", "Z")
-        await game.until(lambda: game.shows(f"{name} 2"))
+        await game.sees(f"{name} 2")
 
 
 async def test_the_view_stays_with_a_robot_that_drives_away(data_dir: Path) -> None:
@@ -181,9 +181,9 @@ async def test_a_click_on_a_robot_shows_its_card(data_dir: Path, size: tuple[int
         assert cell is not None
         inset = view.content_region.offset - view.region.offset
         await game.pilot.click(view, offset=(cell[1] + inset.x, cell[0] + inset.y))
-        await game.until(lambda: game.shows("battery needs none"))
-        assert game.shows("I am a robot")
-        assert game.shows("engines +")
+        await game.sees("battery needs none")
+        await game.sees("I am a robot")
+        await game.sees("engines +")
         await game.press("escape")
         await game.until(lambda: not game.shows("battery"))
 

@@ -82,7 +82,7 @@ async def test_a_victory_of_a_robot_that_was_dragged_does_not_count(
         await drag(game, (x, 50), (100, 50), (200, 50))
         await game.until(lambda: game.session.frame.after.robots[0].x > 190)
         await game.press("space")
-        await game.until(lambda: game.shows("a robot moved by hand"))
+        await game.sees("a robot moved by hand")
         assert game.main.recorder.record.state != "won"
 
 
@@ -113,7 +113,7 @@ async def test_pointing_at_a_robot_shows_its_card(data_dir: Path, room_file: Pat
         x = game.session.frame.after.robots[0].x
         await mouse(game, events.MouseMove, (x, 50))
         await game.until(lambda: card.display and game.shows("engines"))
-        assert game.shows("battery")
+        await game.sees("battery")
         assert game.main.labyrinth.view.selected is None
         await mouse(game, events.MouseMove, (150, 80))
         await game.until(lambda: not card.display)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 async def take_screenshot(game: Opened) -> None:
     await game.ready()
     await game.press("ctrl+p")
-    await game.until(lambda: game.shows("Find a command"))
+    await game.sees("Find a command")
     await game.press(*"screenshot", "enter")
 
 
@@ -35,4 +35,4 @@ async def test_a_screenshot_that_can_not_be_saved_says_why(data_dir: Path) -> No
     async with opened(data_dir, text=STILL, size=(100, 30)) as game:
         (data_dir / "screens").write_text("in the way")
         await take_screenshot(game)
-        await game.until(lambda: game.shows("The picture could not be saved: File exists."))
+        await game.sees("The picture could not be saved: File exists.")

@@ -61,9 +61,9 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
 async def test_what_is_longer_than_its_line_is_seen_at_its_end(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.press("s")
-        await game.until(lambda: game.shows("Save the program as"))
+        await game.sees("Save the program as")
         await game.press(*"abcdefghij" * 10, *"-end")
-        await game.until(lambda: game.shows("efghij-end"))
+        await game.sees("efghij-end")
 
 
 async def test_a_click_at_an_entry_that_has_just_gone_chooses_nothing(data_dir: Path) -> None:

@@ -61,13 +61,13 @@ async def test_resizing_keeps_text_cursor_selection_and_focus(data_dir: Path) ->
 
 async def test_a_tiny_terminal_is_told_what_is_needed_and_the_game_goes_on(data_dir: Path) -> None:
     async with opened(data_dir, size=(20, 5)) as game:
-        await game.until(lambda: game.shows("40x12 needed"))
+        await game.sees("40x12 needed")
         await game.ready()
         await game.press("space")
         await game.until(lambda: game.tick > 2)
         await game.pilot.resize_terminal(80, 24)
-        await game.until(lambda: game.shows("1 Labyrinth"))
-        assert not game.shows("needed")
+        await game.sees("1 Labyrinth")
+        await game.sees_no("needed")
 
 
 @pytest.mark.sampled

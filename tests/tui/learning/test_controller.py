@@ -40,22 +40,22 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
     async with opened(data_dir, level=short) as game:
         await game.ready()
         await game.press("h")
-        await game.until(lambda: game.shows("It is not far."))
-        assert not game.shows("straight ahead")
-        assert game.shows("2 more")
+        await game.sees("It is not far.")
+        await game.sees_no("straight ahead")
+        await game.sees("2 more")
         await game.press("h")
-        await game.until(lambda: game.shows("It is straight ahead."))
+        await game.sees("It is straight ahead.")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
     async with opened(data_dir, level=short) as game:
         await game.until(lambda: game.main.recorder.record.hints == 2)
         await game.press("h")
-        await game.until(lambda: game.shows("It is straight ahead."))
-        assert not game.shows("Just go.")
-        assert game.shows("h next hint")
+        await game.sees("It is straight ahead.")
+        await game.sees_no("Just go.")
+        await game.sees("h next hint")
         await game.pilot.click("#more")
-        await game.until(lambda: game.shows("There are no more."))
-        assert not game.shows("h next hint")
+        await game.sees("There are no more.")
+        await game.sees_no("h next hint")
         await game.press("h", "h", "q")
         await game.until(lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3
@@ -81,13 +81,13 @@ async def test_the_lesson_is_read_in_the_game_and_the_challenge_after_winning(
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         await game.press("t")
-        await game.until(lambda: game.shows("A rule with one case"))
-        assert not game.shows("Further")
+        await game.sees("A rule with one case")
+        await game.sees_no("Further")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
         await win(game)
         await game.press("t")
-        await game.until(lambda: game.shows("Be there in fewer ticks."))
+        await game.sees("Be there in fewer ticks.")
         assert isinstance(game.app.screen, Reader)
         await game.press("space")
         await game.until(lambda: game.app.screen is game.main)
@@ -106,11 +106,11 @@ async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
         await game.press("W")
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("y")
-        await game.until(lambda: game.shows(solution[:40]))
+        await game.sees(solution[:40])
         await game.press("escape")
         await win(game)
         await game.press("W")
-        await game.until(lambda: game.shows(solution[:40]))
+        await game.sees(solution[:40])
         assert isinstance(game.app.screen, Reader)
 
 
@@ -121,7 +121,7 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.until(lambda: game.main.recorder.record.state == "won")
         await win(game)
-        await game.until(lambda: game.shows("this run"))
+        await game.sees("this run")
         await game.until(lambda: game.shows("1 ★"))  # one rule beats five
         latest = game.main.recorder.latest
         assert latest is not None
@@ -129,10 +129,10 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
         assert 20 < latest.distance < 40
         await game.until(lambda: game.main.recorder.record.bests.wins is not None)
         bests = game.main.recorder.record.bests
-        await game.until(lambda: game.shows(f"{bests.wins} of 20"))
+        await game.sees(f"{bests.wins} of 20")
         assert (bests.ticks, bests.rules, bests.distance) == (30, 1, 1.0)
         await game.press("escape", "m")
-        await game.until(lambda: game.shows("Results"))
+        await game.sees("Results")
         await game.press("m")
         await game.until(lambda: not game.shows("Results"))
     kept = record_of(data_dir)
@@ -154,8 +154,8 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
         await game.until(lambda: game.main.recorder.record.bests.ticks is not None)
         assert won_at is not None
         assert game.main.recorder.record.bests.ticks == won_at - 1
-        await game.until(lambda: game.shows("from start"))
-        assert not game.shows("this run")
+        await game.sees("from start")
+        await game.sees_no("this run")
 
 
 async def test_what_is_measured_while_the_banner_is_closed_is_told(
@@ -164,16 +164,16 @@ async def test_what_is_measured_while_the_banner_is_closed_is_told(
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await win(game)
         await game.press("escape")
-        await game.until(lambda: game.shows("of 20 shifted starts"))
+        await game.sees("of 20 shifted starts")
 
 
 async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         game.main.action_command("stop_measuring")
-        await game.until(lambda: game.shows("No robustness test is running."))
+        await game.sees("No robustness test is running.")
         await win(game)
-        await game.until(lambda: game.shows("trial of shifted starts: "))
+        await game.sees("trial of shifted starts: ")
         game.main.action_command("stop_measuring")
         await game.until(lambda: game.main.recorder.trial is None)
         assert game.main.recorder.record.state == "won"
@@ -185,7 +185,7 @@ async def test_the_reference_program_wins_for_itself_alone(data_dir: Path, short
     async with opened(data_dir, level=short, text=text) as game:
         await game.ready()
         await game.press(*["plus"] * 6, "space")
-        await game.until(lambda: game.shows("Won by a reference program"))
+        await game.sees("Won by a reference program")
     assert record_of(data_dir).record(str(short)).state == "in work"
     assert record_of(data_dir).versions(str(short)) == []
 
@@ -218,7 +218,7 @@ async def test_where_nothing_was_tried_there_are_no_versions(data_dir: Path, sho
     async with opened(data_dir, level=short, text=text) as game:
         await game.ready()
         await game.press("v")
-        await game.until(lambda: game.shows("No earlier versions yet"))
+        await game.sees("No earlier versions yet")
 
 
 async def test_reset_asks_and_keeps_what_was_there(data_dir: Path, short: Path) -> None:
@@ -238,7 +238,7 @@ async def test_reset_asks_and_keeps_what_was_there(data_dir: Path, short: Path) 
         await game.until(lambda: game.session.state.applied == starter)
         assert game.editor.text == starter
         await game.press("x")
-        await game.until(lambda: game.shows("This is the starter program."))
+        await game.sees("This is the starter program.")
         await game.press("v")
         await game.until(lambda: isinstance(game.app.screen, Chooser))
     texts = [version.text for version in record_of(data_dir).versions(str(short))]
@@ -255,7 +255,7 @@ async def test_the_players_program_comes_back_with_its_level(data_dir: Path) -> 
         await game.until(lambda: game.session.level.name == FIRST)
         assert game.editor.text == AHEAD
         await game.until(lambda: game.session.state.applied == AHEAD)
-        await game.until(lambda: game.shows("Your program for this level has been restored."))
+        await game.sees("Your program for this level has been restored.")
 
 
 async def test_text_that_is_kept_as_a_version_is_not_offered_as_unsaved(data_dir: Path) -> None:
@@ -275,7 +275,7 @@ async def test_what_is_wrong_with_the_disk_is_told_once_and_the_game_goes_on(
 ) -> None:
     (data_dir / FILE_NAME).mkdir(parents=True)
     async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.until(lambda: game.shows("Your progress can't be saved"))
+        await game.sees("Your progress can't be saved")
         await win(game)
         await game.press("h")
         await game.until(lambda: isinstance(game.app.screen, Hints))
@@ -286,6 +286,6 @@ async def test_a_damaged_record_is_set_aside_with_a_message(data_dir: Path, shor
     record_of(data_dir).begin(str(short))
     await asyncio.to_thread((data_dir / FILE_NAME).write_bytes, b"garbage" * 999)
     async with opened(data_dir, level=short, text=AHEAD) as game:
-        await game.until(lambda: game.shows("was damaged"))
+        await game.sees("was damaged")
         await win(game)
     assert record_of(data_dir).record(str(short)).state == "won"

@@ -38,15 +38,15 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int
             await game.press(*keys)
 
         await game.ready()
-        await game.until(lambda: game.shows("1 of 4"))
+        await game.sees("1 of 4")
         await game.press("enter", "enter", "enter", "enter")
         await game.until(lambda: not game.shows("4 of 4"))
         game.session.pace.speed = FLAT_OUT
 
         await press("space")
-        await game.until(lambda: game.shows("Ada is stuck"))
+        await game.sees("Ada is stuck")
         await press("r")
-        await game.until(lambda: game.shows("Try first: change"))
+        await game.sees("Try first: change")
         await press("2")
         await game.until(lambda: game.editor.has_focus)
         while not line(game).endswith("forward_distance < 1"):

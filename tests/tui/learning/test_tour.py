@@ -36,7 +36,7 @@ async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[in
             tour = game.main.query_one(Tour)
             assert game.main.region.contains_region(tour.region)
             assert game.main.query_one(f"#{stop.place}").region.area
-            assert game.shows("skips the tour")
+            await game.sees("skips the tour")
             await game.press("enter")
         await game.until(lambda: not is_shown(game))
         assert game.main.focused is game.main.labyrinth
@@ -55,11 +55,11 @@ async def test_one_key_skips_it(data_dir: Path) -> None:
 
 async def test_one_can_go_back_and_click_on(data_dir: Path) -> None:
     async with opened(data_dir, welcome=True) as game:
-        await game.until(lambda: game.shows("1 of 4"))
+        await game.sees("1 of 4")
         await game.pilot.click(Tour)
-        await game.until(lambda: game.shows("2 of 4"))
+        await game.sees("2 of 4")
         await game.press("left", "left")
-        await game.until(lambda: game.shows("1 of 4"))
+        await game.sees("1 of 4")
 
 
 async def test_other_keys_do_what_they_always_do(data_dir: Path) -> None:
@@ -80,9 +80,9 @@ async def test_it_is_not_shown_unasked_but_can_be_asked_for(data_dir: Path) -> N
         await game.ready()
         assert not is_shown(game)
         await game.press("ctrl+p")
-        await game.until(lambda: game.shows("Find a command"))
+        await game.sees("Find a command")
         await game.press(*"guided", "enter")
-        await game.until(lambda: game.shows("1 of 4"))
+        await game.sees("1 of 4")
 
 
 async def test_it_keeps_its_place_when_the_terminal_changes(data_dir: Path) -> None:

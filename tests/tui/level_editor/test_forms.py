@@ -29,7 +29,7 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         form.query_one("#name", Input).value = "Gate"
         form.query_one("#radius", Input).value = "wide"
         await s.press("f2")
-        await game.until(lambda: game.shows("The radius must be a number"))
+        await game.sees("The radius must be a number")
         form.query_one("#radius", Input).value = "22"
         form.query_one("#impenetrable", Checkbox).value = True
         form.query_one("#off_beacon", Select).value = "Lamp"
@@ -131,7 +131,7 @@ async def test_enter_leads_through_the_form_of_a_new_level_and_creates_it(data_d
         assert not form.query_one("#kind", Select).expanded
         form.query_one("#width", Input).value = "wide"
         await game.press("enter")
-        await game.until(lambda: game.shows("The width must be a number"))
+        await game.sees("The width must be a number")
         form.query_one("#width", Input).value = "300"
         await game.press("enter")
         await game.until(lambda: game.main.editing.is_on)

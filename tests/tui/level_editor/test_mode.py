@@ -83,7 +83,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         assert not is_by_the_book(session.history, session.opened, game.tick)
         await s.press("u", "u", "u")
         await s.press("escape")
-        await game.until(lambda: game.shows("What should happen to your changes"))
+        await game.sees("What should happen to your changes")
         await s.press("t")
         await game.until(lambda: not game.main.editing.is_on)
         assert np.array_equal(session.level.walls, s.mode.levels.saved.walls)
@@ -146,7 +146,7 @@ async def test_findings_are_listed_and_lead_to_their_place(data_dir: Path, room_
         await game.until(lambda: s.mode.findings)
         await s.press("j")
         await game.until(lambda: isinstance(game.app.screen, FindingList))
-        assert game.shows("is inside a wall")
+        await game.sees("is inside a wall")
         await s.press("enter")
         await game.until(lambda: s.editor.cursor == (200, 30))
 
@@ -157,11 +157,11 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
     async with studio(data_dir, room_file) as s:
         game = s.game
         await s.press("s")
-        await game.until(lambda: game.shows("It is already saved"))
+        await game.sees("It is already saved")
         assert said(room_file) == ROOM
         await s.drag((200, 30), (180, 30))
         await s.press("s")
-        await game.until(lambda: game.shows("Saved as room"))
+        await game.sees("Saved as room")
         x = s.level.beacons[0].x
         assert said(room_file) == ROOM.replace("x = 200", f"x = {x:g}")
         assert s.mode.is_saved
@@ -169,7 +169,7 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
         await s.press("b")
         await s.drag((100, 50))
         await s.press("s")
-        await game.until(lambda: game.shows("was changed by another program"))
+        await game.sees("was changed by another program")
         await s.press("escape")
         assert "Another room" in said(room_file)
 
@@ -209,11 +209,11 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
         await s.press("greater_than_sign")
         await game.until(lambda: not game.main.editing.is_on)
         saving.go_on.set()
-        await game.until(lambda: game.shows("Saved as room"))
+        await game.sees("Saved as room")
         assert game.session.opened.name != "room"
         game.main.session.open_level(load_level(room_file), game.session.source, STILL)
         await s.press("M")
-        await game.until(lambda: game.shows("unsaved changes to the level have been restored"))
+        await game.sees("unsaved changes to the level have been restored")
         assert s.level.beacons == newest
 
 
@@ -225,9 +225,9 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await s.press("b")
         await s.drag((100, 20), (100, 60))
         await s.press("M")
-        await game.until(lambda: game.shows("What should happen to your changes"))
+        await game.sees("What should happen to your changes")
         await s.press("k")
-        await game.until(lambda: game.shows("Save the level as"))
+        await game.sees("Save the level as")
         await game.until(lambda: game.app.screen.query("#name"))
         game.app.screen.query_one("#name", Input).value = "mine"
         game.app.screen.query_one("#title", Input).value = "Mine"
@@ -241,7 +241,7 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await s.press("l")
         await game.until(lambda: isinstance(game.app.screen, LevelScreen))
         await s.press(*"mine")
-        await game.until(lambda: game.shows("▸ Mine"))
+        await game.sees("▸ Mine")
         await s.press("ctrl+n")
         await game.until(lambda: game.app.screen.query("#kind"))
         form = game.app.screen
@@ -257,13 +257,13 @@ async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path)
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("H")
-        await game.until(lambda: game.shows("New level"))
+        await game.sees("New level")
         form = game.app.screen
         await game.until(lambda: form.query("#kind"))
         form.query_one("#kind", Select).value = "labyrinth"
         form.query_one("#columns", Input).value = "0"
         await game.press("f2")
-        await game.until(lambda: game.shows("A labyrinth needs at least 2 cells"))
+        await game.sees("A labyrinth needs at least 2 cells")
         form.query_one("#columns", Input).value = "3"
         form.query_one("#rows", Input).value = "2"
         form.query_one("#seed", Input).value = "7"
@@ -272,11 +272,11 @@ async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path)
         await game.until(lambda: game.main.editing.is_on)
         assert game.session.level.title == "Short cut"
         assert (game.session.level.width, game.session.level.height) == (220, 150)
-        assert game.shows("not saved")
+        await game.sees("not saved")
         await game.press("s")
-        await game.until(lambda: game.shows("Save the level as"))
+        await game.sees("Save the level as")
         await game.press("enter")
-        await game.until(lambda: game.shows("Saved as short-cut"))
+        await game.sees("Saved as short-cut")
         assert (data_dir / "levels" / "short-cut.toml").exists()
         await game.press("escape")
         await game.until(lambda: not game.main.editing.is_on)
@@ -289,8 +289,8 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
         await s.drag((100, 20), (100, 60))
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:
-        await game.until(lambda: game.shows("Continue editing the level “A room”"))
-        await game.until(lambda: game.shows("Yes, continue"))
+        await game.sees("Continue editing the level “A room”")
+        await game.sees("Yes, continue")
         await game.press("y")
         await game.until(lambda: game.main.editing.is_on and game.session.level.width == 280)
         await game.until(lambda: game.session.level.walls[40, 100])
@@ -299,7 +299,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
     async with opened(data_dir) as game:
         await game.ready()
         await game.until(lambda: game.main.recorder.record)
-        assert not game.shows("Continue editing")
+        await game.sees_no("Continue editing")
 
 
 async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(
@@ -326,6 +326,6 @@ async def test_all_that_can_become_of_the_changes_is_in_sight(
         await s.press("a", "enter", "s")
         await s.game.until(lambda: s.mode.is_saved)
         await s.press("c", "enter", "h", "M")
-        await s.game.until(lambda: s.game.shows("What should happen to your changes"))
+        await s.game.sees("What should happen to your changes")
         answers = ("Save", "Keep as a level", "Just for this game", "Throw away")
-        assert all(s.game.shows(f" {answer} ") for answer in answers)
+        await s.game.until(lambda: all(s.game.shows(f" {answer} ") for answer in answers))

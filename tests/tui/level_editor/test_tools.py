@@ -48,7 +48,7 @@ async def test_walls_are_painted_with_the_mouse(data_dir: Path, room_file: Path)
         assert s.is_wall(5, 5), "the rim is another wall"
         await s.press("u", "u", "u")
         assert not s.editor.edits.can_undo
-        assert s.game.shows("A room")
+        await s.game.sees("A room")
 
 
 async def test_walls_are_painted_with_keys_alone(data_dir: Path, room_file: Path) -> None:
@@ -119,7 +119,7 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         info = s.game.main.query_one(InfoLine)
         assert "Robo1" in info.render().plain
         await s.press("x")
-        await s.game.until(lambda: s.game.shows("A level needs at least one robot"))
+        await s.game.sees("A level needs at least one robot")
         while s.editor.edits.can_undo:
             await s.press("u")
         assert (s.level.robots, s.level.beacons) == (

@@ -37,9 +37,9 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         await game.until(lambda: game.tick == 1)
         await dialog(game, "l", LevelScreen)
         level = load_level(FIRST)
-        await game.until(lambda: game.shows(level.title))
+        await game.sees(level.title)
         await fill(game, FIRST)
-        await game.until(lambda: game.shows(level.idea))
+        await game.sees(level.idea)
         await game.press("enter")
         await game.until(lambda: game.session.level.name == FIRST)
         assert game.app.screen is game.main
@@ -47,10 +47,10 @@ async def test_a_level_is_picked_from_the_list_and_brings_its_starter(data_dir: 
         starter = load_program(level.starter)
         assert game.editor.text == starter.text
         await game.until(lambda: game.session.state.applied == starter.text)
-        await game.until(lambda: game.shows(level.briefing[:14]))
+        await game.sees(level.briefing[:14])
         await game.press("space")
         await game.until(lambda: game.tick > 0)
-        assert not game.shows("hides this")
+        await game.sees_no("hides this")
 
 
 async def test_a_level_file_is_opened_by_its_path_and_keeps_the_program(data_dir: Path) -> None:
@@ -58,7 +58,7 @@ async def test_a_level_file_is_opened_by_its_path_and_keeps_the_program(data_dir
         await game.ready()
         await dialog(game, "l", LevelScreen)
         await fill(game, str(LEVELS / "team_goal.json"))
-        await game.until(lambda: game.shows("Open the file"))
+        await game.sees("Open the file")
         await game.press("enter")
         await game.until(lambda: game.session.level.name == "team_goal")
         assert game.editor.text == PAPER
@@ -92,7 +92,7 @@ async def test_the_next_level_follows_and_the_last_one_says_so(data_dir: Path) -
             await game.press("greater_than_sign")
             await game.until(partial(is_at, game, name))
         await game.press("greater_than_sign")
-        await game.until(lambda: game.shows("the last level"))
+        await game.sees("the last level")
 
 
 async def test_a_level_change_while_running_stands_still_at_its_start(data_dir: Path) -> None:
@@ -237,7 +237,7 @@ async def test_unsaved_text_comes_back_with_its_program(data_dir: Path) -> None:
         await game.press("enter")
         await game.until(lambda: game.session.source.name == "mine")
         assert game.editor.text == "hello" + PAPER
-        await game.until(lambda: game.shows("unsaved text of mine has been restored"))
+        await game.sees("unsaved text of mine has been restored")
 
 
 @pytest.mark.sampled
@@ -282,7 +282,7 @@ async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_what
         path = game.session.source.path
         await game.press("2", *"# so", "ctrl+s")
         await game.until(lambda: path.read_text() == f"# so{STILL}")
-        await game.until(lambda: game.shows("Saved as mine."))
+        await game.sees("Saved as mine.")
         assert game.app.screen is game.main
         game.session.saved_as(load_program("obstacle-avoider"))
         await game.press("ctrl+s")

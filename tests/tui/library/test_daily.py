@@ -28,7 +28,7 @@ async def test_today_s_labyrinth_is_opened_in_the_chosen_size(data_dir: Path) ->
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("s")
         await game.until(lambda: game.session.level.name == today)
-        assert game.shows("Everybody has this labyrinth today.")
+        await game.sees("Everybody has this labyrinth today.")
 
 
 async def test_closing_the_question_changes_nothing(data_dir: Path) -> None:
@@ -46,7 +46,7 @@ async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: P
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         commands.copy_result(game.main)
-        await game.until(lambda: game.shows("win this level first"))
+        await game.sees("win this level first")
         await game.press(*["plus"] * 6, "space")
         await game.until(lambda: game.main.recorder.latest is not None)
         commands.copy_result(game.main)

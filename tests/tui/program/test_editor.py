@@ -115,7 +115,7 @@ def test_help_is_on_own_predicates_before_the_game_s() -> None:
 async def test_a_word_is_completed_by_key(data_dir: Path) -> None:
     async with opened(data_dir, text="") as game:
         await game.press("2", *"Wei", "ctrl+space")
-        await game.until(lambda: game.shows("WeightedAverage{"))
+        await game.sees("WeightedAverage{")
         await game.press("enter")
         await game.until(lambda: game.editor.text == "WeightedAverage")
         assert not game.editor.completion.display
@@ -167,10 +167,10 @@ async def test_the_list_follows_what_is_typed_and_escape_closes_it(data_dir: Pat
 async def test_how_a_function_is_called_is_told_while_typing(data_dir: Path) -> None:
     async with opened(data_dir, text="", size=(80, 24)) as game:
         await game.press("2", *"ArgMin{")
-        await game.until(lambda: game.shows("ArgMin{"))
+        await game.sees("ArgMin{")
         line = help_on("", "ArgMin")
         assert line is not None
-        await game.until(lambda: game.shows(line.shape))
+        await game.sees(line.shape)
 
 
 async def test_a_message_is_told_once_until_its_line_is_changed(data_dir: Path) -> None:
@@ -194,7 +194,7 @@ async def test_of_many_messages_that_of_the_cursors_line_comes_first(data_dir: P
         line = game.session.state.mistakes[-1].line
         await game.until(lambda: not game.shows(f"line {line},"))
         game.editor.move_cursor((line - 1, 0))
-        await game.until(lambda: game.shows(f"line {line},"))
+        await game.sees(f"line {line},")
 
 
 async def test_a_key_goes_to_the_definition(data_dir: Path) -> None:
@@ -207,7 +207,7 @@ async def test_a_key_goes_to_the_definition(data_dir: Path) -> None:
         await game.until(lambda: game.editor.cursor_location == (0, 0))
         game.editor.move_cursor((0, 34))
         await game.press("f12")
-        await game.until(lambda: game.shows("WeightedAverage is not defined in this program"))
+        await game.sees("WeightedAverage is not defined in this program")
 
 
 async def test_a_line_that_looks_odd_has_a_mark(data_dir: Path) -> None:
@@ -215,7 +215,7 @@ async def test_a_line_that_looks_odd_has_a_mark(data_dir: Path) -> None:
         await game.ready()
         assert game.session.state.mistakes[0].severity == "warning"
         number = game.session.state.mistakes[0].line
-        await game.until(lambda: game.shows(f"{number}! "))
+        await game.sees(f"{number}! ")
 
 
 async def test_a_file_that_changes_on_disk_is_applied(data_dir: Path) -> None:
@@ -232,7 +232,7 @@ async def test_typed_text_stays_when_its_file_changes_on_disk(data_dir: Path) ->
         await game.press("2", "x")
         await game.until(lambda: game.editor.text == "x" + PAPER)
         game.session.source.path.write_text(STILL)
-        await game.until(lambda: game.shows("has changed on disk"))
+        await game.sees("has changed on disk")
         assert game.editor.text == "x" + PAPER
 
 
@@ -244,7 +244,7 @@ async def test_a_file_in_which_the_typed_text_is_found_counts_as_saved(data_dir:
         game.session.source.path.write_text("x" + PAPER)
         await game.until(lambda: game.session.source.text == "x" + PAPER)
         await game.pilot.pause(0)
-        assert not game.shows("has changed on disk")
+        await game.sees_no("has changed on disk")
         assert game.editor.text == "x" + PAPER
 
 
@@ -288,7 +288,7 @@ async def test_the_first_place_may_be_right_at_the_cursor(data_dir: Path) -> Non
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("2", "f3")
-        await game.until(lambda: game.shows("Find in the program"))
+        await game.sees("Find in the program")
         row = PAPER.splitlines().index("  speed = 0.5,")
         game.editor.move_cursor((row, 2))
         await game.press(*"speed", "enter")
@@ -307,42 +307,42 @@ async def test_a_text_is_found_and_replaced_as_one_edit(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("2", "ctrl+o")
-        await game.until(lambda: game.shows("Find in the program"))
+        await game.sees("Find in the program")
         await game.press(*"speed", "enter")
         row = PAPER.splitlines().index("  speed = 0.5,")
         await game.until(lambda: game.editor.cursor_location == (row, 2))
         assert game.editor.selected_text == "speed"
         await game.press("ctrl+o")
-        await game.until(lambda: game.shows("Find in the program"))
+        await game.sees("Find in the program")
         await game.press("tab", *"pace", "enter")
         await game.until(lambda: game.editor.text == PAPER.replace("speed", "pace"))
-        assert game.shows("Replaced in 3 places")
+        await game.sees("Replaced in 3 places")
         await game.press("ctrl+z")
         await game.until(lambda: game.editor.text == PAPER)
         await game.press("ctrl+o")
-        await game.until(lambda: game.shows("Find in the program"))
+        await game.sees("Find in the program")
         await game.press("ctrl+u", *"freedommotion", "tab")
         await game.until(lambda: game.app.focused and game.app.focused.id == "instead")
         await game.press("enter")
-        await game.until(lambda: game.shows("Nothing was replaced"))
+        await game.sees("Nothing was replaced")
 
 
 async def test_a_predicate_is_renamed_from_the_palette(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("2", "ctrl+p")
-        await game.until(lambda: game.shows("Find a command"))
+        await game.sees("Find a command")
         await game.press(*"rename", "enter")
-        await game.until(lambda: game.shows("Rename the predicate"))
+        await game.sees("Rename the predicate")
         await game.press("ctrl+u", *"Free", "enter")
         await game.until(lambda: game.editor.text == PAPER.replace("FreedomMotion", "Free"))
         game.main.action_command("rename")
-        await game.until(lambda: game.shows("Rename the predicate"))
+        await game.sees("Rename the predicate")
         await game.press("ctrl+u", *"Robot", "enter")
-        await game.until(lambda: game.shows("is the name of another predicate"))
+        await game.sees("is the name of another predicate")
         game.editor.move_cursor(game.editor.document.end)
         game.main.action_command("rename")
-        await game.until(lambda: game.shows("Put the cursor on a predicate of this program"))
+        await game.sees("Put the cursor on a predicate of this program")
 
 
 def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: Path) -> None:

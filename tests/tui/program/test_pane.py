@@ -84,22 +84,22 @@ async def test_a_mistake_is_marked_in_its_line_with_message_and_hint(data_dir: P
         await game.until(lambda: game.session.state.phase == "mistake")
         mistake = game.session.state.mistakes[0]
         assert mistake.line == 3
-        await game.until(lambda: game.shows("✗ line 3"))
-        assert game.shows("3✗")
+        await game.sees("✗ line 3")
+        await game.sees("3✗")
         assert title(game) == "Program · 1 mistake, the old version runs on · mine*"
         assert mistake.hint
-        assert game.shows(mistake.hint.split(".")[0][:30])
+        await game.sees(mistake.hint.split(".")[0][:30])
         assert game.session.state.applied is not None
         await game.press("ctrl+home", *"# so", "enter")
-        await game.until(lambda: game.shows("4✗"))
-        assert game.shows("✗ line 4")
+        await game.sees("4✗")
+        await game.sees("✗ line 4")
         assert game.screen().count(mistake.message[:20]) == 1
         await game.press("ctrl+g", "a")
         await game.until(lambda: not game.shows("✗"))
         assert game.editor.document.get_line(3) == WRONG.splitlines()[2].replace("{", "a{", 1)
         game.editor.action_delete_line()
         game.editor.put(WRONG)
-        await game.until(lambda: game.shows("3✗"))
+        await game.sees("3✗")
         game.editor.text = game.session.state.applied  # as undoing all of it does
         await game.until(lambda: not game.shows("✗"))
         assert title(game).startswith("Program · applied · ")
@@ -120,7 +120,7 @@ async def test_the_last_good_program_runs_on_after_a_mistake(data_dir: Path) -> 
 
 async def test_a_mended_program_takes_the_mark_away(data_dir: Path) -> None:
     async with opened(data_dir, text=WRONG) as game:
-        await game.until(lambda: game.shows("3✗"))
+        await game.sees("3✗")
         await game.write(STILL)
         await game.until(lambda: game.session.state.applied == STILL)
         await game.until(lambda: not game.shows("✗"))
@@ -128,7 +128,7 @@ async def test_a_mended_program_takes_the_mark_away(data_dir: Path) -> None:
 
 async def test_a_key_or_a_click_goes_to_the_mistake(data_dir: Path) -> None:
     async with opened(data_dir, text=WRONG) as game:
-        await game.until(lambda: game.shows("✗ line 3"))
+        await game.sees("✗ line 3")
         await game.press("ctrl+g")
         await game.until(lambda: game.editor.cursor_location[0] == 2)
         assert game.main.focused is game.editor
@@ -158,7 +158,7 @@ async def test_a_program_of_a_megabyte_is_refused_and_the_game_goes_on(data_dir:
         await game.until(lambda: len(game.editor.text) > 1_000_000)
         await game.press("f4")
         await game.until(lambda: game.session.state.phase == "mistake")
-        await game.until(lambda: game.shows("✗ line 1"))
+        await game.sees("✗ line 1")
         await game.press("escape", "n")
         await game.until(lambda: game.tick == 1)
 
@@ -207,7 +207,7 @@ async def test_tab_inserts_two_spaces_and_letters_are_letters(data_dir: Path) ->
         assert game.app.screen is game.main
         assert game.tick == 0
         await game.press("ctrl+c")
-        await game.until(lambda: game.shows("Press ^C again to quit"))
+        await game.sees("Press ^C again to quit")
 
 
 async def test_lines_are_indented_alone_and_together(data_dir: Path) -> None:
@@ -248,7 +248,7 @@ async def test_comments_are_toggled_as_one_edit(data_dir: Path) -> None:
 
 async def test_control_characters_are_shown_and_not_sent_to_the_terminal(data_dir: Path) -> None:
     async with opened(data_dir, text="a\x1b[2Jb\x07[bold]c\n") as game:
-        await game.until(lambda: game.shows("a␛[2Jb␇[bold]c"))
+        await game.sees("a␛[2Jb␇[bold]c")
         assert "\x1b" not in game.screen()
 
 
@@ -296,8 +296,8 @@ async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_
     async with opened(data_dir) as game:
         await game.ready()
         await game.write(ODD)
-        await game.until(lambda: game.shows("applied, 1 warning"))
-        assert game.shows("! line 3")
+        await game.sees("applied, 1 warning")
+        await game.sees("! line 3")
         assert game.session.state.applied == ODD
 
 
@@ -333,7 +333,7 @@ async def test_what_is_copied_or_cut_is_in_a_file_too(data_dir: Path) -> None:
         game.main.permissions = Permissions(clipboard=False)
         await game.press("2", "f6", "ctrl+c")
         await game.until(copied.exists)
-        assert game.shows("Kept in")
+        await game.sees("Kept in")
         first = STILL.splitlines()[0]
         assert game.app.clipboard == copied.read_text("utf-8").strip() == first
         game.main.action_command("select_all")
@@ -351,12 +351,12 @@ async def test_long_lines_are_wrapped_unless_the_player_wants_them_cut(data_dir:
     async with opened(data_dir, text=LONG, size=(80, 24)) as game:
         await game.ready()
         await game.press("2")
-        await game.until(lambda: game.shows("last"))
+        await game.sees("last")
         assert not game.editor.show_horizontal_scrollbar
         game.main.action_command("wrap")
         await game.until(lambda: not game.shows("last"))
         game.main.action_command("wrap")
-        await game.until(lambda: game.shows("last"))
+        await game.sees("last")
 
 
 async def test_a_wrapped_line_with_a_mistake_is_marked_once_and_on_all_its_rows(

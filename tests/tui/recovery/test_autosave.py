@@ -58,8 +58,8 @@ async def type_and_leave(data_dir: Path, words: str) -> None:
 
 async def asked(game: Opened) -> None:
     await game.until(lambda: isinstance(game.app.screen, Question))
-    await game.until(lambda: game.shows("Continue with your unsaved text of “mine”"))
-    await game.until(lambda: game.shows("Yes, continue"))
+    await game.sees("Continue with your unsaved text of “mine”")
+    await game.sees("Yes, continue")
 
 
 async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None:
@@ -67,7 +67,7 @@ async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None
     async with opened(data_dir) as game:
         await asked(game)
         await game.press("s")
-        await game.until(lambda: game.shows("helloFreedomMotion"))
+        await game.sees("helloFreedomMotion")
         await game.press("y")
         await game.until(lambda: game.editor.text == "hello" + PAPER)
         assert game.app.screen is game.main
@@ -79,12 +79,12 @@ async def test_unsaved_text_is_offered_at_the_next_start(data_dir: Path) -> None
 async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, key: str) -> None:
     await type_and_leave(data_dir, "hello")
     async with opened(data_dir) as game:
-        await game.until(lambda: game.shows("Continue with your unsaved text"))
+        await game.sees("Continue with your unsaved text")
         question = game.app.screen
         assert isinstance(question, Question)
-        assert not game.shows("set it aside")
+        await game.sees_no("set it aside")
         await game.press(key)
-        await game.until(lambda: game.shows("set it aside"))
+        await game.sees("set it aside")
         late = events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
         late.time = question.answered_from - 0.001
         game.app.post_message(late)
@@ -92,7 +92,7 @@ async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, ke
         assert game.app.screen is question
         assert isinstance(question.focused, Button)
         assert question.focused.id == "answer-yes"
-        assert not game.shows("helloFreedomMotion")
+        await game.sees_no("helloFreedomMotion")
         await game.press("n")
         await game.until(lambda: game.app.screen is game.main)
 
@@ -223,7 +223,7 @@ async def test_a_data_folder_that_cannot_be_written_is_said_once(data_dir: Path)
     async with opened(data_dir) as game:
         (data_dir / "drafts").write_text("in the way")
         await game.press("2", "x")
-        await game.until(lambda: game.shows("can't be kept on disk"))
+        await game.sees("can't be kept on disk")
         await game.press("y", "escape")
         await game.ready()
         await game.press("n")
@@ -234,7 +234,7 @@ async def nowhere_to_keep(game: Opened, data_dir: Path) -> None:
     """Type something that can neither be kept nor was saved."""
     (data_dir / "drafts").write_text("in the way")
     await game.press("2", "x")
-    await game.until(lambda: game.shows("can't be kept on disk"))
+    await game.sees("can't be kept on disk")
     await game.press("escape")
 
 
@@ -243,7 +243,7 @@ async def test_nobody_leaves_unasked_what_cannot_be_kept(data_dir: Path, tmp_pat
         await nowhere_to_keep(game, data_dir)
         for answer in ("s", "escape"):
             await game.press("q")
-            await game.until(lambda: game.shows("What you changed in “mine” is not saved and"))
+            await game.sees("What you changed in “mine” is not saved and")
             await game.press(answer)
             await game.until(lambda: game.app.screen is game.main)
         await game.press("s")
@@ -273,9 +273,9 @@ async def test_nobody_leaves_unasked_a_level_that_cannot_be_kept(data_dir: Path)
         await game.press("M")
         await game.until(lambda: game.main.editing.is_on)
         await game.press("b", "enter")
-        await game.until(lambda: game.shows("What you edit can't be kept on disk"))
+        await game.sees("What you edit can't be kept on disk")
         game.main.action_command("quit")
-        await game.until(lambda: game.shows("is not saved and can't be kept"))
+        await game.sees("is not saved and can't be kept")
         await game.press("l")
         await game.until(lambda: not game.app.is_running)
 

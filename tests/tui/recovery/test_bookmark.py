@@ -32,9 +32,9 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
 
     async with opened(data_dir, level=short, text=AHEAD, name="other") as game:
         await game.ready()
-        await game.until(lambda: game.shows("Cut off"))
+        await game.sees("Cut off")
         await game.press("n")
-        await game.until(lambda: game.shows("Yes, continue"))
+        await game.sees("Yes, continue")
         await game.press("enter")
         await game.until(lambda: game.tick == 5 and not game.session.busy)
         again = game.session.frame

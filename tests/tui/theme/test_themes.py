@@ -75,9 +75,9 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
         words = ("FreedomMotion", "PAUSED", "engines", "Labyrinth", "● ")
         before = {word: colours_of(game, word) for word in words}
         await game.press("ctrl+p")
-        await game.until(lambda: game.shows("Find a command"))
+        await game.sees("Find a command")
         await game.press(*"theme", "enter")
-        await game.until(lambda: game.shows("Find a theme"))
+        await game.sees("Find a theme")
         await game.press(*"solarized-light", "enter")
         await game.until(lambda: game.app.theme == "solarized-light" and not game.shows("Find a"))
         for word in words:
@@ -86,8 +86,7 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
         assert game.main.labyrinth.view._palette.light
         for theme in ("ansi-light", "night", "gruvbox"):
             game.app.theme = theme
-            await game.pilot.pause()
-            assert game.shows("FreedomMotion"), theme
+            await game.sees("FreedomMotion")
         await game.until(lambda: game.app.theme == "gruvbox")
     recorder = ProgressRecorder(data_dir / FILE_NAME)
     assert recorder.progress.fact(THEME) == "gruvbox"
@@ -99,7 +98,7 @@ async def test_the_chosen_entry_of_a_list_is_legible_in_every_theme(data_dir: Pa
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("3", "w")
-        await game.until(lambda: game.shows("Why · tick 0"))
+        await game.sees("Why · tick 0")
         choice = game.main.inspector.query_one(PredicateList)
         choice.focus()
         for theme in (NIGHT, *THEMES_OF_TEXTUAL):
@@ -125,7 +124,7 @@ async def test_without_colours_everything_is_legible_in_greys(
         await game.ready()
         for theme in ("night", "ansi-dark", "ansi-light"):
             game.app.theme = theme
-            await game.until(lambda: game.shows("FreedomMotion"))
+            await game.sees("FreedomMotion")
             for word in ("FreedomMotion", "PAUSED", "Labyrinth"):
                 for segment in (s for strip in strips(game) for s in strip if word in s.text):
                     assert segment.style is not None

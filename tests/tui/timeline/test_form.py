@@ -44,11 +44,11 @@ async def test_the_ticks_in_which_a_question_holds_are_gone_through(
         await game.press("semicolon")
         await game.until(lambda: game.tick == 9)
         await game.press("semicolon")
-        await game.until(lambda: game.shows("No other tick after 9"))
+        await game.sees("No other tick after 9")
         await game.press("colon")
         await game.until(lambda: game.tick == 4)
         await game.press("colon")
-        await game.until(lambda: game.shows("No other tick before 4"))
+        await game.sees("No other tick before 4")
         assert game.tick == 4
 
 
@@ -69,7 +69,7 @@ async def test_a_wrong_question_says_what_is_wrong_and_can_be_mended(
         await run_to(game, 12)
         await game.press("left_parenthesis")
         await search(game, "Sensor(sensr:)")
-        await game.until(lambda: game.shows("Sensor has no column sensr."))
+        await game.sees("Sensor has no column sensr.")
         game.app.screen.query_one(Input).value = AT
         await game.until(lambda: not game.shows("Sensor has no column sensr."))
         await game.press("enter")
@@ -109,7 +109,7 @@ async def test_a_search_that_the_player_left_changes_nothing(
         await game.until(lambda: game.tick == 2)
         await game.until(lambda: all(w.is_finished for w in game.main.workers if w.group == "seek"))
         assert game.tick == 2
-        assert not game.shows("No tick after")
+        await game.sees_no("No tick after")
 
 
 async def test_nothing_is_searched_before_there_is_a_program(data_dir: Path, short: Path) -> None:
@@ -130,17 +130,17 @@ async def test_a_breakpoint_can_be_any_question(
         subject = game.app.screen.query_one("#subject", Input)
         subject.value = "Sensor(sensr:)"
         await game.press("enter")
-        await game.until(lambda: game.shows("Sensor has no column sensr."))
+        await game.sees("Sensor has no column sensr.")
         subject.value = AT
         await game.press("enter")
         await game.until(lambda: isinstance(game.app.screen, BreakpointList))
         assert list(game.session.breakpoints) == [Breakpoint("rows", AT)]
-        assert not game.shows("!")
+        await game.sees_no("!")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
         await game.press("space")
         await game.until(lambda: game.tick == 3 and not game.session.busy)
-        await game.until(lambda: game.shows("Stopped at tick 3."))
+        await game.sees("Stopped at tick 3.")
         await game.press("space")
         await game.until(lambda: game.tick == 9 and not game.session.busy)
 
@@ -151,9 +151,9 @@ async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short:
         await game.until(lambda: game.main.query_one(QueryLine).has_focus)
         game.main.query_one(QueryLine).value = AT
         await game.press("enter")
-        await game.until(lambda: game.shows("Ask · tick 0 · 0 rows"))
+        await game.sees("Ask · tick 0 · 0 rows")
         await game.press("escape", "asterisk", "at")
-        await game.until(lambda: game.shows("Pinned: "))
+        await game.sees("Pinned: ")
         assert list(game.session.breakpoints) == [Breakpoint("rows", AT)]
         assert game.inspector.pages.pins.pins == (Pin(AT),)
         await game.press("escape")
@@ -167,7 +167,7 @@ async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short:
         await game.until(lambda: game.tick == 10)
         await game.press("enter")
         await game.until(lambda: game.main.query_one(QueryLine).value == AT)
-        await game.until(lambda: game.shows("Ask · tick 10"))
+        await game.sees("Ask · tick 10")
 
 
 async def run_to_hits(game: Opened) -> None:
@@ -187,5 +187,5 @@ async def test_the_list_says_why_a_question_can_t_be_asked(data_dir: Path, short
         await game.until(lambda: game.tick == 1)
         await game.press("B")
         await game.until(lambda: isinstance(game.app.screen, BreakpointList))
-        await game.until(lambda: game.shows("! This can't be asked: Sensor has no column sensr."))
+        await game.sees("! This can't be asked: Sensor has no column sensr.")
         assert game.app.screen.query_one(OptionList).option_count == 1

@@ -32,9 +32,9 @@ async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
 
 async def saved(game: Opened) -> Replay:
     await game.press("ctrl+p")
-    await game.until(lambda: game.shows("Find a command"))
+    await game.sees("Find a command")
     await game.press(*"savearep")
-    await game.until(lambda: game.shows("Save a replay"))
+    await game.sees("Save a replay")
     await game.press("enter")
     folder = game.data_dir / "replays"
     await game.until(lambda: game.shows("bytes)."))
@@ -60,7 +60,7 @@ async def test_what_the_timeline_holds_is_saved_and_opened_elsewhere(
         replay = await saved(game)
     async with played(replay, tmp_path / "elsewhere") as game:
         await game.until(lambda: game.tick == 5 and not game.session.busy)
-        await game.until(lambda: game.shows("Replay of 5 ticks"))
+        await game.sees("Replay of 5 ticks")
         assert game.editor.text == STILL
         for frame in reversed(there):
             game.session.go_to(frame.tick)
@@ -76,17 +76,17 @@ async def test_a_victory_in_a_replay_is_nobody_s(
         await game.until(lambda: game.session.won_at and not game.session.busy)
         replay = await saved(game)
     async with played(replay, tmp_path / "elsewhere") as game:
-        await game.until(lambda: game.shows("Replay of"))
+        await game.sees("Replay of")
         assert game.session.won_at == replay.last
         assert game.main.recorder.record.state != "won"
-        assert not game.shows("again")
+        await game.sees_no("again")
 
 
 async def test_before_the_first_tick_there_is_nothing_to_save(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.main.replays.save()
-        await game.until(lambda: game.shows("Run the robots first"))
+        await game.sees("Run the robots first")
         assert not (data_dir / "replays").exists()
 
 

@@ -86,14 +86,14 @@ async def test_a_tick_is_gone_to_by_its_number_and_one_that_is_not_there_says_wh
         await game.press("g")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "300")
-        await game.until(lambda: game.shows("The history holds ticks 0 to 20, not 300."))
+        await game.sees("The history holds ticks 0 to 20, not 300.")
         game.app.screen.query_one(Input).value = "-8"
         await game.press("enter")
         await game.until(lambda: game.app.screen is game.main and game.tick == 12)
         await game.press("g")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "soon")
-        await game.until(lambda: game.shows("A tick is a number"))
+        await game.sees("A tick is a number")
 
 
 async def test_a_run_until_a_tick_ends_there_and_one_into_the_past_is_refused(
@@ -104,7 +104,7 @@ async def test_a_run_until_a_tick_ends_there_and_one_into_the_past_is_refused(
         await game.press("U")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
         await type_in(game, "9")
-        await game.until(lambda: game.shows("The robots are already at tick 17."))
+        await game.sees("The robots are already at tick 17.")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
         assert game.tick == 17
@@ -138,7 +138,7 @@ async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path
         await game.press("left_curly_bracket")
         await game.until(lambda: game.tick == 1)
         await game.press("left_curly_bracket")
-        await game.until(lambda: game.shows("Nothing happened before tick 1"))
+        await game.sees("Nothing happened before tick 1")
 
 
 async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(data_dir: Path, short: Path) -> None:
@@ -155,7 +155,7 @@ async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(data_dir: Path, sh
         await game.pilot.mouse_up(Timeline, offset=(60, 0))
         await game.pilot.hover(Timeline, offset=(4, 0))
         await game.pilot.click(Timeline, offset=(50, 0))
-        await game.until(lambda: game.shows("Tick 49 is not in history"))
+        await game.sees("Tick 49 is not in history")
         assert game.tick == 30
 
 
@@ -172,7 +172,7 @@ async def test_the_timeline_is_driven_with_keys(data_dir: Path, short: Path) -> 
         await game.press("up")
         await game.until(lambda: game.tick == 6)
         await game.press("down")
-        await game.until(lambda: game.shows("Nothing happened after tick 6"))
+        await game.sees("Nothing happened after tick 6")
         await game.press("escape")
         await game.until(lambda: game.main.labyrinth.has_focus)
 
@@ -182,7 +182,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
 ) -> None:
     async with playing(data_dir, short) as game:
         await game.press("F")
-        await game.until(lambda: game.shows("There is no other future yet"))
+        await game.sees("There is no other future yet")
         await run_to(game, 30)
         await game.press("g")
         await game.until(lambda: isinstance(game.app.screen, TickPrompt))
@@ -197,20 +197,20 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.press("N")
         await game.until(lambda: game.tick == 21)
         await game.press("C")
-        await game.until(lambda: game.shows("The two futures part in tick 11"))
+        await game.sees("The two futures part in tick 11")
         for told in ("memory", "here   0", "there  1"):
             await game.until(lambda told=told: game.shows(told))  # type: ignore[misc]  # a default
         await game.until(lambda: game.shows("What Pip decides differs first in Robot("))
-        assert game.shows("here   line 2  memory: sensor.clock > 15")
-        assert game.shows("there  line 2  memory: sensor.clock > 5")
+        await game.sees("here   line 2  memory: sensor.clock > 15")
+        await game.sees("there  line 2  memory: sensor.clock > 5")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main and game.tick == 11)
         await game.press("F")
-        await game.until(lambda: game.shows("This is the other future."))
+        await game.sees("This is the other future.")
         assert game.session.frame.memories == {"Pip": 1}
         assert game.session.program is not None
         assert game.session.program.text == TURNS
-        assert game.shows("not applied")
+        await game.sees("not applied")
         await game.press("right_parenthesis")
         await game.until(lambda: game.tick == 30)
 
@@ -231,10 +231,10 @@ async def test_a_restart_under_the_same_program_goes_through_what_is_known(
 async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
-        await game.until(lambda: game.shows("The robots stop when Near has rows."))
+        await game.sees("The robots stop when Near has rows.")
         await game.press("space")
         await game.until(lambda: game.tick == 13 and not game.session.running)
-        await game.until(lambda: game.shows("Stopped at tick 13. Near has rows"))
+        await game.sees("Stopped at tick 13. Near has rows")
         assert '◉ "Pip"' in line(game)
         await game.press("space")
         await game.until(lambda: game.session.won_at is not None)
@@ -248,10 +248,10 @@ async def test_breakpoints_are_listed_switched_off_and_deleted(data_dir: Path, s
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Gone"))
         await game.press("B")
         await game.until(lambda: isinstance(game.app.screen, BreakpointList))
-        await game.until(lambda: game.shows("◉ a robot enters Door"))
-        assert game.shows("! The program has no predicate Gone.")
+        await game.sees("◉ a robot enters Door")
+        await game.sees("! The program has no predicate Gone.")
         await game.press("space")
-        await game.until(lambda: game.shows("○ a robot enters Door"))
+        await game.sees("○ a robot enters Door")
         await game.press("down", "d")
         await game.until(lambda: game.app.screen.query_one(OptionList).option_count == 1)
         await game.press("escape")
@@ -268,11 +268,11 @@ async def test_a_breakpoint_is_made_with_the_names_that_there_are(
     async with playing(data_dir, short, size=size) as game:
         await game.press("B", "a")
         await game.until(lambda: isinstance(game.app.screen, BreakpointForm))
-        assert game.shows("Sensor Memory Near Robot")
+        await game.sees("Sensor Memory Near Robot")
         await game.press("enter")
         await game.until(lambda: game.app.screen.query_one("#subject").has_focus)
         await game.press(*"Ner", "enter")
-        await game.until(lambda: game.shows("The program has no predicate Ner."))
+        await game.sees("The program has no predicate Ner.")
         await game.press("backspace", *"a")
         await game.until(lambda: game.app.screen.query_one("#subject", Input)._suggestion)
         await game.press("right", "enter")
@@ -295,7 +295,7 @@ async def test_nothing_of_this_hurts_before_there_is_a_program(data_dir: Path, s
         await game.ready()
         await game.press("N", "P", "left_parenthesis", "right_parenthesis", "g", "U", "F", "C")
         await game.press("left_curly_bracket", "right_curly_bracket")
-        await game.until(lambda: game.shows("There is no program yet."))
+        await game.sees("There is no program yet.")
         assert game.tick == 0
         game.main.timeline_controller.add_breakpoint(Breakpoint("rows", "Near"))
         assert list(game.session.breakpoints) == [Breakpoint("rows", "Near")]

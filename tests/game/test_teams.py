@@ -1,0 +1,125 @@
+"""Several minds in one world: each team thinks with its own program, and only about itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import Game
+from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.mind import Limits, Program
+from logical_robots_tui.mind.program import join_teams
+from logical_robots_tui.world import load_level
+from tests.game.playing import BACKWARDS, COUNTER, HALL, SLOW
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.world import Level
+
+MATCH = (
+    HALL.replace('name = "Ada"', 'team = "red"\nname = "Ada"')
+    .replace('name = "Bo"', 'team = "blue"\nname = "Bo"')
+    .replace("[[areas]]", '[[robots]]\nname = "Cy"\nteam = "red"\nx = 60\ny = 25\n\n[[areas]]')
+    + '\n[visibility]\nmemory = "all"\nsensor = "all"\n'
+    + '\n[[teams]]\nname = "red"\n\n[[teams]]\nname = "blue"\n'
+)
+NOSY = """
+@Visible(Memory, "all");
+@Visible(Sensor, "all");
+Others(n? += 1) distinct :- Memory(robot_name:);
+Seen(n? += 1) distinct :- Sensor(robot_name:);
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {others: m, seen: s}) :-
+  Sensor(robot_name:), Others(n: m), Seen(n: s);
+Robot(robot_name: "Bo", desire: {left_engine: -1, right_engine: -1}, memory: "mine");
+"""
+
+
+@pytest.fixture
+def match(tmp_path: Path) -> Level:
+    path = tmp_path / "match.toml"
+    path.write_text(MATCH, "utf-8")
+    return load_level(path)
+
+
+def teams(red: str, blue: str) -> Program:
+    return Program.compile(join_teams({"red": red, "blue": blue}))
+
+
+async def test_each_team_follows_its_own_program(match: Level) -> None:
+    game = Game(match, teams(COUNTER, BACKWARDS))
+    frame = await game.run_until(tick=5)
+    ada, bo, cy = frame.after.robots
+    assert (ada.x, bo.x, cy.x) == (45, 35, 65)
+    assert [decision.robot_name for decision in frame.decisions] == ["Ada", "Bo", "Cy"]
+    await game.close()
+
+
+async def test_nothing_of_another_team_is_visible(match: Level) -> None:
+    """Not even to a program that asks to see all, and that commands the other's robots."""
+    game = Game(match, teams(NOSY, COUNTER))
+    frame = await game.run_until(tick=3)
+    assert frame.memories == {
+        "Ada": {"others": 2, "seen": 2},
+        "Bo": 3,
+        "Cy": {"others": 2, "seen": 2},
+    }
+    assert frame.after.robots[1].x == 43
+    (ada, bo, _) = frame.decisions
+    assert [notice.kind for notice in ada.notices] == ["unknown robot"]
+    assert not bo.notices
+    await game.close()
+
+
+async def test_answers_are_those_of_the_team_looked_at(match: Level) -> None:
+    game = Game(match, teams(NOSY, COUNTER))
+    await game.run_until(tick=2)
+    assert len((await game.query("Sensor")).rows) == 2
+    assert {row[0] for row in (await game.query("Memory")).rows} == {"Ada", "Cy"}
+    here = game.frame
+    game.look_at("blue")
+    assert game.frame is here
+    (row,) = (await game.query("Robot")).rows
+    assert row[0] == "Bo"
+    await game.close()
+
+
+async def test_looking_at_another_team_changes_nothing(match: Level) -> None:
+    plain = Game(match, teams(NOSY, COUNTER))
+    looking = Game(match, teams(NOSY, COUNTER))
+    for tick in range(1, 9):
+        looking.look_at("red" if tick % 2 else "blue")
+        assert await plain.step() == await looking.step()
+    assert all(mark.kind != "program" for at in range(9) for mark in looking.history.marks.at(at))
+    looking.go_to(3)
+    assert await looking.run_until(tick=8) == plain.frame
+    assert [tick for tick, _ in looking.history.programs(8)] == [1]
+    await plain.close()
+    await looking.close()
+
+
+async def test_one_program_may_play_every_team(match: Level) -> None:
+    alone = NOSY[: NOSY.index('Robot(robot_name: "Bo"')]
+    game = Game(match, Program.compile(alone))
+    frame = await game.step()
+    two, one = {"others": 2, "seen": 2}, {"others": 1, "seen": 1}
+    assert frame.memories == {"Ada": two, "Bo": one, "Cy": two}
+    await game.close()
+
+
+async def test_a_team_that_uses_up_its_budget_costs_the_other_nothing(match: Level) -> None:
+    limits = Limits(think_steps=300_000)
+    game = Game(match, teams(SLOW, COUNTER), limits=limits)
+    frame = await game.run_until(tick=3)
+    assert frame.memories["Bo"] == 3
+    assert not frame.decisions[1].notices
+    assert {notice.kind for notice in frame.decisions[0].notices} == {"failed"}
+    assert frame.is_reliable
+    await game.close()
+
+
+def test_the_quick_loop_thinks_alike(match: Level) -> None:
+    played = play_through(match, teams(COUNTER, BACKWARDS), 30)
+    assert played.won_at is None
+    assert play_through(match, Program.compile(COUNTER), 100).won_at is not None
