@@ -316,11 +316,16 @@ def test_a_match_can_be_seen_again(tmp_path: Path, command: Command) -> None:
     out = tmp_path / "out"
     assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
     *_, row = rows(out / "runs.csv")
-    _, play, level, program, *rest = shlex.split(row["replay"])
+    _, play, *match = shlex.split(row["replay"])
     assert play == "play"
+    match[:3] = [str(out / name) for name in match[:3]]
+    scores = command("run", *match, "--json").data["scores"]
+    assert {team: str(sum(parts)) for team, parts in scores.items()} == {
+        team: row[f"points_{team}"] for team in ("red", "blue")
+    }
+    assert match[-2:] == ["--start", "1"]
     file = tmp_path / "match.replay"
-    match = [str(out / level), str(out / program), *rest]
-    assert command("replay", "record", *match, "-o", file, "--ticks", 60).status == 0
+    assert command("replay", "record", *match, "-o", file).status == 0
     assert command("replay", "verify", file).status == 0
 
 
