@@ -38,7 +38,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
         settings: The values of what is varied, by name; in a match the players by team.
         student: Whose program it is, or "".
         own: Digest of the student's own text.
-        parts: Of a match, digests of the texts that the program is joined of, in the order of teams.
+        parts: In a match, digests of the texts of the teams' programs, in the order of the teams.
     """
 
     level: str
