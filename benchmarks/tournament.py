@@ -7,17 +7,13 @@ import subprocess
 import sys
 import tempfile
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
-from time import process_time, sleep
+from time import sleep
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, summed_up
 from logical_robots_tui.game import load_program
-from logical_robots_tui.game.robustness import play_through
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.mind import Program
-from logical_robots_tui.mind.program import join_teams
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
@@ -35,8 +31,7 @@ _TABLES = ("ranking", "pairs", "cycles", "runs")
 
 
 def tournament(effort: Effort) -> Iterator[Measurement]:
-    """Measure a second mind, a tournament of sixteen, and one that is killed five times."""
-    yield _second_mind(effort)
+    """Measure a tournament of sixteen, and one that is killed five times."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if not effort.is_quick:
@@ -57,24 +52,6 @@ def tournament(effort: Effort) -> Iterator[Measurement]:
         subject = f"{players} players, killed {kills} times: tables that are the same"
         required = f">= {len(_TABLES)}"
         yield summed_up("tournament", subject, f"of {len(_TABLES)}", [same], required=required)
-
-
-def _second_mind(effort: Effort) -> Measurement:
-    """Compare a match, in which each team has a mind, with one mind for as many robots."""
-    level = load_level(ARENA)
-    text = load_program(level.teams[0].program).text
-    one = Program.compile(text)
-    two = Program.compile(join_teams({team.name: text for team in level.teams}))
-    robots = tuple(replace(robot, team="") for robot in level.robots)
-    alone = replace(level, robots=robots, teams=(), match_ticks=0, scores=())
-    ratios = []
-    for _ in range(effort.repeats + 1):
-        began = process_time()
-        play_through(alone, one, effort.ticks)
-        middle = process_time()
-        play_through(level, two, effort.ticks)
-        ratios.append((process_time() - middle) / (middle - began))
-    return summed_up("tournament", "two minds against one", "times", ratios[1:])
 
 
 def _written(folder: Path, players: int, starts: int, ticks: int) -> Path:
