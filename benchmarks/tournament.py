@@ -25,6 +25,8 @@ ARENA = "13-high-ground"
 PLAYERS = 16
 STARTS = 20
 KILLS = 5
+PATIENCE = 24 * 3600
+"""Seconds after which a tournament that does not end is given up."""
 
 _REMARK = "# {}\nBy_{}() = {};\n"  # so that no two are the same
 _TABLES = ("ranking", "pairs", "cycles", "runs")
@@ -77,7 +79,7 @@ def _command(folder: Path, out: str) -> list[str]:
 
 def _held(folder: Path, out: str) -> tuple[float, int, int]:
     """Hold a tournament with one worker; return its processor seconds, matches and ticks."""
-    subprocess.run(_command(folder, out), check=True, capture_output=True)
+    subprocess.run(_command(folder, out), check=True, capture_output=True, timeout=PATIENCE)
     with Folder(folder / out).ledger() as ledger:
         results = ledger.results().values()
         return ledger.seconds(), len(results), sum(result.ticks for result in results)
@@ -95,7 +97,7 @@ def _killed(folder: Path, out: str, kills: int) -> int:
         if process.poll() is not None:
             return number - 1
         process.kill()
-        process.wait()
+        process.wait(timeout=PATIENCE)
     _held(folder, out)
     return kills
 
