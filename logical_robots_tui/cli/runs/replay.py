@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_no_solutions,
+    add_programs,
     add_start,
     finite,
     harmless,
+    named_programs,
     new_command,
     new_group,
     number_from,
@@ -75,7 +77,7 @@ def _declare_record(commands: Commands) -> None:
         epilog=_RECORD_EPILOG,
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
+    add_programs(command)
     command.add_argument(
         "-o", "--output", type=Path, required=True, metavar="FILE", help="to write"
     )
@@ -108,7 +110,7 @@ def _record(options: argparse.Namespace) -> int:
             with progress_bar(level.title, options.ticks) as show:
                 game.listen(lambda frame: show(frame.tick))
                 await game.run_until(tick=options.ticks)
-            name = Path(options.program).stem
+            name = "-".join(Path(each).stem for each in named_programs(options))
             return await gather(
                 game.history, write_native, lambda _: name, with_programs=not options.no_programs
             )

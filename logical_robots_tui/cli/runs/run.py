@@ -10,7 +10,14 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import UNRELIABLE, columns, finite, harmless, prefers_json
+from logical_robots_tui.cli.command import (
+    UNRELIABLE,
+    columns,
+    finite,
+    harmless,
+    named_programs,
+    prefers_json,
+)
 from logical_robots_tui.cli.runs.common import new_run_command, opened, progress_bar
 
 if TYPE_CHECKING:
@@ -57,7 +64,9 @@ def start(options: argparse.Namespace) -> int:
     """Run the program in the level and print the result."""
     level, program = opened(options)
     with progress_bar(level.title, options.ticks) as show:
-        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
+        outcome = asyncio.run(
+            play_out(level, program, " ".join(named_programs(options)), options.ticks, show)
+        )
     print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.as_text())
     return WON if outcome.won_at is not None else NOT_WON
 
