@@ -84,7 +84,7 @@ def _refused(level: Level) -> Iterator[Finding]:
         yield Finding(error.message, forbids=True)
     if not level.robots:
         yield Finding("The level has no robots.", forbids=True)
-    for found in misfits(level.robots, level.teams):
+    for found in misfits(level):
         yield Finding(f"{found.message} {found.hint}".rstrip(), forbids=True)
     for kind in KINDS:
         things = getattr(level, kind)

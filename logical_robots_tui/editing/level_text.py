@@ -71,7 +71,7 @@ def toml_text(key: str, value: object) -> str:
 
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "starter", "solution", "shared_names"),
-    *("second_goals", "teams"),
+    *("second_goals", "teams", "match_ticks", "scores", "divided_charge"),
 )
 _SEEN = Visibility(memory="all", sensor="all")
 

@@ -26,7 +26,8 @@ def set_words(level: Level, **values: Any) -> Level:
         level: The level.
         **values: By the names of the attributes of ``Level``: ``title``, ``idea``, ``briefing``,
             ``hints``, ``lesson``, ``further``, ``starter``, ``solution``, ``visibility``,
-            ``shared_names``, ``second_goals``, ``teams``.
+            ``shared_names``, ``second_goals``, ``teams``,
+            ``match_ticks``, ``scores``, ``divided_charge``.
 
     Raises:
         LevelError: A text is too long or can't be shown, or a value is invalid.

@@ -12,6 +12,7 @@ from logical_robots_tui.world.level import (
     Area,
     Beacon,
     Robot,
+    Score,
     Team,
     Visibility,
 )
@@ -61,16 +62,22 @@ def words_of(level: Level) -> Record:
         "hints": list(level.hints),
         "lesson": level.lesson,
         "further": level.further,
+        "divided_charge": level.divided_charge,
+        "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_told(team) for team in level.teams],
+        "scores": [_told(score) for score in level.scores],
     }
     if level.visibility == Visibility():
         del record["visibility"]
     return {key: value for key, value in record.items() if value or key == "title"}
 
 
-def _told(part: Team) -> Record:
+def _told(part: Team | Score) -> Record:
     """Return the attributes that say something."""
-    return {name: value for name, value in asdict(part).items() if value}
+    record = {name: value for name, value in asdict(part).items() if value != ""}
+    if isinstance(part, Score):
+        record["points"] = written_number(part.points)
+    return record
 
 
 def _robot(robot: Robot) -> Record:

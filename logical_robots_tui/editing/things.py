@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.editing.records import Thing, record_of
-from logical_robots_tui.world.level import Beacon, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.levels.fields import Fields, check_robot_names
 from logical_robots_tui.world.levels.limits import LONGEST_NAME, MOST_OF_A_KIND
 from logical_robots_tui.world.levels.native import read_area, read_beacon, read_robot
@@ -94,7 +94,7 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
     """Set properties of an object, such as its position, heading, name or colour.
 
     Renaming a robot updates the areas that are a goal for it; renaming the last beacon of a name
-    updates the areas that it switches.
+    updates the areas that it switches, and renaming the last area of a name its score.
 
     Args:
         level: The level.
@@ -209,7 +209,7 @@ def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
 
 
 def _followed(level: Level, before: Thing, after: Thing) -> Level:
-    """Return a level whose areas refer to a renamed object by its new name."""
+    """Return a level whose areas and scores refer to a renamed object by its new name."""
     names = {before.name: after.name}
     if isinstance(before, Robot):
         areas = tuple(
@@ -225,6 +225,9 @@ def _followed(level: Level, before: Thing, after: Thing) -> Level:
             )
             for area in level.areas
         )
+    elif isinstance(before, Area) and before.name not in {a.name for a in level.areas}:
+        scores = (replace(s, area=names.get(s.area, s.area)) for s in level.scores)
+        return replace(level, scores=tuple(scores))
     else:
         return level
     return replace(level, areas=areas)

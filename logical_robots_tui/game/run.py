@@ -237,6 +237,8 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "areas": [asdict(area) for area in level.areas],
         "visibility": asdict(level.visibility),
         "teams": [asdict(team) for team in level.teams],
+        "match": (level.match_ticks, [asdict(score) for score in level.scores]),
+        "divided_charge": level.divided_charge,
         "program": program.text,
         "limits": asdict(limits),
     }

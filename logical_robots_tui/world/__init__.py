@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot, Team, Visibility
+from logical_robots_tui.world.level import (
+    Area,
+    Beacon,
+    Level,
+    LevelError,
+    Robot,
+    Score,
+    Team,
+    Visibility,
+)
 from logical_robots_tui.world.levels.load import list_levels, load_level
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 from logical_robots_tui.world.world import World
@@ -15,6 +24,7 @@ __all__ = [
     "LevelError",
     "Robot",
     "RobotState",
+    "Score",
     "Team",
     "Visibility",
     "World",

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.world.dynamics import is_inside, starts_active
+from logical_robots_tui.world.scoring import tallies_at_start
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ Pose: TypeAlias = tuple[float, float, float]
 def start_state(level: Level) -> WorldState:
     """Return the state in which a level begins."""
     robots = tuple(_at_start(robot) for robot in level.robots)
-    return WorldState(0, robots, tuple(_new_area(area) for area in level.areas))
+    areas = tuple(_new_area(area) for area in level.areas)
+    return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
 
 
 def changed_state(
@@ -32,8 +34,8 @@ def changed_state(
     """Return the state in which a world continues in a changed level.
 
     Robots keep their position and charge; new ones are at their start. Areas keep their state,
-    unless what switches them changed. Visitors of areas are recomputed. At tick 0, robots are at
-    their start in the changed level.
+    unless what switches them changed. Visitors of areas are recomputed. Teams keep what they have,
+    unless what is scored changed. At tick 0, robots are at their start in the changed level.
 
     Args:
         state: State of a world of the old level, at the end of a tick.
@@ -62,7 +64,11 @@ def changed_state(
         AreaState(area.name, active, _visitors(area, robots))
         for area, active in zip(after.areas, _switched_as_before(state, before, after), strict=True)
     )
-    return WorldState(state.tick, robots, areas, state.won_at)
+    if _scored(before) == _scored(after):
+        tallies = state.tallies
+    else:
+        tallies = tallies_at_start(after, robots, areas)
+    return WorldState(state.tick, robots, areas, state.won_at, tallies)
 
 
 def former_names(before: Level, after: Level) -> dict[str, str]:
@@ -118,6 +124,11 @@ def _switched_as_before(state: WorldState, before: Level, after: Level) -> list[
 def _switch(area: Area) -> tuple[object, ...]:
     """Return the properties of an area that determine how it is switched."""
     return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
+
+
+def _scored(level: Level) -> tuple[object, ...]:
+    """Return what the tallies of a level depend on."""
+    return level.scores, level.teams, [beacon.name for beacon in level.beacons]
 
 
 def _visitors(area: Area, robots: Sequence[RobotState]) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ __all__ = [
     "is_inside",
     "is_won",
     "push_out",
+    "run_batteries",
     "run_battery",
     "starts_active",
     "switched",
@@ -168,9 +169,53 @@ def run_battery(
             if isinstance(source, Mover):
                 source.battery_level = max(0.0, source.battery_level - CHARGING_RATE)
     if not charged and mover.battery_level > 0:
-        # Halved before the sum, so that no pair of finite engines overflows to 0 * inf.
-        cost = robot.battery_consumption_rate * (abs(left) / 2 + abs(right) / 2)
-        mover.battery_level = max(0.0, mover.battery_level - cost)
+        mover.battery_level = max(0.0, mover.battery_level - _cost(robot, left, right))
+
+
+def run_batteries(
+    robots: Sequence[Robot],
+    movers: Sequence[Mover],
+    engines: Sequence[tuple[float, float]],
+    sources: Sequence[Source],
+) -> None:
+    """Charge all robots at once; each source divides what it gives among those around it.
+
+    The order of robots and sources makes no difference. A share that a battery has no room for is
+    lost. A robot that no source charges pays for its engines.
+
+    Args:
+        robots: In file order.
+        movers: The same robots in this tick, before any of them moved; changed in place.
+        engines: Wanted power of left and right engine, finite and not clamped.
+        sources: From ``charging_sources`` in this tick.
+    """
+    shares: list[list[float]] = [[] for _ in movers]
+    given: dict[int, float] = {}
+    for source in sources:
+        around = [
+            i
+            for i, (robot, mover) in enumerate(zip(robots, movers, strict=True))
+            if robot.has_battery
+            and source is not mover
+            and mover.battery_level < robot.battery_capacity
+            and math.hypot(source.x - mover.x, source.y - mover.y) < CHARGING_RADIUS
+        ]
+        gift = float(CHARGING_RATE)
+        if isinstance(source, Mover) and around:
+            gift = given[id(source)] = min(gift, source.battery_level)
+        for i in around:
+            shares[i].append(gift / len(around))
+    for robot, mover, (left, right), received in zip(robots, movers, engines, shares, strict=True):
+        if not robot.has_battery:
+            continue
+        cost = 0.0 if received else _cost(robot, left, right)
+        level = mover.battery_level + math.fsum(received) - given.get(id(mover), 0.0) - cost
+        mover.battery_level = max(0.0, min(robot.battery_capacity, level))
+
+
+def _cost(robot: Robot, left: float, right: float) -> float:
+    # Halved before the sum, so that no pair of finite engines overflows to 0 * inf.
+    return robot.battery_consumption_rate * (abs(left) / 2 + abs(right) / 2)
 
 
 def is_dead(robot: Robot, mover: Mover) -> bool:

@@ -20,6 +20,8 @@ __all__ = [
     "Level",
     "LevelError",
     "Robot",
+    "Score",
+    "ScoreKind",
     "SecondGoal",
     "Team",
     "Visibility",
@@ -137,6 +139,25 @@ class Team:
     program: str = ""
 
 
+ScoreKind: TypeAlias = Literal["hold", "most", "first", "near", "beacons", "charged"]
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """A part of what a match is about; `scoring.points` says what it gives.
+
+    Attributes:
+        kind: ``hold`` an area alone, have the ``most`` robots in it, be ``first`` there or ``near``
+            it at the end, see ``beacons``, or have robots ``charged`` at the end.
+        area: Name of the area, which several areas may share, or "" where the kind needs none.
+        points: For each tick, for being first or in the area, for each beacon, or for each robot.
+    """
+
+    kind: ScoreKind
+    area: str = ""
+    points: float = 1.0
+
+
 _GoalKind: TypeAlias = Literal["tick", "rule", "unit", "blocked", "memory"]
 
 
@@ -195,6 +216,9 @@ class Level:
         second_goals: What to achieve besides winning.
         teams: In file order; () where one program drives all robots. Otherwise every robot is in
             one of them, and none is empty.
+        match_ticks: Length of a match in ticks; 0 where there is none.
+        scores: What a match is about, in file order.
+        divided_charge: Whether a source divides what it gives among those that it charges.
         source: Path of the file it came from, or "".
     """
 
@@ -217,6 +241,9 @@ class Level:
     shared_names: tuple[str, ...] = ()
     second_goals: tuple[SecondGoal, ...] = ()
     teams: tuple[Team, ...] = ()
+    match_ticks: int = 0
+    scores: tuple[Score, ...] = ()
+    divided_charge: bool = False
     source: str = ""
 
     def team_of(self, robot_name: str) -> str:

@@ -72,7 +72,8 @@ class Senses:
 
     A ray is tested at 1, 2, ... 199 map units from the robot's centre. The first distance at which
     anything is hit is reported. At the same distance walls take precedence over robots, robots over
-    beacons, and beacons over solid areas, each in file order.
+    beacons, and beacons over solid areas, each in file order. In a level with teams that order must
+    not decide: of several robots, a ray reports the one with its centre nearest to the ray's end.
 
     Args:
         level: The level.
@@ -106,6 +107,8 @@ class Senses:
         switches = {name for area in level.areas for name in (area.on_beacon, area.off_beacon)}
         self._has_switches = any(beacon.name in switches for beacon in level.beacons)
         self._last: _Looked | None = None
+        names = [robot.name for robot in level.robots]
+        self._by_name = np.argsort(names) if level.teams else None
 
     def sense(
         self, robots: Sequence[RobotState], areas: Sequence[AreaState], clock: int
@@ -136,6 +139,8 @@ class Senses:
                 return last._replace(robots=robots)
         rays = rays_of(robots, anew)
         hits = self._hits(rays, self._circles(robots, shown))
+        if self._by_name is not None:
+            self._settle(hits, rays, robots, self._by_name)
         views = self._views(rays, hits)
         if last is not None and len(anew) < len(robots):
             hits, views = last.but(anew, hits, views)
@@ -168,6 +173,36 @@ class Senses:
         hits = self._of_walls.take(walls)
         take_nearer_circles(hits, self._codes, rays, circles)
         return hits
+
+    def _settle(
+        self,
+        hits: NDArray[np.int64],
+        rays: Rays,
+        robots: Sequence[RobotState],
+        order: NDArray[np.intp],
+    ) -> None:
+        """Choose among robots that a ray hits at once by their place instead of by their number.
+
+        Args:
+            hits: As for `take_nearer_circles`, changed in place.
+            rays: The rays that were cast.
+            robots: All robots, in file order.
+            order: The robots in the order that decides if they are at the very same place.
+        """
+        places = np.array([(robots[i].x, robots[i].y) for i in order])
+        between = np.hypot(*(places[:, None] - places).T)
+        if np.count_nonzero(between < 2 * ROBOT_RADIUS + _MARGIN) == len(order):
+            return  # each is only near itself
+        distance, code = np.divmod(hits, self._codes)
+        viewer, ray = ((code >= 1) & (code <= len(order))).nonzero()
+        steps = distance[viewer, ray]
+        x = rays.x[viewer] + steps * rays.cos[viewer, ray]
+        y = rays.y[viewer] + steps * rays.sin[viewer, ray]
+        away = np.hypot(x[:, None] - places[:, 0], y[:, None] - places[:, 1])
+        away[order == rays.robot[viewer][:, None]] = np.inf  # its own body
+        found = away.min(axis=1) < ROBOT_RADIUS
+        nearest = order[away.argmin(axis=1)]
+        hits[viewer[found], ray[found]] = (steps * self._codes + nearest + 1)[found]
 
     def _views(self, rays: Rays, hits: NDArray[np.int64]) -> list[_View]:
         distance, code = np.divmod(hits, self._codes)

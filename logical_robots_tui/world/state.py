@@ -58,9 +58,12 @@ class WorldState:
         robots: In file order.
         areas: In file order.
         won_at: The tick of victory, or None.
+        tallies: For each part of the score what each team has so far, see `scoring.tallied`; ()
+            where nothing is scored.
     """
 
     tick: int
     robots: tuple[RobotState, ...]
     areas: tuple[AreaState, ...]
     won_at: int | None = None
+    tallies: tuple[tuple[int, ...], ...] = ()

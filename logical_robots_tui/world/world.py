@@ -17,9 +17,11 @@ from logical_robots_tui.world.dynamics import (
     is_inside,
     is_won,
     push_out,
+    run_batteries,
     run_battery,
     switched,
 )
+from logical_robots_tui.world.scoring import tallied
 from logical_robots_tui.world.sensing import Senses
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
@@ -129,10 +131,14 @@ class World:
         movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in before.robots]
         pairs = list(zip(level.areas, before.areas, strict=True))
         solid = [area for area, state in pairs if area.impenetrable and state.active]
+        wanted = [_engines(desires.get(name)) for name in self._names]
         sources = charging_sources(level, movers)
-        for robot, mover in zip(level.robots, movers, strict=True):
-            left, right = _engines(desires.get(robot.name))
-            run_battery(robot, mover, left, right, sources)
+        divided = level.divided_charge or bool(level.teams)
+        if divided:
+            run_batteries(level.robots, movers, wanted, sources)
+        for robot, mover, (left, right) in zip(level.robots, movers, wanted, strict=True):
+            if not divided:
+                run_battery(robot, mover, left, right, sources)
             mover.dead = is_dead(robot, mover)
             if mover.dead:
                 left = right = 0.0
@@ -155,7 +161,10 @@ class World:
         tick, won_at = before.tick + 1, before.won_at
         if won_at is None and is_won(zip(level.areas, areas, strict=True)):
             won_at = tick
-        self._state = WorldState(tick, robots, areas, won_at)
+        tallies = before.tallies
+        if tallies:
+            tallies = tallied(level, tallies, tick, robots, areas, self.sense())
+        self._state = WorldState(tick, robots, areas, won_at, tallies)
         self._sensed = None
 
     def save(self) -> WorldState:
@@ -172,11 +181,16 @@ class World:
             state: A state that ``save`` returned for a world of the same level.
 
         Raises:
-            ValueError: The state has different robots or areas than the level.
+            ValueError: The state has different robots, areas or tallies than the level.
         """
         robots = [robot.name for robot in state.robots]
         areas = [area.name for area in state.areas]
-        if robots != self._names or areas != [area.name for area in self._level.areas]:
+        shape = [len(tallies) for tallies in state.tallies]
+        if (
+            robots != self._names
+            or areas != [area.name for area in self._level.areas]
+            or shape != [len(self._level.teams)] * len(self._level.scores)
+        ):
             raise ValueError("This state belongs to another level.")
         self._state = state
         self._sensed = None

@@ -11,8 +11,8 @@ from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.editing.rewriting import rewritten
-from logical_robots_tui.editing.things import Ref, add, change, remove
-from logical_robots_tui.world import LevelError, Robot, Team
+from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove
+from logical_robots_tui.world import LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 from logical_robots_tui.world.levels.web import read_web
@@ -30,6 +30,9 @@ walls = '''
 ####
 '''
 
+divided_charge = true  # fair
+match = {ticks = 50}
+
 # who plays
 [[teams]]
 name = "red"  # the first
@@ -37,6 +40,20 @@ program = "herd"
 
 [[teams]]
 name = "blue"
+
+[[scores]]
+kind = "hold"
+area = "hill"  # the middle
+
+[[scores]]
+kind = "charged"
+points = 0.5
+
+[[areas]]
+name = "hill"
+x = 20
+y = 15
+radius = 5
 
 [[robots]]
 name = "Ann"
@@ -63,6 +80,16 @@ def test_teams_are_written_and_keep_their_comments() -> None:
     assert alike(read(rewritten(TEAMS, other)), other)
     named = set_words(level, teams=(Team("red"), Team("blue", "swarm")))
     assert alike(read(rewritten(TEAMS, named)), named)
+    longer = set_words(level, match_ticks=60, scores=(Score("near", "hill", 2),))
+    assert alike(read(rewritten(TEAMS, longer)), longer)
+
+
+def test_a_score_follows_an_area_that_is_called_otherwise() -> None:
+    level = read_native(TEAMS, "match", "")
+    renamed = change(level, Ref("areas", 0), name="top")
+    assert renamed.scores == (Score("hold", "top"), Score("charged", points=0.5))
+    twice, ref = duplicate(level, Ref("areas", 0), 2, 0)
+    assert change(twice, ref, name="top").scores == level.scores
 
 
 def test_a_team_without_robots_is_not_saved(tmp_path: Path) -> None:
@@ -73,6 +100,7 @@ def test_a_team_without_robots_is_not_saved(tmp_path: Path) -> None:
 
 def test_teams_are_lost_in_the_web_format() -> None:
     level = read_native(TEAMS, "match", "")
-    assert lost_in_web(level)[-2:] == ["teams", "visibility"]
+    lost = ["teams", "match_ticks", "scores", "divided_charge", "visibility"]
+    assert lost_in_web(level)[-5:] == lost
     robots = tuple(replace(robot, team="") for robot in level.robots)
     assert read_web(write_web(level), "match", "").robots == robots

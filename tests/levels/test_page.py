@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.world import Level, LevelError, Team, load_level
+from logical_robots_tui.world import Level, LevelError, Score, Team, load_level
 from tests.levels.playing import ticks_to_win
 
 PAGE = Path(__file__).parents[2] / "docs" / "levels.md"
@@ -22,7 +22,7 @@ def example() -> str:
 
 
 def arena() -> str:
-    """The example of a level with teams: its other objects are those of the first one."""
+    """The example of a level with teams, which leaves out what the first one has."""
     head, _, _ = example().partition("[[robots]]")
     return head + examples()[1]
 
@@ -50,6 +50,8 @@ def test_the_example_with_teams_is_a_level(file: Path) -> None:
     level = load_level(file)
     assert level.teams == (Team("red", "obstacle-avoider"), Team("blue"))
     assert [robot.team for robot in level.robots] == ["red", "blue"]
+    assert level.scores == (Score("hold", "garden", 2), Score("charged", points=100))
+    assert (level.match_ticks, level.divided_charge) == (1000, True)
 
 
 def test_the_example_can_be_played(level: Level) -> None:
@@ -69,8 +71,9 @@ EVERY_TABLE = [
     ("[[beacons]]", "[[beacons]]\nzzz = 1"),
     ("[[areas]]", "[[areas]]\nzzz = 1"),
     ("[[teams]]", "[[teams]]\nzzz = 1"),
+    ("[[scores]]", "[[scores]]\nzzz = 1"),
 ]
-TABLES = {"robots", "beacons", "areas", "teams"}
+TABLES = {"robots", "beacons", "areas", "teams", "scores"}
 
 
 @pytest.mark.parametrize(("before", "after"), EVERY_TABLE)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.world import Team, load_level
+from logical_robots_tui.world import Score, Team, load_level
 from tests.world.test_native import SMALL, place, refusal, write
 
 if TYPE_CHECKING:
@@ -66,6 +66,66 @@ def test_a_mistake_in_teams_is_refused_at_its_key(
     error = refusal(tmp_path, TEAMS.replace(old, new, 1))
     assert place(error) == where
     assert message in error.message
+
+
+MATCH = (
+    TEAMS
+    + """
+[match]
+ticks = 50
+
+[[areas]]
+name = "hill"
+x = 15
+y = 15
+radius = 5
+
+[[scores]]
+kind = "hold"
+area = "hill"
+
+[[scores]]
+kind = "beacons"
+points = 2.5
+"""
+)
+
+
+def test_a_match_has_a_length_and_scores(tmp_path: Path) -> None:
+    level = load_level(write(tmp_path, MATCH))
+    assert level.match_ticks == 50
+    assert level.scores == (Score("hold", "hill", 1), Score("beacons", "", 2.5))
+    assert not level.divided_charge
+
+
+BEACONS = "\n".join(f'[[beacons]]\nname = "b{i}"\nx = 15\ny = 15' for i in range(61))
+BAD_SCORES = [
+    ("ticks = 50", "ticks = 0", "match.ticks", '"ticks" must be 1 or more, not 0.'),
+    ("ticks = 50", "", "match.ticks", '"ticks" is missing.'),
+    ("[match]\nticks = 50", "", "scores[0]", "A score needs a match."),
+    ('kind = "hold"', "", "scores[0].kind", '"kind" is missing.'),
+    ('kind = "hold"', 'kind = "own"', "scores[0].kind", '"kind" must be "hold" or "most" or '),
+    ('area = "hill"', "", "scores[0].area", '"area" is missing.'),
+    ('area = "hill"', 'area = "Hill"', "scores[0].area", 'There is no area "Hill".'),
+    ("points = 2.5", "points = -1", "scores[1].points", '"points" must be 0 or more, not -1.'),
+    ("points = 2.5", 'area = "hill"', "scores[1].area", '"beacons" is scored everywhere'),
+    ("points = 2.5", BEACONS, "scores[1].kind", "At most 60 beacons of different names"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "where", "message"), BAD_SCORES)
+def test_a_mistake_in_a_score_is_refused_at_its_key(
+    tmp_path: Path, old: str, new: str, where: str, message: str
+) -> None:
+    assert old in MATCH
+    error = refusal(tmp_path, MATCH.replace(old, new, 1))
+    assert place(error) == where
+    assert message in error.message
+
+
+def test_a_match_needs_teams(tmp_path: Path) -> None:
+    error = refusal(tmp_path, SMALL + "[match]\nticks = 5\n")
+    assert (place(error), error.message) == ("match", "A match needs teams.")
 
 
 def test_a_team_that_is_not_listed_tells_where_to_list_it(tmp_path: Path) -> None:

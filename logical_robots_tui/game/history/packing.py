@@ -124,7 +124,7 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
     while at >= len(told):
         at -= len(told)
         begin, names, area_names, told, areas, bodies, thoughts = next(rest)
-    won_at, milliseconds, driven, weight, has_decided = told[at]
+    won_at, tallies, milliseconds, driven, weight, has_decided = told[at]
     after = WorldState(
         begin + at,
         tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
@@ -135,6 +135,7 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
             ]
         ),
         won_at,
+        tuple(map(tuple, tallies)),
     )
     mine = [(name, *thought[at]) for name, thought in zip(names, thoughts, strict=True)]
     return Moment(
@@ -181,7 +182,10 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
         first.tick,
         *_names_of(moments[0]),
         [
-            (m.after.won_at, m.think_milliseconds, m.driven, m.weight, bool(m.decisions))
+            (
+                *(m.after.won_at, m.after.tallies),
+                *(m.think_milliseconds, m.driven, m.weight, bool(m.decisions)),
+            )
             for m in moments
         ],
         [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
@@ -249,6 +253,8 @@ def is_state(after: WorldState, memories: Any, tick: int, level: Level) -> bool:
         and all(
             type(area.active) is bool and set(area.visitors) <= set(names) for area in after.areas
         )
+        and [len(each) for each in after.tallies] == [len(level.teams)] * len(level.scores)
+        and all(type(n) is int and 0 <= n < 1 << 63 for each in after.tallies for n in each)
         and type(memories) is dict
         and list(memories) == names
         and all(_is_value(memory, _DEEPEST) for memory in memories.values())

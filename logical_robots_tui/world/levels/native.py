@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, TypedDict, get_args
 
 from logical_robots_tui.shipped import did_you_mean
 from logical_robots_tui.world.level import (
@@ -16,6 +16,8 @@ from logical_robots_tui.world.level import (
     Level,
     LevelError,
     Robot,
+    Score,
+    ScoreKind,
     SecondGoal,
     Team,
     Visibility,
@@ -25,7 +27,7 @@ from logical_robots_tui.world.levels.fields import Fields, check_robot_names
 from logical_robots_tui.world.levels.limits import excess_of_toml
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
 __all__ = [
     "Words",
@@ -54,6 +56,9 @@ _TOP_KEYS = (
     "shared_names",
     "second_goals",
     "teams",
+    "match",
+    "scores",
+    "divided_charge",
     "robots",
     "beacons",
     "areas",
@@ -94,8 +99,6 @@ def read_native(text: str, name: str, source: str) -> Level:
     height, width = walls.shape
     robots = top.each("robots", read_robot)
     check_robot_names(top, tuple(robot.name for robot in robots))
-    for found in misfits(robots, words["teams"]):
-        raise top.error(found.path, found.message, found.hint)
     beacons = top.each("beacons", read_beacon)
     areas = top.each("areas", read_area)
     level = Level(
@@ -109,6 +112,8 @@ def read_native(text: str, name: str, source: str) -> Level:
         source=source,
         **words,
     )
+    for found in misfits(level):
+        raise top.error(found.path, found.message, found.hint)
     if not top.flag("lenient"):
         for found in oddities(level):
             raise top.error(found.path, found.message, found.hint)
@@ -130,10 +135,17 @@ class Words(TypedDict):
     shared_names: tuple[str, ...]
     second_goals: tuple[SecondGoal, ...]
     teams: tuple[Team, ...]
+    match_ticks: int
+    scores: tuple[Score, ...]
+    divided_charge: bool
 
 
 def read_words(top: Fields) -> Words:
-    """Read the texts, the visibility, the shared names, the second goals and the teams."""
+    """Read what a level file says besides the labyrinth and the objects in it."""
+    match = top.table("match")
+    match.refuse_unknown(("ticks",))
+    if top.has("match") and not top.has("teams"):
+        raise top.error("match", "A match needs teams.", "List them as [[teams]].")
     return Words(
         title=top.name("title"),
         idea=top.name("idea", ""),
@@ -147,6 +159,9 @@ def read_words(top: Fields) -> Words:
         shared_names=top.names("shared_names"),
         second_goals=tuple(_second_goals(top)),
         teams=top.each("teams", _team),
+        match_ticks=match.whole("ticks", least=1) if top.has("match") else 0,
+        scores=top.each("scores", _score),
+        divided_charge=top.flag("divided_charge"),
     )
 
 
@@ -155,7 +170,7 @@ class Oddity:
     """Something in a level that does not fit the rest.
 
     Attributes:
-        kind: ``robots``, ``areas`` or ``teams``.
+        kind: ``robots``, ``areas``, ``teams`` or ``scores``.
         index: Index in that list.
         key: The key at fault, or "" for the whole record.
         message: What is wrong.
@@ -198,10 +213,10 @@ def oddities(level: Level) -> Iterator[Oddity]:
                 yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
 
 
-def misfits(robots: Sequence[Robot], teams: Sequence[Team]) -> Iterator[Oddity]:
-    """Yield robots without a team, teams without robots, and teams of the same name."""
-    names = [team.name for team in teams]
-    for i, robot in enumerate(robots):
+def misfits(level: Level) -> Iterator[Oddity]:
+    """Yield what does not fit together in a match, which no level may contain."""
+    names = [team.name for team in level.teams]
+    for i, robot in enumerate(level.robots):
         if robot.team not in (names or [""]):
             message, hint = (
                 f'Robot "{robot.name}" has no team.',
@@ -214,11 +229,23 @@ def misfits(robots: Sequence[Robot], teams: Sequence[Team]) -> Iterator[Oddity]:
     for i, name in enumerate(names):
         if name in names[:i]:
             yield Oddity("teams", i, "name", f'Two teams are called "{name}".', "")
-        elif name not in [robot.team for robot in robots]:
-            yield Oddity("teams", i, "", f'Team "{name}" has no robots.', _JOIN.format(name))
+        elif name not in [robot.team for robot in level.robots]:
+            hint = f'Write team = "{name}" in a record of robots.'
+            yield Oddity("teams", i, "", f'Team "{name}" has no robots.', hint)
+    areas = {area.name for area in level.areas}
+    for i, score in enumerate(level.scores):
+        if not level.match_ticks:
+            yield Oddity("scores", i, "", "A score needs a match.", "Write match = {ticks = 1000}.")
+        if score.area and score.area not in areas:
+            message = f'There is no area "{score.area}".'
+            yield Oddity("scores", i, "area", message, did_you_mean(score.area, areas))
+        if score.kind == "beacons" and len({b.name for b in level.beacons}) > MOST_SCORED:
+            message = f"At most {MOST_SCORED} beacons of different names can be scored."
+            yield Oddity("scores", i, "kind", message, "")
 
 
-_JOIN = 'Write team = "{}" in a record of robots.'
+MOST_SCORED = 60
+"""Beacons; a tally has a bit for each of them."""
 
 
 def _parsed(text: str, source: str) -> dict[str, object]:
@@ -295,6 +322,20 @@ def read_area(fields: Fields) -> Area:
 def _team(fields: Fields) -> Team:
     fields.refuse_unknown(("name", "program"))
     return Team(fields.name("name"), fields.name("program", ""))
+
+
+def _score(fields: Fields) -> Score:
+    fields.refuse_unknown(("kind", "area", "points"))
+    kinds: tuple[ScoreKind, ...] = get_args(ScoreKind)
+    kind = fields.choice("kind", kinds, None)
+    if kind is None:
+        raise fields.error("kind", '"kind" is missing.', f"There are {', '.join(kinds)}.")
+    if has_area := kind not in ("beacons", "charged"):
+        area = fields.name("area")
+    elif fields.has("area"):
+        raise fields.error("area", f'"{kind}" is scored everywhere, not in an area.')
+    points = fields.number("points", 1.0, least=0)
+    return Score(kind, area if has_area else "", points)
 
 
 def _second_goals(top: Fields) -> Iterator[SecondGoal]:

@@ -1,0 +1,100 @@
+"""What teams have achieved is part of the world: travelling, recordings and replays keep it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+import pytest
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import Game
+from logical_robots_tui.game.replay import _hash_of, load_replay
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world import WorldState, load_level
+from logical_robots_tui.world.levels.native import read_native
+from logical_robots_tui.world.scoring import points
+from tests.game.playing import COUNTER, HALL, hall
+from tests.game.test_replay import again, kept, written
+from tests.game.test_run import frames
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TEAMS = """
+[[teams]]
+name = "red"
+
+[[teams]]
+name = "blue"
+
+[match]
+ticks = 100
+
+[[scores]]
+kind = "hold"
+area = "Door"
+
+[[scores]]
+kind = "near"
+area = "Door"
+points = 10
+"""
+MATCH = (
+    HALL.replace('name = "Ada"', 'name = "Ada"\nteam = "red"')
+    .replace('name = "Bo"\nx = 40', 'name = "Bo"\nx = 30\nteam = "blue"')
+    .replace('goal_for = ["Ada", "Bo"]', "")
+    + TEAMS
+)
+LEVEL = read_native(MATCH, "match", "")
+TICKS = 120
+
+
+async def test_every_tick_of_a_match_comes_back_from_history_recording_and_replay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
+    game = Game(LEVEL, Program.compile(COUNTER))
+    heard = [game.frame.after]
+    game.listen(lambda frame: heard.append(frame.after))
+    while game.frame.tick < TICKS:
+        await game.run_until(tick=TICKS)
+    seen = list(heard)
+    assert points(LEVEL, seen[70])["red"][0] == 12  # before the other one arrives
+    assert seen[100].tallies == seen[TICKS].tallies
+    assert len({state.tallies for state in seen}) > 50
+    assert [game.go_to(tick).after for tick in range(TICKS + 1)] == seen
+    for _ in range(2):  # the second one reads what the first one recorded
+        assert [frame.after for frame in await frames(LEVEL, TICKS)] == seen
+    replay = load_replay(written(await kept(game), tmp_path))
+    assert list(replay.states()) == seen
+    async with again(replay) as (other, verifier):
+        assert verifier.difference is None
+        assert other.go_to(50).after == seen[50]
+    await game.close()
+
+
+@pytest.mark.parametrize("wrong", [(), ((1, 2),), ((1, 2), (1,)), ((-1, 0), (0, 0))])
+async def test_a_replay_with_other_tallies_is_refused(
+    tmp_path: Path, wrong: tuple[tuple[int, ...], ...]
+) -> None:
+    game = Game(LEVEL, Program.compile(COUNTER))
+    await game.run_until(tick=5)
+    replay = await kept(game)
+    await game.close()
+    (stage,) = replay.stages
+    state = WorldState(0, stage.state.robots, stage.state.areas, None, wrong)
+    stage = msgspec.structs.replace(stage, state=state)
+    file = written(msgspec.structs.replace(replay, stages=(stage,)), tmp_path)
+    with pytest.raises(InputError, match="does not fit the level"):
+        load_replay(file)
+
+
+def test_the_hash_of_a_world_without_a_score_is_what_it_always_was(tmp_path: Path) -> None:
+    from logical_robots_tui.world import World
+
+    world = World(load_level("09-the-gate"))
+    world.act({})
+    assert _hash_of(world.save()).hex() == "bc3d5dae889711ff"
+    match = World(LEVEL)
+    assert _hash_of(match.save()) != _hash_of(World(hall(tmp_path)).save())
