@@ -48,7 +48,6 @@ def next_team(screen: MainScreen) -> None:
 def hide_teams(screen: MainScreen) -> None:
     """Hide what the other teams think, or show it again."""
     screen.team_choice.toggle_others()
-    screen.inspector.follow()
 
 
 @looking.command("Why", "w", bar="Why")

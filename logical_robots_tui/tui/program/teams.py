@@ -15,8 +15,6 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from textual import events
-
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
@@ -69,12 +67,9 @@ class TeamTabs(Labels):
         ]
         return self.line(labels, gap=1)
 
-    def on_click(self, event: events.Click) -> None:
-        """Choose the team under the pointer."""
-        event.stop()
-        for row, start, end, robot in self.places:
-            if event.y == row and start <= event.x < end:
-                self.post_message(self.Chosen(robot))
+    def chosen(self, command_id: str) -> Message:
+        """Return what to post when a team is clicked, given its first robot."""
+        return self.Chosen(command_id)
 
 
 class TeamChoice:

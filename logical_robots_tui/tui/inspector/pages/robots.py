@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 __all__ = ["RobotsPage", "RobotsView", "radar_strip"]
 
 _FARTHEST = 200
-_HIDDEN = "hidden"
 _OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
 _CHOSEN = "on $row"
 
@@ -119,11 +118,7 @@ class RobotsPage(Page):
     async def show(self, frame: Frame) -> None:
         """Show the robots at a tick."""
         self.head(frame.tick)
-        level, sources = self._session.level, self._session.sources
-        if sources.hides_others:
-            others = [robot.name for robot in level.robots if robot.team != sources.team]
-            frame = replace(frame, memories={**frame.memories, **dict.fromkeys(others, _HIDDEN)})
-        self.view.show(level, frame)
+        self.view.show(self._session.level, frame)
 
 
 class _Robot(NamedTuple):
