@@ -1,4 +1,4 @@
-"""``logical-robots sweep``, ``grade`` and ``lab``: many runs from one file, each computed once."""
+"""``logical-robots sweep``, ``grade``, ``tournament``, ``lab``: many runs, each computed once."""
 
 from __future__ import annotations
 
@@ -48,6 +48,15 @@ file for all levels, such as ada.l.
 
 {STATUS}"""
 
+_TOURNAMENT = f"""\
+examples:
+  logical-robots tournament arena.toml players -o cup
+
+A player is a program such as ada.l, or a folder with one that is named like the level.
+With another player, only that player's matches are played.
+
+{STATUS}"""
+
 _LAB = f"""\
 examples:
   logical-robots lab status out
@@ -81,7 +90,19 @@ def declare(commands: Commands) -> None:
     grade.add_argument(
         "submissions", metavar="SUBMISSIONS", type=Path, help="a folder with one entry per student"
     )
-    for command in (sweep, grade):
+    tournament = new_command(
+        commands,
+        "tournament",
+        start=_tournament,
+        summary="let programs play against each other, and rank them",
+        description="Let everybody play everybody in a level with teams, and rank them.",
+        epilog=_TOURNAMENT,
+    )
+    tournament.add_argument("arena", metavar="ARENA", type=Path, help="a TOML file")
+    tournament.add_argument(
+        "players", metavar="PLAYERS", type=Path, help="a folder with one entry per player"
+    )
+    for command in (sweep, grade, tournament):
         command.add_argument(
             "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
         )
@@ -90,8 +111,8 @@ def declare(commands: Commands) -> None:
         commands,
         "lab",
         start=_lab,
-        summary="go on with a sweep or a grading, export and report it",
-        description="Look into a folder of sweep or grade, go on with it, export or report it.",
+        summary="go on with a sweep, a grading or a tournament, export and report it",
+        description="Look into a folder of sweep, grade or tournament, go on, export or report it.",
         epilog=_LAB,
     )
     lab.add_argument("action", choices=["status", "resume", "export", "report"], help="what to do")
@@ -132,6 +153,12 @@ def _grade(options: argparse.Namespace) -> int:
     return _planned(options, lambda: plan_grading(options.assignment, options.submissions))
 
 
+def _tournament(options: argparse.Namespace) -> int:
+    from logical_robots_tui.lab.tournament.planning import plan_tournament
+
+    return _planned(options, lambda: plan_tournament(options.arena, options.players))
+
+
 def _planned(
     options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]
 ) -> int:
@@ -166,24 +193,36 @@ def _lab(options: argparse.Namespace) -> int:
             _export(folder, manifest, ledger)
         elif options.action == "report":
             from logical_robots_tui.lab.reporting import write_report
-            from logical_robots_tui.lab.summary import lines_of
 
-            print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
+            _print_summary(manifest, ledger)
             print(harmless(f"Written: {write_report(folder, manifest, ledger)}"))
     return status
 
 
+def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
+    from logical_robots_tui.lab.summary import lines_of
+
+    print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
+
+
 def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
-    """Run what is left, export the results, and say what came of it."""
+    """Run what is left, round after round, export the results, and say what came of it."""
     from logical_robots_tui.lab.coordinating import Coordinator
 
     with folder.ledger(mixed=options.mixed) as ledger:
         ledger.forget_failures()
         coordinator = Coordinator(folder, manifest, ledger)
-        with _interruptible() as is_stopped, _progress(manifest, coordinator) as show:
+        with _interruptible() as is_stopped:
             engine = _engine(options)
             try:
-                coordinator.work(engine, is_stopped, show)
+                while True:
+                    with _progress(manifest, coordinator) as show:
+                        coordinator.work(engine, is_stopped, show)
+                    further = _next_round(folder, manifest, ledger, coordinator)
+                    if further is None or is_stopped():
+                        break
+                    manifest = folder.write(*further)
+                    coordinator = Coordinator(folder, manifest, ledger)
             except InputError as error:  # such as a full disk
                 engine.close(at_once=True)
                 print(harmless(str(error)), file=sys.stderr)
@@ -195,7 +234,20 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
         status = _tell(folder, manifest, ledger, coordinator)
         if status == COMPLETE:
             _export(folder, manifest, ledger)
+            if manifest.kind == "tournament":
+                _print_summary(manifest, ledger)
         return status
+
+
+def _next_round(
+    folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator
+) -> tuple[Manifest, dict[str, str]] | None:
+    """Return the next round of a tournament, if the rounds so far are over and one follows."""
+    if manifest.kind != "tournament" or not coordinator.tally().is_complete:
+        return None
+    from logical_robots_tui.lab.tournament.planning import next_round
+
+    return next_round(manifest, ledger, folder.text)
 
 
 def _engine(options: argparse.Namespace) -> Engine:
@@ -224,8 +276,10 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
             "DEFECT: these runs gave different results when they were run twice. Please report it:"
         )
         print(*(f"  {run}" for run in ledger.differences()), sep="\n")
-    if not tally.is_complete:
+    rounds = _next_round(folder, manifest, ledger, coordinator) is not None
+    if rounds or not tally.is_complete:
         left = f"{tally.due:,} runs are left. " if tally.due else ""
+        left += f"Round {len(manifest.rounds) + 1} is next. " * rounds
         print(f"{left}Go on with: logical-robots lab resume {harmless(str(folder.path))}")
         return INCOMPLETE
     return COMPLETE
@@ -239,6 +293,10 @@ def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
         from logical_robots_tui.lab.grading import export_grades
 
         written += export_grades(folder, manifest, ledger)
+    elif manifest.kind == "tournament":
+        from logical_robots_tui.lab.tournament.reporting import export_tournament
+
+        written += export_tournament(folder, manifest, ledger)
     print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")

@@ -42,6 +42,7 @@ _HOMES = {
     "level": "level",
     "sweep": "lab",
     "grade": "lab",
+    "tournament": "lab",
     "lab": "lab",
     "doctor": "doctor",
     "completion": "completion",

@@ -114,6 +114,8 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
     settings = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
     who = ("student",) if manifest.kind == "grade" else ()
     columns = ("run", *who, "level", "program", *settings, "start", "outcome", *manifest.measures)
+    columns += tuple(f"points_{team}" for team in manifest.teams)
+    columns += ("forfeit",) * bool(manifest.teams)
     columns += ("last_tick", "notices", "first_notice", "engine", "replay")
     rows: list[Row] = []
     for cell, program, start, job, result in done:
@@ -138,6 +140,8 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
                 start,
                 result.outcome,
                 *(measured[name] for name in manifest.measures),
+                *(result.points.get(team) for team in manifest.teams),
+                *(", ".join(result.forfeit) for _ in manifest.teams[:1]),
                 result.ticks,
                 sum(result.notices.values()),
                 first or "",

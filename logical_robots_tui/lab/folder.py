@@ -1,4 +1,4 @@
-"""The folder of a sweep or a grading: its manifest, its inputs by content, its ledger, its lock."""
+"""The folder of a sweep, grading or tournament: manifest, inputs by content, ledger, lock."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["Cell", "Folder", "Manifest", "Student", "digest"]
+__all__ = ["Cell", "Folder", "Manifest", "Player", "Student", "digest"]
 
 _FORMAT = 1
 
@@ -35,7 +35,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
         level_name: What the level is called.
         program_name: What the program is called.
         ticks: The last tick of a run.
-        settings: The values of what is varied, by name.
+        settings: The values of what is varied, by name; in a match the players by team.
         student: Whose program it is, or "".
         own: Digest of the student's own text.
     """
@@ -68,6 +68,20 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
     remarks: tuple[str, ...] = ()
 
 
+class Player(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A player of a tournament.
+
+    Attributes:
+        name: The name of the program's file or folder.
+        program: Digest of the program's text, or "".
+        lost: Why all matches are lost without being played, or "".
+    """
+
+    name: str
+    program: str = ""
+    lost: str = ""
+
+
 class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     """Everything that is needed to do it again, beside the inputs.
 
@@ -84,11 +98,16 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
         cells: Programs in levels, in order.
         students: In order.
         assignment: The assignment, as read.
+        players: Of a tournament, by name.
+        teams: Names of the level's teams.
+        match: What all matches have in common.
+        rounds: Pairs of players by index, for each round of a tournament that is known so far.
+        most_rounds: The number of rounds.
         engine: Versions of everything that can affect a result.
         format: The version of this format.
     """
 
-    kind: Literal["sweep", "grade"]
+    kind: Literal["sweep", "grade", "tournament"]
     title: str
     specification: str
     starts: int
@@ -100,6 +119,11 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     cells: tuple[Cell, ...]
     students: tuple[Student, ...] = ()
     assignment: dict[str, Any] = {}
+    players: tuple[Player, ...] = ()
+    teams: tuple[str, ...] = ()
+    match: Cell = Cell("", "", "", "", 0)
+    rounds: tuple[tuple[tuple[int, int], ...], ...] = ()
+    most_rounds: int = 1
     engine: dict[str, str] = {}
     format: int = _FORMAT
 
@@ -196,7 +220,7 @@ class Folder:
         try:
             content = file.read_bytes()
         except OSError as error:
-            hint = "The folder is what `sweep` or `grade` wrote with -o."
+            hint = "The folder is what `sweep`, `grade` or `tournament` wrote with -o."
             raise self._error(f"there is no manifest: {error.strerror}", hint) from error
         try:
             if msgspec.json.decode(content).get("format", _FORMAT) > _FORMAT:
@@ -204,7 +228,7 @@ class Folder:
                 raise InputError("a newer version wrote this manifest", place=str(file), hint=hint)
             return msgspec.json.decode(content, type=Manifest)
         except (msgspec.MsgspecError, AttributeError, TypeError) as error:
-            hint = "Run the same `sweep` or `grade` again; results in the ledger are kept."
+            hint = "Run the same command with -o again; results in the ledger are kept."
             raise InputError("this manifest is damaged", place=str(file), hint=hint) from error
 
     def text(self, name: str) -> str:
@@ -214,7 +238,7 @@ class Folder:
             InputError: It is missing or damaged.
         """
         file = self.path / "inputs" / name
-        hint = "Run the same `sweep` or `grade` again; results in the ledger are kept."
+        hint = "Run the same command with -o again; results in the ledger are kept."
         try:
             text = file.read_bytes().decode()
         except (OSError, ValueError) as error:

@@ -12,10 +12,12 @@ from logical_robots_tui.lab.exporting import check_extra, done_runs, harmless_te
 from logical_robots_tui.lab.folder import digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.page import as_code, as_page, as_percent, as_table, shaded
 from logical_robots_tui.lab.summary import by_cell, by_level, setting_text, share_of
+from logical_robots_tui.lab.tournament.reporting import tournament_parts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from logical_robots_tui.lab.exporting import Done
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
@@ -24,24 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["write_report"]
 
-_MOST_ROWS = 1_000
 _BARS = 20
-_PAGE = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
-<title>{title}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto }}
-table {{ border-collapse: collapse; margin: 1rem 0; display: block; overflow-x: auto }}
-th, td {{ border: 1px solid #bbb; padding: .2rem .6rem; text-align: left }}
-td.number {{ text-align: right; font-variant-numeric: tabular-nums }}
-code {{ font-size: 12px; white-space: nowrap }}
-svg {{ max-width: 48rem; display: block }}
-</style></head><body>
-<h1>{title}</h1>
-{body}
-</body></html>
-"""
 
 
 def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
@@ -50,54 +35,22 @@ def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     Raises:
         InputError: The library for plots is not installed, or the file can't be written.
     """
-    check_extra("pygal", "a report")
     done = list(done_runs(manifest, ledger))
-    parts = [_overview(done)]
-    if manifest.kind == "grade":
-        parts.append(_grades(manifest, ledger))
+    failures = _failures(manifest, ledger, done)
+    if manifest.kind == "tournament":
+        parts = [*tournament_parts(manifest, ledger, done), failures]
     else:
-        parts.append(_varied(manifest, done))
-    parts += [_ticks(done), _failures(manifest, ledger, done), _cells(manifest, done)]
-    title = html.escape(harmless_text(manifest.title))
+        check_extra("pygal", "a report")
+        is_grade = manifest.kind == "grade"
+        main = _grades(manifest, ledger) if is_grade else _varied(manifest, done)
+        parts = [_overview(done), main, _ticks(done), failures, _cells(manifest, done)]
     file = folder.path / "report.html"
-    folder.put(file, _PAGE.format(title=title, body="\n".join(parts)))
+    folder.put(file, as_page(manifest.title, parts))
     return str(file)
 
 
-class _Html(str):
-    """Text that is HTML already."""
-
-    __slots__ = ()
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    def cell(value: Any) -> str:
-        if isinstance(value, _Html):
-            return f"<td>{value}</td>"
-        if isinstance(value, bool) or value is None:
-            value = {None: "", True: "yes", False: "no"}[value]
-        if isinstance(value, str):
-            return f"<td>{html.escape(harmless_text(value))}</td>"
-        return f'<td class="number">{value:,.10g}</td>'
-
-    names = "".join(f"<th>{html.escape(harmless_text(name))}</th>" for name in head)
-    lines = ["<tr>" + "".join(map(cell, row)) + "</tr>" for row in rows]
-    more = ""
-    if len(lines) > _MOST_ROWS:
-        more = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
-    return f"<table><tr>{names}</tr>\n" + "\n".join(lines[:_MOST_ROWS]) + f"</table>{more}"
-
-
-def _code(text: str) -> _Html:
-    return _Html(f"<code>{html.escape(text)}</code>")
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
-
-
 def _interval(share: Share) -> str:
-    return f"{_percent(share.low)} to {_percent(share.high)}"
+    return f"{as_percent(share.low)} to {as_percent(share.high)}"
 
 
 def _overview(done: list[Done]) -> str:
@@ -106,13 +59,13 @@ def _overview(done: list[Done]) -> str:
         cells: list[Any] = [level]
         for wanted in (False, True):
             share = share_of(run for run in runs if bool(run.start) == wanted)
-            cells += [share.tried, share.won, _percent(share.share) if share.tried else ""]
+            cells += [share.tried, share.won, as_percent(share.share) if share.tried else ""]
             cells.append(_interval(share) if share.tried else "")
         rows.append((*cells, share_of(runs).ticks))
     given = ("programs", "won from the given start", "share", "95 % interval")
     shifted = ("shifted starts", "won", "share", "95 % interval")
     head = ("level", *given, *shifted, "median ticks to win")
-    return "<h2>Levels</h2>" + _table(head, rows)
+    return "<h2>Levels</h2>" + as_table(head, rows)
 
 
 def _grades(manifest: Manifest, ledger: Ledger) -> str:
@@ -132,10 +85,10 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
     ]
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
     same = [(level, ", ".join(ids)) for level, _, ids in duplicates(manifest)]
-    text = "<h2>Students</h2>" + _table(head, rows)
+    text = "<h2>Students</h2>" + as_table(head, rows)
     if same:
         text += "<h2>The same program</h2><p>The same but for comments and space.</p>"
-        text += _table(("level", "students"), same)
+        text += as_table(("level", "students"), same)
     return text
 
 
@@ -175,15 +128,14 @@ def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> s
     columns, lines = (list(dict.fromkeys(key[i] for key in shares)) for i in (0, 1))
 
     def cell(share: Share) -> str:
-        shade = f"background: hsl({120 * share.share:.0f} 60% 80%); padding: .2rem"
-        said = f"{_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"
-        return _Html(f'<span style="{shade}">{said}</span>')
+        said = f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"
+        return shaded(share.share, said)
 
     rows = [
         (str(line), *(cell(shares[key]) if (key := (c, line)) in shares else "" for c in columns))
         for line in lines
     ]
-    return _table((f"{down} \\ {across}", *map(str, columns)), rows)
+    return as_table((f"{down} \\ {across}", *map(str, columns)), rows)
 
 
 def _ticks(done: list[Done]) -> str:
@@ -209,7 +161,7 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
     kinds: dict[tuple[str, str, str], list[Done]] = {}
     for each in done:
         result = each.result
-        if result.outcome == "won":
+        if result.outcome == "won" or (result.outcome == "played" and not result.first):
             continue
         why = (
             result.mistakes[0].message
@@ -222,13 +174,14 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
     rows: list[Sequence[Any]] = []
     for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
         first = runs[0]
-        rows.append((level, outcome, why, len(runs), _code(replay(*first[:3]))))
+        rows.append((level, outcome, why, len(runs), as_code(replay(*first[:3]))))
     infrastructure = Counter(
         found[-1] for found in ledger.failures().values() if len(found) >= ATTEMPTS
     )
     rows += [("", "infrastructure", why, count, "") for why, count in infrastructure.items()]
     head = ("level", "how it ended", "why", "runs", "one of them")
-    return "<h2>Not won</h2>" + _table(head, rows) if rows else ""
+    title = "What failed" if manifest.kind == "tournament" else "Not won"
+    return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
 
 
 def _cells(manifest: Manifest, done: list[Done]) -> str:
@@ -247,12 +200,12 @@ def _cells(manifest: Manifest, done: list[Done]) -> str:
                 f"{share.won} of {share.tried}",
                 _interval(share),
                 share.ticks,
-                _code(replay(*shown[:3])),
+                as_code(replay(*shown[:3])),
             )
         )
     head = ("", "level", "program", "given start", "won", "95 % interval", "median ticks", "replay")
     said = "The commands are typed in this folder; why instead of play explains a tick."
-    return f"<h2>Programs in levels</h2><p>{said}</p>" + _table(head, rows)
+    return f"<h2>Programs in levels</h2><p>{said}</p>" + as_table(head, rows)
 
 
 def _pygal() -> Any:

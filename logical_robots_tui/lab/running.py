@@ -29,11 +29,12 @@ from logical_robots_tui.mind import (
     Stopped,
 )
 from logical_robots_tui.world.levels.load import read_level
+from logical_robots_tui.world.scoring import points
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.robustness import Thought
     from logical_robots_tui.mind import Question
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.world import Level, WorldState
 
 __all__ = [
     "CHUNK_SECONDS",
@@ -57,9 +58,15 @@ _SLOW_TICKS = 10
 _MOST_CELLS = 1_000_000  # of all series of a run
 
 Outcome: TypeAlias = Literal[
-    "won", "out of ticks", "nothing changes", "too many steps", "does not compile", "infrastructure"
+    "won",
+    "out of ticks",
+    "played",
+    "nothing changes",
+    "too many steps",
+    "does not compile",
+    "infrastructure",
 ]
-"""How a run ended; `infrastructure` stands for runs that could not be done, and is no result."""
+"""How a run ended: `played` to the end of a match; `infrastructure` could not be done."""
 
 
 class Asked(msgspec.Struct, frozen=True):
@@ -116,6 +123,8 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
         first: The first notice: tick, robot and message.
         series: The rows of each question.
         mistakes: Why the program does not compile.
+        points: In a level with teams, the points of each.
+        forfeit: Teams that have lost because their programs failed.
     """
 
     outcome: Outcome
@@ -126,6 +135,8 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     first: tuple[int, str, str] | None = None
     series: dict[str, Series] = {}
     mistakes: tuple[Diagnostic, ...] = ()
+    points: dict[str, float] = {}
+    forfeit: tuple[str, ...] = ()
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -228,7 +239,7 @@ class _Prepared:
         """
         if self.mistakes:
             return Result("does not compile", mistakes=self.mistakes)
-        watcher = _Watcher(self.task, self.questions, reads_clock=_reads_clock(self.program))
+        watcher = _Watcher(self)
         stop = threading.Event()
         guard = threading.Timer(self.task.seconds, stop.set)
         guard.daemon = True
@@ -244,14 +255,17 @@ class _Prepared:
             )
         finally:
             guard.cancel()
+        lasts: Outcome = "played" if self.level.teams else "out of ticks"
         return Result(
-            "won" if played.won_at is not None else watcher.ended or "out of ticks",
+            "won" if played.won_at is not None else watcher.ended or lasts,
             played.ticks,
             played.distance,
             self.rules,
             dict(watcher.notices),
             watcher.first,
             {asked.name: watcher.series(asked) for asked in self.questions},
+            points=watcher.points(),
+            forfeit=watcher.forfeit(),
         )
 
 
@@ -271,16 +285,25 @@ class _Watcher:
 
     Nothing can change if world and memories are exactly as after an earlier tick. They are compared
     with those after the last tick that is a power of two (Brent's algorithm), which finds every
-    cycle soon. Questions may be about the clock, so a run with questions goes on.
+    cycle soon. Questions may be about the clock, so a run with questions goes on; so does a match,
+    in which time may bring points.
+
+    A team loses a match as soon as ten of its thoughts took too many steps, or at the end if all of
+    its robots failed in every tick.
     """
 
-    def __init__(self, task: Task, questions: dict[Asked, Question], *, reads_clock: bool) -> None:
-        self._task = task
-        self._questions = questions
-        self._can_repeat = not reads_clock and not questions
+    def __init__(self, prepared: _Prepared) -> None:
+        self._task = prepared.task
+        self._questions = questions = prepared.questions
+        self._level = level = prepared.level
+        self._can_repeat = not (questions or level.teams or _reads_clock(prepared.program))
+        self._team_of = {robot.name: robot.team for robot in level.robots}
+        self._robots = Counter(self._team_of.values())
+        self._state: WorldState | None = None
         self._kept: Thought | None = None
         self._keep_at = 1
-        self._slow = 0
+        self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
+        self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
         self._cells = 0
         self._columns: dict[Asked, tuple[str, ...]] = {}
         self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
@@ -291,6 +314,7 @@ class _Watcher:
 
     def is_over(self, thought: Thought) -> bool:
         """Take note of a tick; return whether the run ends with it. Takes a few microseconds."""
+        self._state = thought.state
         for decision in thought.decisions:
             if decision.notices:
                 self._note(thought)
@@ -309,13 +333,29 @@ class _Watcher:
         columns = ("tick", *self._columns.get(asked, ()))
         return Series(columns, tuple(self._rows[asked]), self._failures.get(asked, ""))
 
+    def points(self) -> dict[str, float]:
+        """Return the points of each team."""
+        if self._state is None or not self._level.teams:
+            return {}
+        return {team: sum(parts) for team, parts in points(self._level, self._state).items()}
+
+    def forfeit(self) -> tuple[str, ...]:
+        """Return the teams that have lost because their programs failed."""
+        ticks = self._state.tick if self._state is not None else 0
+        teams = [team.name for team in self._level.teams]
+        return tuple(t for t in teams if self._slow[t] >= _SLOW_TICKS or self._failed[t] == ticks)
+
     def _note(self, thought: Thought) -> None:
         found = [(d.robot_name, notice) for d in thought.decisions for notice in d.notices]
         self.notices.update({notice.kind for _, notice in found})
         if self.first is None:
             self.first = (thought.state.tick, found[0][0], found[0][1].message)
-        self._slow += any(_TOO_MANY_STEPS.search(n.message) for _, n in found if n.kind == "failed")
-        if self._slow >= _SLOW_TICKS:
+        failed = {robot: notice.message for robot, notice in found if notice.kind == "failed"}
+        slow = {robot for robot, message in failed.items() if _TOO_MANY_STEPS.search(message)}
+        self._slow.update({self._team_of[robot] for robot in slow})
+        robots = Counter(self._team_of[robot] for robot in failed)
+        self._failed.update(team for team, count in robots.items() if count == self._robots[team])
+        if max(self._slow.values(), default=0) >= _SLOW_TICKS:
             self.ended = "too many steps"
 
     def _compare(self, thought: Thought) -> None:

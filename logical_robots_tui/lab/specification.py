@@ -1,4 +1,4 @@
-"""Specifications of experiments and assignments: TOML, checked as a whole, with line numbers."""
+"""Specifications of sweeps, gradings and tournaments: TOML, checked as a whole, with lines."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ __all__ = [
     "Scalar",
     "Specification",
     "SpecificationError",
+    "Tournament",
     "Vary",
     "read_assignment",
     "read_experiment",
@@ -164,7 +165,24 @@ class Assignment(_Table, frozen=True):
     limits: Limit = Limit()
 
 
-T = TypeVar("T", Experiment, Assignment)
+class TournamentTable(_Table, frozen=True):
+    """``[tournament]``; a match has the ticks that the level says, or fewer."""
+
+    level: Name
+    title: str = ""
+    starts: Annotated[int, msgspec.Meta(ge=0)] = 20
+    ticks: Positive | None = None
+    format: Literal["all", "swiss"] | None = None
+
+
+class Tournament(_Table, frozen=True):
+    """A tournament: where it is held, and how."""
+
+    tournament: TournamentTable
+    limits: Limit = Limit()
+
+
+T = TypeVar("T", Experiment, Assignment, Tournament)
 
 
 class Specification:

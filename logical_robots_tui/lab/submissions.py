@@ -25,18 +25,18 @@ from logical_robots_tui.mind.source_text import prepare
 from logical_robots_tui.paths import is_folder, read_ordinary
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from logical_robots_tui.world import Level
 
-__all__ = ["plan_grading"]
+__all__ = ["Submission", "entries_of", "plan_grading", "stems_of"]
 
 _MOST_BYTES = 1_000_000
 _LONGEST_NAME = 200
 
 
-class _Submission:
+class Submission:
     """What somebody has submitted.
 
     Attributes:
@@ -57,7 +57,7 @@ class _Submission:
             if file.name.startswith(".") or (not is_single and file.suffix != SUFFIX):
                 continue
             if level == "?":
-                self.remarks.append(f"{file.name}: there is no such level in the assignment")
+                self.remarks.append(f"{file.name}: it is not named like a level here")
             else:
                 self._read(file, level)
         if not self.programs and not self.remarks:
@@ -108,9 +108,7 @@ def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str
     roster = _table(spec, ("assignment", "roster"), assignment.assignment.roster)
     late = _table(spec, ("late", "students"), assignment.late.students)
     spec.refuse()
-    stems = {name: name for name in levels}
-    stems |= {name.partition("-")[2]: name for name in levels if name[:2].isdecimal()}
-    entries = _entries(submissions, stems)
+    entries = entries_of(submissions, stems_of(levels))
     students = _students(assignment, entries, roster, {row["id"] for row in late})
     return _manifest(spec, assignment, levels, students, entries)
 
@@ -161,20 +159,26 @@ def _table(spec: Specification, path: tuple[str, str], name: str) -> list[dict[s
     return rows
 
 
-def _entries(folder: Path, stems: Mapping[str, str]) -> dict[str, _Submission]:
+def stems_of(levels: Iterable[str]) -> dict[str, str]:
+    """Return the levels by the names that their programs may have: with and without a number."""
+    stems = {name: name for name in levels}
+    return stems | {name.partition("-")[2]: name for name in levels if name[:2].isdecimal()}
+
+
+def entries_of(folder: Path, stems: Mapping[str, str]) -> dict[str, Submission]:
     """Return what was submitted, by names that can be shown.
 
     Raises:
         InputError: The folder can't be read, or two entries have the same name.
     """
     if not is_folder(folder):
-        hint = "It has one folder or file per student."
+        hint = "It has one folder or file for each student or player."
         raise InputError("this is not a folder", place=str(folder), hint=hint)
-    found: dict[str, _Submission] = {}
+    found: dict[str, Submission] = {}
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".") or not (path.is_dir() or path.suffix == SUFFIX):
             continue
-        each = _Submission(path, stems)
+        each = Submission(path, stems)
         name = _readable(each.name)
         if name in found and name == each.name:
             hint = "Keep one of the two."
@@ -188,7 +192,7 @@ def _entries(folder: Path, stems: Mapping[str, str]) -> dict[str, _Submission]:
 
 def _students(
     assignment: Assignment,
-    entries: Mapping[str, _Submission],
+    entries: Mapping[str, Submission],
     roster: list[dict[str, str]],
     late: set[str],
 ) -> list[Student]:
@@ -229,7 +233,7 @@ def _manifest(
     assignment: Assignment,
     levels: Mapping[str, tuple[str, int]],
     students: list[Student],
-    entries: Mapping[str, _Submission],
+    entries: Mapping[str, Submission],
 ) -> tuple[Manifest, dict[str, str]]:
     """Return the manifest and its inputs; texts that are normally the same run once."""
     inputs = {digest(text): text for text, _ in levels.values()}

@@ -87,6 +87,10 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
     Raises:
         InputError: The library for plots is not installed.
     """
+    if manifest.kind == "tournament":
+        from logical_robots_tui.lab.tournament.reporting import tournament_lines
+
+        return tournament_lines(manifest, ledger)
     check_extra("plotext", "a report")
     done = list(done_runs(manifest, ledger))
     if manifest.kind == "grade":

@@ -67,8 +67,14 @@ def _write_maze(folder: Path) -> None:
 
 
 def _write_files_of_lab(folder: Path) -> None:
-    """The files that the page on the laboratory prints, under the names that it gives them."""
-    text = (DOCS / "lab.md").read_text("utf-8")
+    """The files of the pages on the laboratory."""
+    for page in ("lab.md", "arena.md"):
+        _write_files_of(page, folder)
+
+
+def _write_files_of(page: str, folder: Path) -> None:
+    """The files that a page prints, under the names that it gives them."""
+    text = (DOCS / page).read_text("utf-8")
     for name, content in re.findall(r"^`([^`\n]+)`:\n\n```\w+\n(.*?)^```$", text, re.M | re.S):
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -95,9 +101,11 @@ BEFORE: dict[str, Callable[[Path], None]] = {
     f"{PROGRAM} level convert": _write_both_formats,
     f"{PROGRAM} level check": _write_maze,
     "docs/lab.md": _write_files_of_lab,
+    "docs/arena.md": _write_files_of_lab,
     PROGRAM: _write_files_of_lab,
     f"{PROGRAM} sweep": _write_files_of_lab,
     f"{PROGRAM} grade": _write_files_of_lab,
+    f"{PROGRAM} tournament": _write_files_of_lab,
     f"{PROGRAM} lab": _sweep,
     f"{PROGRAM} replay show": _record,
     f"{PROGRAM} completion": _make_folders,

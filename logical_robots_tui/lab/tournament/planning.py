@@ -1,0 +1,217 @@
+"""Who plays whom: from a file and a folder of players to matches, round after round."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.folder import Cell, Manifest, Player, digest
+from logical_robots_tui.lab.specification import Specification, Tournament
+from logical_robots_tui.lab.submissions import entries_of, stems_of
+from logical_robots_tui.lab.sweeping import level_with_text
+from logical_robots_tui.lab.tournament.ranking import ranking_of
+from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.mind.program import join_teams
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from logical_robots_tui.lab.ledger import Ledger
+    from logical_robots_tui.lab.submissions import Submission
+    from logical_robots_tui.world import Level
+
+__all__ = ["next_round", "pair_off", "plan_tournament"]
+
+SWISS_FROM = 40
+"""The number of players from which on not everybody plays everybody."""
+
+_MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
+
+
+def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
+    """Return the first round of a tournament, and the texts of level and programs by digest.
+
+    Args:
+        file: The specification.
+        players: A folder with one program or folder per player.
+
+    Raises:
+        SpecificationError: The specification is wrong; says all that is.
+        InputError: The players can't be read, or there are fewer than two.
+    """
+    spec = Specification(file)
+    tournament = spec.read(Tournament)
+    table, limits = tournament.tournament, tournament.limits
+    level, text = _level(spec, table.level)
+    ticks = min(table.ticks or level.match_ticks, level.match_ticks)
+    inputs = {digest(text): text}
+    named = sorted(entries_of(players, stems_of([level.name])).items())
+    if len(named) < 2:
+        raise InputError("there are fewer than two players", place=str(players), hint=_HINT)
+    entered = [_player(name, entry, level, inputs) for name, entry in named]
+    is_swiss = table.format == "swiss" or (not table.format and len(entered) >= SWISS_FROM)
+    manifest = Manifest(
+        "tournament",
+        table.title or spec.file.stem,
+        spec.text,
+        table.starts,
+        False,
+        (),
+        (),
+        limits.steps,
+        limits.seconds,
+        (),
+        players=tuple(entered),
+        teams=tuple(team.name for team in level.teams),
+        match=Cell(digest(text), "", level.name, "", ticks),
+        most_rounds=_rounds(len(entered)) if is_swiss else 1,
+    )
+    pairs = tuple(combinations(range(len(entered)), 2))
+    if is_swiss:
+        pairs = pair_off(manifest, {}) or ()
+    return _with_round(manifest, pairs, inputs.__getitem__, inputs), inputs
+
+
+_HINT = "Each has a program such as ada.l, or a folder with one that is named like the level."
+
+
+def _level(spec: Specification, name: str) -> tuple[Level, str]:
+    """Return the level and its text.
+
+    Raises:
+        SpecificationError: There is none, or nobody can play against anybody in it.
+    """
+    path = ("tournament", "level")
+    try:
+        level, text = level_with_text(name, spec.folder)
+    except InputError as error:
+        spec.problem(path, str(error))
+    else:
+        if len(level.teams) < 2:
+            spec.problem(path, f"{level.name} has no teams that could play against each other")
+        elif not level.scores:
+            spec.problem(path, f"nothing gives points in {level.name}: it has no [[scores]]")
+    spec.refuse()
+    return level, text
+
+
+def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) -> Player:
+    """Return a player; keeps the text of the program, and finds out whether it compiles."""
+    text = next(iter(entry.programs.values()), None)
+    if text is None:
+        return Player(name, "", "; ".join(entry.remarks))
+    inputs[digest(text)] = text
+    lost = ""
+    try:
+        Program.compile(join_teams({level.teams[0].name: text}))  # as a match will read it
+    except ProgramError as error:
+        first = error.diagnostics[0]
+        lost = f"line {first.line}: {first.message}"
+    return Player(name, digest(text), lost)
+
+
+def _with_round(
+    manifest: Manifest,
+    pairs: Sequence[tuple[int, int]],
+    text: Callable[[str], str],
+    inputs: dict[str, str],
+) -> Manifest:
+    """Return the manifest with one more round, whose programs are added to the inputs."""
+    players, cells = manifest.players, list(manifest.cells)
+    for pair in pairs:
+        both = [players[index] for index in pair]
+        if any(player.lost for player in both):
+            continue
+        for seated in _seatings(both, len(manifest.teams)):
+            at = dict(zip(manifest.teams, seated, strict=True))
+            joined = join_teams({team: text(player.program) for team, player in at.items()})
+            inputs[digest(joined)] = joined
+            cells.append(
+                msgspec.structs.replace(
+                    manifest.match,
+                    program=digest(joined),
+                    program_name=f"{seated[0].name} against {seated[1].name}",
+                    settings={team: player.name for team, player in at.items()},
+                )
+            )
+    rounds = (*manifest.rounds, tuple(pairs))
+    return msgspec.structs.replace(manifest, cells=tuple(cells), rounds=rounds)
+
+
+def _seatings(pair: Sequence[Player], seats: int) -> Iterator[list[Player]]:
+    """Yield who has which seat: both by turns, so that each has had each seat once."""
+    for first in (0, 1):
+        yield [pair[(seat + first) % 2] for seat in range(seats)]
+
+
+def _rounds(players: int) -> int:
+    """Return the number of rounds of a Swiss tournament."""
+    return min(math.ceil(math.log2(players)) + _MORE_ROUNDS, players - 1 + players % 2)
+
+
+def next_round(
+    manifest: Manifest, ledger: Ledger, text: Callable[[str], str]
+) -> tuple[Manifest, dict[str, str]] | None:
+    """Return the manifest with the next round and its inputs; None if there is no other round.
+
+    Args:
+        manifest: A tournament, all of whose matches have been played.
+        ledger: The results.
+        text: Gives the text of an input by its digest.
+    """
+    if len(manifest.rounds) >= manifest.most_rounds:
+        return None
+    shares = {s.player: s.share for s in ranking_of(manifest, ledger, resamples=1).standings}
+    pairs = pair_off(manifest, shares)
+    if pairs is None:
+        return None
+    inputs: dict[str, str] = {}
+    return _with_round(manifest, pairs, text, inputs), inputs
+
+
+def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int, int], ...] | None:
+    """Return the pairs of the next round: neighbours by standing that have not met yet.
+
+    The one that is left over, if the number is odd, is the last one that has always played so far.
+    Ties are broken by the programs, not by names.
+
+    Args:
+        manifest: The tournament so far.
+        shares: The average share of each player, by name; none in the first round.
+
+    Returns:
+        The pairs; None if some player would have to meet another one again.
+    """
+    players = manifest.players
+
+    def standing(index: int) -> tuple[float, str, str]:
+        player = players[index]
+        return -shares.get(player.name, 0.5), player.program, player.name
+
+    met = {frozenset(pair) for pairs in manifest.rounds for pair in pairs}
+    ranked = sorted(range(len(players)), key=standing)
+    if len(ranked) % 2 == 0:
+        return _paired(ranked, met)
+    for index in reversed(ranked):
+        rests = any(all(index not in pair for pair in pairs) for pairs in manifest.rounds)
+        if not rests and (found := _paired([i for i in ranked if i != index], met)) is not None:
+            return found
+    return None
+
+
+def _paired(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
+    """Pair each with the next one that it has not met, so that nobody is left; None if none can."""
+    if not ranked:
+        return ()
+    first, *others = ranked
+    for other in others:
+        if frozenset((first, other)) not in met:
+            rest = _paired([index for index in others if index != other], met)
+            if rest is not None:
+                return (min(first, other), max(first, other)), *rest
+    return None

@@ -1,0 +1,319 @@
+"""Tournaments: matches on a real engine, killed and resumed, with players good, bad and broken."""
+
+from __future__ import annotations
+
+import csv
+import shlex
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.lab.folder import Folder
+from tests.cli.running import Command
+from tests.lab.laboratory import exported, recorded, start
+from tests.waiting import until
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+HILL = """
+title = "A hill"
+cell = 10
+walls = '''
+####################
+#..................#
+#..................#
+#..................#
+####################
+'''
+match = {{ticks = {ticks}}}
+{teams}
+[[scores]]
+kind = "most"
+area = "Hill"
+
+[[areas]]
+name = "Hill"
+x = 100
+y = 25
+radius = 40
+"""
+ROBOTS = {"red": (40, 20, 0), "blue": (160, 30, 180), "gold": (160, 20, 180), "green": (40, 30, 0)}
+TEAM = """
+[[teams]]
+name = "{team}"
+[[robots]]
+name = "of {team}"
+team = "{team}"
+x = {x}
+y = {y}
+heading = {heading}
+"""
+
+ARENA = """
+[tournament]
+title = "The hill"
+level = "hill.toml"
+starts = {starts}
+{more}
+[limits]
+steps = 100_000
+"""
+
+DRIVE = """
+Robot(robot_name:, desire: {{left_engine: {speed}, right_engine: {speed}}}, memory: "") :-
+  Sensor(robot_name:);
+"""
+ENDLESS = """
+N(x) :- x in Range(3000);
+Robot(robot_name:, desire: {left_engine: Sum{x * y :- N(x), N(y)}, right_engine: 0}, memory: "") :-
+  Sensor(robot_name:);
+"""
+BROKEN = DRIVE.format(speed=1).replace("Sensor", "Snesor")
+
+PLAYERS = {"fast": 1, "quick": 0.8, "slow": 0.6, "still": 0}
+
+
+def drives(speed: float) -> str:
+    """A program that drives straight on."""
+    return DRIVE.format(speed=speed)
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    return Command(capsys)
+
+
+def write_arena(
+    folder: Path,
+    players: Mapping[str, str] | None = None,
+    *,
+    starts: int = 1,
+    more: str = "",
+    ticks: int = 60,
+    teams: tuple[str, ...] = ("red", "blue"),
+) -> tuple[Path, Path]:
+    """Write a tournament into a folder; return its file and the folder of its players."""
+    listed = "".join(
+        TEAM.format(team=team, x=x, y=y, heading=heading)
+        for team in teams
+        for x, y, heading in [ROBOTS[team]]
+    )
+    (folder / "hill.toml").write_text(HILL.format(ticks=ticks, teams=listed))
+    (folder / "arena.toml").write_text(ARENA.format(starts=starts, more=more))
+    programs = players or {name: drives(speed) for name, speed in PLAYERS.items()}
+    for name, text in programs.items():
+        (folder / "players").mkdir(exist_ok=True)
+        (folder / "players" / f"{name}.l").write_text(text)
+    return folder / "arena.toml", folder / "players"
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    with file.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def tables(folder: Path) -> dict[str, bytes]:
+    """All that a tournament says about its players."""
+    return {name: (folder / f"{name}.csv").read_bytes() for name in ("ranking", "pairs", "cycles")}
+
+
+def test_everybody_plays_everybody_from_both_seats_and_the_best_is_first(
+    tmp_path: Path, command: Command
+) -> None:
+    arena, players = write_arena(tmp_path)
+    (players / "broken").mkdir()
+    (players / "broken/hill.l").write_text(BROKEN)
+    out = tmp_path / "out"
+    told = command("tournament", arena, players, "-o", out, "--workers", 1)
+    assert told.status == 0, told.err
+    ranking = rows(out / "ranking.csv")
+    assert [row["player"] for row in ranking] == ["fast", "quick", "slow", "still", "broken"]
+    assert [row["best_rank"] for row in ranking] == ["1", "2", "3", "4", "5"]
+    assert [row["opponents"] for row in ranking] == ["4"] * 5
+    assert ranking[-1]["share"] == "0.0"
+    assert ranking[-1]["remark"].startswith("line 3: ")
+    strengths = [float(row["strength"].strip("'")) for row in ranking]
+    assert strengths == sorted(strengths, reverse=True)
+    runs = rows(out / "runs.csv")
+    assert len(runs) == recorded(out) == 6 * 2 * 2, "who is broken does not play"
+    seats = {(row["red"], row["blue"], row["start"]) for row in runs}
+    assert len(seats) == 24
+    assert {(blue, red, start) for red, blue, start in seats} == seats
+    fast = [row for row in runs if (row["red"], row["blue"]) == ("fast", "still")]
+    assert [(row["points_blue"], row["outcome"]) for row in fast] == [("0.0", "played")] * 2
+    assert "The row's share of the points" in told.out
+    assert "fast" in told.out.split("rank  player")[1].splitlines()[1]
+
+
+def test_a_new_player_plays_only_its_own_matches(tmp_path: Path, command: Command) -> None:
+    arena, players = write_arena(tmp_path)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert recorded(out) == 24
+    (players / "late.l").write_text(drives(0.7))
+    assert "24 runs" not in command("tournament", arena, players, "-o", out, "--workers", 1).out
+    assert recorded(out) == 24 + 4 * 2 * 2
+    (players / "slow.l").unlink()
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    assert recorded(out) == 40
+    assert [row["player"] for row in rows(out / "ranking.csv")] == [
+        "fast",
+        "quick",
+        "late",
+        "still",
+    ]
+
+
+@pytest.mark.parametrize("form", ["swiss", pytest.param("all", marks=pytest.mark.slow)])
+def test_a_tournament_that_is_killed_again_and_again_has_the_same_tables(
+    tmp_path: Path, command: Command, form: str
+) -> None:
+    names = {f"player {n}": drives(0.3 + n / 10) for n in range(7)}
+    arena, players = write_arena(tmp_path, names, starts=0, more=f'format = "{form}"')
+    once, often = tmp_path / "once", tmp_path / "often"
+    assert command("tournament", arena, players, "-o", once, "--workers", 1).status == 0
+    total = recorded(once)
+    assert total == {"all": 21, "swiss": 5 * 3}[form] * 2
+    arguments: tuple[object, ...] = ("tournament", arena, players, "-o", often)
+    for workers in (2, 1, 2):
+        before = recorded(often)
+        running = start(*arguments, "--workers", workers)
+        until(lambda before=before: recorded(often) > before)  # type: ignore[misc] # bound at once
+        running.kill()
+        arguments = ("lab", "resume", often)
+    assert recorded(often) < total
+    told = command("lab", "status", often)
+    assert told.status == 1
+    assert "Go on with" in told.out
+    assert command("lab", "resume", often, "--workers", 2).status == 0
+    assert exported(often) == exported(once)
+    assert recorded(often) == total
+
+
+def test_names_change_nothing_but_names(tmp_path: Path, command: Command) -> None:
+    found = []
+    for number, names in enumerate((("a", "b", "c", "d"), ("c", "a", "d", "b"))):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        speeds = dict(zip(names, PLAYERS.values(), strict=True))
+        arena, players = write_arena(folder, {n: drives(v) for n, v in speeds.items()})
+        out = tmp_path / "out"  # the same ledger: not a match is played again
+        assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+        assert recorded(out) == 24
+        back = dict(zip(names, PLAYERS, strict=True))
+        ranking = [{**row, "player": back[row["player"]]} for row in rows(out / "ranking.csv")]
+        pairs = [
+            {**row, "player": back[row["player"]], "opponent": back[row["opponent"]]}
+            for row in rows(out / "pairs.csv")
+        ]
+        found.append((ranking, pairs))
+    assert found[0] == found[1]
+
+
+def test_a_program_that_thinks_too_long_has_lost_and_costs_the_other_nothing(
+    tmp_path: Path, command: Command
+) -> None:
+    arena, players = write_arena(tmp_path, {"endless": ENDLESS, "still": drives(0)}, starts=0)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    runs = rows(out / "runs.csv")
+    assert [(row["outcome"], row["last_tick"]) for row in runs] == [("too many steps", "10")] * 2
+    assert {row["forfeit"] for row in runs} == {"red", "blue"}
+    assert [(row["player"], row["share"]) for row in rows(out / "ranking.csv")] == [
+        ("still", "1.0"),
+        ("endless", "0.0"),
+    ]
+    page = command("lab", "report", out)
+    assert page.status == 0
+    assert "thinking took more than 100,000 steps" in (out / "report.html").read_text("utf-8")
+
+
+def test_the_same_program_under_two_names_is_as_good_as_itself(
+    tmp_path: Path, command: Command
+) -> None:
+    names = ("one", "two", "other")
+    texts = dict(zip(names, (drives(1), drives(1), drives(0.5)), strict=True))
+    arena, players = write_arena(tmp_path, texts)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    shares = {(row["player"], row["opponent"]): row["share"] for row in rows(out / "pairs.csv")}
+    assert shares["one", "two"] == "0.5"
+    assert shares["one", "other"] == shares["two", "other"]
+    assert recorded(out) == 2 * 3, "what is the same runs once"
+
+
+def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command: Command) -> None:
+    teams = ("red", "blue", "gold", "green")
+    arena, players = write_arena(tmp_path, teams=teams, starts=0)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    manifest = Folder(out).manifest()
+    for pair in manifest.rounds[0]:
+        names = {manifest.players[index].name for index in pair}
+        seats = [cell.settings for cell in manifest.cells if set(cell.settings.values()) == names]
+        assert len(seats) == 2
+        for team in teams:
+            assert {each[team] for each in seats} == names
+    assert rows(out / "ranking.csv")[0]["player"] == "fast"
+
+
+def test_a_match_can_be_seen_again(tmp_path: Path, command: Command) -> None:
+    arena, players = write_arena(tmp_path)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    *_, row = rows(out / "runs.csv")
+    _, play, level, program, *rest = shlex.split(row["replay"])
+    assert play == "play"
+    file = tmp_path / "match.replay"
+    match = [str(out / level), str(out / program), *rest]
+    assert command("replay", "record", *match, "-o", file, "--ticks", 60).status == 0
+    assert command("replay", "verify", file).status == 0
+
+
+def test_the_report_is_one_page_without_scripts_and_links(tmp_path: Path, command: Command) -> None:
+    names = {"<b>ada": drives(1), "=1+1": drives(0.5)}
+    arena, players = write_arena(tmp_path, names)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    told = command("lab", "report", out)
+    assert told.status == 0
+    page = (out / "report.html").read_text("utf-8")
+    assert "<h1>The hill</h1>" in page
+    assert "&lt;b&gt;ada" in page
+    assert "logical-robots play inputs/" in page
+    for outside in ("<script", "href=", "src=", "@import", "url(", "<b>"):
+        assert outside not in page
+    assert "'=1+1" in (out / "ranking.csv").read_text("utf-8")
+
+
+@pytest.fixture
+def wrong(tmp_path: Path) -> Path:
+    return write_arena(tmp_path)[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ('[tournament]\nformat = "knockout"\nstarts = -1\nseats = 2\n', [1, 2, 3, 4]),
+        ('[tournament]\nlevel = "01-first-steps"\n', [2]),
+        ('[tournament]\nstarts = 3\nlevel = "nowhere"\n', [3]),
+    ],
+)
+def test_all_that_is_wrong_is_said_with_its_line(
+    wrong: Path, command: Command, text: str, lines: list[int]
+) -> None:
+    wrong.write_text(text)
+    told = command("tournament", wrong, wrong.parent / "players", "-o", wrong.parent / "out")
+    assert told.status == 2
+    said = [line.split(": ")[0] for line in told.err.splitlines()]
+    assert said == [f"{wrong}:{line}" for line in lines]
+    assert not (wrong.parent / "out").exists()
+
+
+def test_one_player_is_not_enough(tmp_path: Path, command: Command) -> None:
+    arena, players = write_arena(tmp_path, {"lonely": drives(1)})
+    told = command("tournament", arena, players, "-o", tmp_path / "out")
+    assert told.status == 2
+    assert "fewer than two players" in told.err
