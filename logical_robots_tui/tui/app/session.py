@@ -14,6 +14,7 @@ from logical_robots_tui.game import (
     mistake_in,
     start_frame,
 )
+from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.app.session_state import (
@@ -389,7 +390,7 @@ class Session:
         while movement.owed and self.movement is movement:
             movement.owed -= 1
             frame = await game.step()
-            if self._hits(game) or game.won_at == frame.tick:
+            if self._hits(game) or ends(game.level, frame):
                 movement.owed = 0
 
     def _hits(self, game: Game) -> tuple[Hit, ...]:
