@@ -41,9 +41,9 @@ examples:
   logical-robots run 01-first-steps first-steps --json     print it as JSON
   logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
   logical-robots run my-level.toml my-program.l --ticks 900
-  logical-robots run my-arena.toml red.l blue.l            a program for each team
+  logical-robots run 13-high-ground high-ground high-ground-sparring
 
-exit status: 0 won or the match is over, 1 not won in time, 2 bad level or program
+exit status: 0 won, or the match is over; 1 not won in time; 2 bad level or program
 """
 
 

@@ -9,7 +9,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.game import goals
-from logical_robots_tui.game.frame import standing
+from logical_robots_tui.game.frame import is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.direct_paint import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Status", "StatusLine", "status_of"]
 
-Activity: TypeAlias = Literal["running", "paused", "won", "compiling"]
+Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]
 
 _LONG = 2.0  # seconds of thinking
 
@@ -31,6 +31,7 @@ _SIGNS: dict[Activity, tuple[str, str]] = {
     "running": ("● RUNNING", f"bold {INK.good}"),
     "paused": ("‖ PAUSED", f"bold {INK.warn}"),
     "won": ("★ WON", f"bold {INK.key}"),
+    "over": ("■ MATCH OVER", f"bold {INK.key}"),
     "compiling": ("◌ COMPILING", f"bold {INK.title}"),
 }
 
@@ -70,6 +71,8 @@ def status_of(session: Session) -> Status:
         activity = "running"
     elif session.won_at is not None:
         activity = "won"
+    elif is_match_over(session.level, session.frame.tick):
+        activity = "over"
     elif session.game is None and session.state.phase in ("fresh", "compiling"):
         activity = "compiling"
     achieved = session.pace.achieved if session.running else None
@@ -164,7 +167,7 @@ def _standing(found: Sequence[tuple[str, float]]) -> Content:
     teams = [
         Content.assemble(
             (f"{clip(one_line(team), 12)} ", INK.dim),
-            (f"{points:.6g}", INK.good if points == best else INK.text),
+            (f"{round(points, 1):,g}", INK.good if points == best else INK.text),
         )
         for team, points in found
     ]

@@ -30,12 +30,14 @@ Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "bluely") 
 
 
 @asynccontextmanager
-async def match(data_dir: Path, size: tuple[int, int] = (120, 40)) -> AsyncIterator[Opened]:
+async def match(
+    data_dir: Path, size: tuple[int, int] = (120, 40), text: str = MATCH
+) -> AsyncIterator[Opened]:
     """Open the game in a level with two teams."""
     folder = data_dir / "programs"
     folder.mkdir(parents=True)
     file = data_dir / "match.toml"
-    file.write_text(MATCH, "utf-8")
+    file.write_text(text, "utf-8")
     sources = {}
     for team, text in (("red", RED), ("blue", BLUE)):
         path = folder / f"{team}ly.l"
@@ -127,3 +129,18 @@ async def test_the_tabs_fit_a_small_terminal(data_dir: Path) -> None:
         await game.sees(" red   blue ")
         game.main.action_command("next_team")
         await game.sees("Backward(x) :- x == -1;")
+
+
+async def test_the_points_are_counted_until_the_match_is_over(data_dir: Path) -> None:
+    score = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
+    async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + score) as game:
+        await game.press("space")
+        await game.sees("MATCH OVER")
+        assert game.tick == 3
+        await game.sees("The match is over: red ")
+        await game.sees("red 8.3, blue 7.1.")
+        await game.press("n")
+        await game.until(lambda: game.tick == 4)
+        await game.sees("PAUSED")
+        await game.press("p")
+        await game.sees("MATCH OVER")

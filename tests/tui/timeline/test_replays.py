@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.cli.main import main
+from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.timeline.replays import level_of, sources_of
@@ -101,8 +102,9 @@ def test_a_shipped_level_and_program_are_recognised(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["../../etc/passwd", "a\nb", "", "x" * 300, "first-steps"])
 def test_a_program_of_any_name_is_one_of_the_player_s_folder(tmp_path: Path, name: str) -> None:
-    state = World(load_level("01-first-steps")).save()
-    replay = Replay("x", 1, (Stage("", state, "{}", False, ()),), (Text(1, name, STILL),), {})
+    level = load_level("01-first-steps")
+    stage = Stage(write_native(level), World(level).save(), "{}", False, ())
+    replay = Replay("x", 1, (stage,), (Text(1, name, STILL),), {})
     source = sources_of(replay, tmp_path)[""]
     assert source.path.parent == tmp_path
     assert not source.shipped
