@@ -137,7 +137,7 @@ def standing(level: Level, state: WorldState) -> dict[str, float]:
 def standing_words(level: Level, state: WorldState) -> str:
     """Return the points of the teams in words, the best first: ``red 12, blue 7``."""
     found = sorted(standing(level, state).items(), key=lambda each: -each[1])
-    return ", ".join(f"{team} {round(score, 1):,g}" for team, score in found)
+    return ", ".join(f"{team} {round(score, 1):,.10g}" for team, score in found)
 
 
 def _of_robot(before: RobotState, now: RobotState) -> Iterator[str]:

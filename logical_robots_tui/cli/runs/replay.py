@@ -21,6 +21,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.cli.level_files import write
 from logical_robots_tui.cli.runs.common import opened, progress_bar
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     import argparse
@@ -125,8 +126,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _ticks(replay: Replay) -> str:
-    count = replay.last - replay.first
-    return f"{count:,} tick{'s' * (count != 1)}"
+    return counted(replay.last - replay.first, "tick")
 
 
 _PLAY_EPILOG = """\

@@ -167,7 +167,7 @@ def _standing(found: Sequence[tuple[str, float]]) -> Content:
     teams = [
         Content.assemble(
             (f"{clip(one_line(team), 12)} ", INK.dim),
-            (f"{round(points, 1):,g}", INK.good if points == best else INK.text),
+            (f"{round(points, 1):,.10g}", INK.good if points == best else INK.text),
         )
         for team, points in found
     ]

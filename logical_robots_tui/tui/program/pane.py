@@ -15,7 +15,8 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.program.teams import TeamTabs
 from logical_robots_tui.tui.program.text_operations import followed
-from logical_robots_tui.tui.theme.safe_text import clip, counted, one_line
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
