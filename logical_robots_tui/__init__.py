@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Game
     from logical_robots_tui.mind import Decision, Diagnostic, Mind, Program, ProgramError
     from logical_robots_tui.values import Desire
-    from logical_robots_tui.world import Level, World, list_levels, load_level
+    from logical_robots_tui.world import Level, World, list_arenas, list_levels, load_level
 
 __version__ = "0.1.0"
 
@@ -38,6 +38,7 @@ __all__ = [
     "ProgramError",
     "World",
     "__version__",
+    "list_arenas",
     "list_levels",
     "load_level",
 ]
@@ -55,6 +56,7 @@ _HOMES = {
     "Program": "mind",
     "ProgramError": "mind",
     "World": "world",
+    "list_arenas": "world",
     "list_levels": "world",
     "load_level": "world",
 }

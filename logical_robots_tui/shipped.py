@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["ShippedKind", "did_you_mean", "shipped_folder", "shipped_names"]
+__all__ = ["ARENAS", "ShippedKind", "did_you_mean", "shipped_folder", "shipped_names"]
 
 ShippedKind: TypeAlias = Literal["levels", "programs"]
+
+
+ARENAS = "arenas"
+"""The folder inside that of the levels, and of the programs, with those for several teams."""
 
 
 def shipped_folder(kind: ShippedKind) -> Path:
@@ -27,17 +31,19 @@ def shipped_folder(kind: ShippedKind) -> Path:
     return inside if inside.is_dir() else package.parent / kind
 
 
-def shipped_names(kind: ShippedKind, suffix: str) -> list[str]:
+def shipped_names(kind: ShippedKind, suffix: str, within: str = "") -> list[str]:
     """Return the sorted names of the shipped files, without their ending.
 
     Args:
         kind: ``levels`` or ``programs``.
         suffix: The ending of the files, such as ``.toml``.
+        within: A folder inside.
 
     Returns:
         Names; none if the folder is missing.
     """
-    return sorted(path.stem for path in shipped_folder(kind).glob(f"*{suffix}"))
+    folder = shipped_folder(kind) / within
+    return sorted(path.stem for path in folder.glob(f"*{suffix}"))
 
 
 def did_you_mean(word: str, options: Iterable[str]) -> str:

@@ -51,9 +51,10 @@ def declare(commands: Commands) -> None:
 def start(options: argparse.Namespace) -> int:
     """Print the script or the names."""
     if options.what == "levels":
-        from logical_robots_tui.shipped import shipped_names
+        from logical_robots_tui.shipped import ARENAS, shipped_names
 
-        print(*shipped_names("levels", ".toml"), sep="\n")
+        for within in ("", ARENAS):
+            print(*shipped_names("levels", ".toml", within), sep="\n")
     elif options.what == "programs":
         from logical_robots_tui.cli.command import folder_of
         from logical_robots_tui.game.source import list_programs

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind.reference import FunctionHelp
+    from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
 
@@ -50,10 +51,10 @@ def declare(commands: Commands) -> None:
 
 
 def list_all_levels(options: argparse.Namespace) -> int:
-    """Print the name, title and robots of each level."""
-    from logical_robots_tui.world import list_levels, load_level
+    """Print the name, title and robots of each level, then of each arena."""
+    from logical_robots_tui.world import list_arenas, list_levels, load_level
 
-    levels = [load_level(name) for name in list_levels()]
+    levels = [load_level(name) for name in (*list_levels(), *list_arenas())]
     if options.json:
         found = [
             {
@@ -61,14 +62,21 @@ def list_all_levels(options: argparse.Namespace) -> int:
                 "title": level.title,
                 "robots": [robot.name for robot in level.robots],
                 "starter": level.starter,
+                "teams": [team.name for team in level.teams],
             }
             for level in levels
         ]
         print(json.dumps(found, indent=2))
         return 0
-    rows = [(lv.name, lv.title, ", ".join(robot.name for robot in lv.robots)) for lv in levels]
+    rows = [(lv.name, lv.title, _who(lv)) for lv in levels]
     print(*columns([("NAME", "TITLE", "ROBOTS"), *rows]), sep="\n")
     return 0
+
+
+def _who(level: Level) -> str:
+    if level.teams:
+        return f"teams: {', '.join(team.name for team in level.teams)}"
+    return ", ".join(robot.name for robot in level.robots)
 
 
 def list_all_programs(options: argparse.Namespace) -> int:

@@ -47,7 +47,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
     for finding in refusals(level):
         raise LevelError(finding.text, place=place)
     try:
-        if real(path).parent == shipped_folder("levels").resolve():
+        if shipped_folder("levels").resolve() in real(path).parents:
             message = "The levels of the game can't be changed."
             raise LevelError(message, place=place, hint="Save it in another folder.")
         path.parent.mkdir(parents=True, exist_ok=True)

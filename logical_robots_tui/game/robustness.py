@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -95,18 +96,24 @@ def named_start_of(level: Level, start: int) -> Level:
 
 
 def shifted(level: Level, seed: int) -> Level:
-    """Return the level with every robot's start shifted and rotated a little, by seed."""
+    """Return the level with every robot's start shifted and rotated a little, by seed.
+
+    The first robots of all teams are shifted alike, as they see it: so far ahead and to the side.
+    So are the second ones, and so on.
+    """
     chance = random.Random(seed)  # noqa: S311 - not for security
-    robots = tuple(
-        replace(
-            robot,
-            x=robot.x + chance.uniform(-FARTHEST_SHIFT, FARTHEST_SHIFT),
-            y=robot.y + chance.uniform(-FARTHEST_SHIFT, FARTHEST_SHIFT),
-            angle=robot.angle + chance.uniform(-WIDEST_TURN, WIDEST_TURN),
-        )
-        for robot in level.robots
-    )
-    return replace(level, robots=robots)
+    most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
+    shifts = [[chance.uniform(-each, each) for each in most] for _ in level.robots]
+    robots = []
+    for place, robot in enumerate(level.robots):
+        if level.teams:
+            place = sum(earlier.team == robot.team for earlier in level.robots[:place])
+        x, y, turn = shifts[place]
+        if level.teams:
+            cos, sin = math.cos(robot.angle), math.sin(robot.angle)
+            x, y = x * cos - y * sin, x * sin + y * cos
+        robots.append(replace(robot, x=robot.x + x, y=robot.y + y, angle=robot.angle + turn))
+    return replace(level, robots=tuple(robots))
 
 
 def play_through(

@@ -13,7 +13,7 @@ from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_file, is_folder, is_there, read_ordinary, real, typed_path
-from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.shipped import ARENAS, did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -65,8 +65,9 @@ class Source(NamedTuple):
 
 
 def list_programs(own: Path | None = None) -> list[str]:
-    """Return the names of the shipped programs, then of those in the folder `own`, each sorted."""
-    names = [name for name in shipped_names("programs", SUFFIX) if not is_hidden(name)]
+    """Return the names of the shipped programs, those for arenas, and those in the folder `own`."""
+    shipped = (*shipped_names("programs", SUFFIX), *shipped_names("programs", SUFFIX, ARENAS))
+    names = [name for name in shipped if not is_hidden(name)]
     if own is not None and is_folder(own):
         names += sorted(p.stem for p in own.glob(f"*{SUFFIX}") if p.stem not in names)
     return names
@@ -92,11 +93,11 @@ def is_hidden(name: str) -> bool:
 @lru_cache(maxsize=1)
 def _solved_levels() -> Mapping[str, str]:
     """Return the level that each reference program is for, by name."""
-    from logical_robots_tui.world import list_levels, load_level  # loads numpy
+    from logical_robots_tui.world import list_arenas, list_levels, load_level  # loads numpy
 
     return {
         program: name
-        for name in list_levels()
+        for name in (*list_levels(), *list_arenas())
         for program in reference_names(load_level(name).solution)
     }
 
@@ -113,10 +114,10 @@ def reference_names(solution: str) -> list[str]:
     return [solution, *sorted(file.stem for file in files)]
 
 
-def _folders() -> tuple[Path, Path]:
-    """Return the folders of the shipped programs: those in the list, and the other references."""
+def _folders() -> tuple[Path, Path, Path]:
+    """Return the folders of the shipped programs, the other references, and those for arenas."""
     folder = shipped_folder("programs")
-    return folder, folder / "references"
+    return folder, folder / "references", folder / ARENAS
 
 
 def load_program(
@@ -280,7 +281,8 @@ def target(
                 "A name is made of letters, digits, spaces and the signs _ - + .",
                 hint="Put a slash in it to name a file anywhere.",
             )
-        if any(stem in shipped_names(folder, suffix) for suffix in suffixes):
+        known = (shipped_names(folder, suffix, w) for suffix in suffixes for w in ("", ARENAS))
+        if any(stem in names for names in known):
             raise InputError(
                 f"{stem} is part of the game and can't be changed.", hint="Choose another name."
             )
@@ -289,7 +291,7 @@ def target(
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
     if is_there(path) and not is_file(path):
         raise InputError("is not a regular file.", place=str(path), hint="Choose another name.")
-    if real(path).parent == shipped_folder(folder).resolve():
+    if shipped_folder(folder).resolve() in real(path).parents:
         raise InputError(
             f"The {folder} of the game can't be changed.",
             hint="Save it in another folder.",

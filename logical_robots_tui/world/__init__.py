@@ -12,7 +12,7 @@ from logical_robots_tui.world.level import (
     Team,
     Visibility,
 )
-from logical_robots_tui.world.levels.load import list_levels, load_level
+from logical_robots_tui.world.levels.load import list_arenas, list_levels, load_level
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 from logical_robots_tui.world.world import World
 
@@ -29,6 +29,7 @@ __all__ = [
     "Visibility",
     "World",
     "WorldState",
+    "list_arenas",
     "list_levels",
     "load_level",
 ]

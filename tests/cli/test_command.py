@@ -107,7 +107,7 @@ def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
     for level in levels:
         assert level["title"]
         assert level["name"] in words
-        assert ", ".join(level["robots"]) in words
+        assert ", ".join(level["teams"] or level["robots"]) in words
 
 
 def test_shipped_and_own_programs_are_listed(command: Command, tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.game.source import hide_solutions, reference_names
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.shipped import shipped_folder, shipped_names
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.shipped import ARENAS, shipped_folder, shipped_names
+from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 
 REFERENCES = {
     program: name
-    for name in list_levels()
+    for name in (*list_levels(), *list_arenas())
     for program in reference_names(load_level(name).solution)
 }
-SOLUTIONS = set(REFERENCES) & set(shipped_names("programs", ".l"))
+LISTED = {*shipped_names("programs", ".l"), *shipped_names("programs", ".l", ARENAS)}
+SOLUTIONS = set(REFERENCES) & LISTED
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +46,7 @@ def listed(command: Command, folder: Path, *options: str) -> set[str]:
 def test_the_list_of_programs_leaves_out_solutions(
     command: Command, progress: Progress, tmp_path: Path
 ) -> None:
-    everything = set(shipped_names("programs", ".l"))
+    everything = LISTED
     assert listed(command, tmp_path / "data") == everything
     progress.win("02-open-space", "text")
     hidden = SOLUTIONS - {"open-space"}
@@ -79,7 +80,7 @@ def test_a_solution_can_be_read_when_its_level_is_won(
 
 def test_everything_else_can_be_read(progress: Progress) -> None:
     hide_solutions(progress)
-    for name in set(shipped_names("programs", ".l")) - SOLUTIONS:
+    for name in LISTED - SOLUTIONS:
         assert load_program(name).shipped
 
 

@@ -43,7 +43,7 @@ examples:
   logical-robots run my-level.toml my-program.l --ticks 900
   logical-robots run 13-high-ground high-ground high-ground-sparring
 
-exit status: 0 won, or the match is over; 1 not won in time; 2 bad level or program
+exit status: 0 won or match over, 1 not won in time, 2 bad level or program
 """
 
 

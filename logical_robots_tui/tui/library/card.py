@@ -104,9 +104,22 @@ class LevelCard:
         first = self.level.briefing.strip().partition("\n")[0]
         return one_line(self.level.idea or first)
 
+    @property
+    def sign(self) -> str:
+        """What the player has achieved, or that teams meet here."""
+        is_arena = self.level is not None and self.level.teams
+        return "◇ arena" if is_arena else SIGNS[self.record.state]
+
+    @property
+    def results(self) -> str:
+        """Who meets here, or that there are no results to tell."""
+        if self.level is not None and self.level.teams:
+            return one_line(f"teams: {', '.join(team.name for team in self.level.teams)}")
+        return _UNMEASURED[self.record.state]
+
     def matches(self, words: list[str]) -> bool:
         """Return whether all words occur in the card, ignoring case."""
-        told = f"{self.name} {self.title} {self.idea} {self.record.state}".casefold()
+        told = f"{self.name} {self.title} {self.idea} {self.sign[2:]}".casefold()
         return all(word in told for word in words)
 
 
@@ -136,7 +149,7 @@ def card_strips(
         lines.append(inside(strip.adjust_cell_length(room, _style(INK.dim))))
     idea = INK.bad if card.complaint else INK.text
     lines.append(inside(_line(f" {card.idea}", room, _style(idea))))
-    results = brief(card.record.bests, room - 2) or _UNMEASURED[card.record.state]
+    results = brief(card.record.bests, room - 2) or card.results
     lines.append(inside(_line(f" {results}", room, _style(INK.dim))))
     lines.append(Strip([Segment(frame.low_left + frame.flat * room + frame.low_right, ink)]))
     return lines
@@ -144,7 +157,7 @@ def card_strips(
 
 def _head(card: LevelCard, width: int, frame: _Frame, ink: Style) -> Strip:
     """Return the top of the frame with the title and the state."""
-    sign = SIGNS[card.record.state]
+    sign = card.sign
     title = _cut(f"{'▸ ' * card.is_here}{card.title}", width - len(sign) - 8)
     rest = width - cell_len(title) - len(sign) - 7
     return Strip(

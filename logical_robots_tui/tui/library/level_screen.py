@@ -24,7 +24,7 @@ from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.wording import counted
-from logical_robots_tui.world import Level, list_levels, load_level
+from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     def _list(self) -> None:
         """Show the names before the first key."""
-        shipped, own = list_levels(), own_levels(self._own)
+        shipped, own = [*list_levels(), *list_arenas()], own_levels(self._own)
         here = self._here.name
         self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
             LevelCard(name, is_here=str(file) == self._here.source, file=file)
@@ -198,11 +198,13 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         return self._shown[at] if 0 <= at < len(self._shown) else None
 
     def _tell_head(self) -> None:
-        won = sum(card.record.state == "won" for card in self._all)
+        arenas = set(list_arenas())
+        to_win = [card for card in self._all if card.name not in arenas]
+        won = sum(card.record.state == "won" for card in to_win)
         self.query_one("#head", Static).update(
             Content.assemble(
                 ("LEVELS", f"bold {INK.title}"),
-                (f"   {won} of {len(self._all)} won", INK.text),
+                (f"   {won} of {len(to_win)} won", INK.text),
                 ("   ○ new   ◐ in work   ★ won   ▸ you are here", INK.dim),
             )
         )

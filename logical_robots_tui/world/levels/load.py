@@ -6,7 +6,7 @@ from pathlib import Path
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.shipped import ARENAS, did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world.level import Level, LevelError
 from logical_robots_tui.world.levels.limits import MOST_BYTES
 from logical_robots_tui.world.levels.native import read_native
@@ -17,6 +17,7 @@ __all__ = [
     "SUFFIXES",
     "WEB",
     "is_of_web",
+    "list_arenas",
     "list_levels",
     "load_level",
     "read_level",
@@ -30,8 +31,13 @@ _FORMATS = "A level is a .toml file of this game or a .json file of the web plat
 
 
 def list_levels() -> list[str]:
-    """Return the names of the shipped levels, sorted by file name."""
+    """Return the names of the shipped levels that are to be won, sorted by file name."""
     return sorted({name for suffix in SUFFIXES for name in shipped_names("levels", suffix)})
+
+
+def list_arenas() -> list[str]:
+    """Return the names of the shipped levels in which teams meet, sorted by file name."""
+    return shipped_names("levels", NATIVE, ARENAS)
 
 
 def load_level(path_or_name: str | Path) -> Level:
@@ -86,12 +92,16 @@ def _daily(name: str) -> Level | None:
 
 
 def _shipped(name: str) -> Path:
-    for suffix in SUFFIXES:
-        path = shipped_folder("levels") / f"{name}{suffix}"
-        if name in list_levels() and path.is_file():
+    folder, known = shipped_folder("levels"), [*list_levels(), *list_arenas()]
+    for path in (*(folder / f"{name}{suffix}" for suffix in SUFFIXES), _arena(name)):
+        if name in known and path.is_file():
             return path
-    hint = did_you_mean(name, list_levels()) or "A path needs its ending, such as maze.toml."
+    hint = did_you_mean(name, known) or "A path needs its ending, such as maze.toml."
     raise LevelError(f'There is no level called "{name}".', hint=hint)
+
+
+def _arena(name: str) -> Path:
+    return shipped_folder("levels") / ARENAS / f"{name}{NATIVE}"
 
 
 def read_text(path: Path) -> str:

@@ -19,7 +19,7 @@ from logical_robots_tui.tui.library import level_screen as screen
 from logical_robots_tui.tui.library.card import LINES_AROUND, LevelCard, card_strips, draw_miniature
 from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.level_screen import LevelScreen
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import opened
 from tests.waiting import PATIENCE
 
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
     from tests.tui.conftest import Opened
 
-NAMES = list_levels()
+COURSE = list_levels()
+NAMES = [*COURSE, *list_arenas()]
 
 
 async def open_levels(game: Opened) -> LevelCards:
@@ -70,10 +71,19 @@ async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
     progress.close()
     async with opened(data_dir) as game:
         await open_levels(game)
-        await game.until(lambda: game.shows(f"1 of {len(NAMES)} won"))
+        await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
         for words in ("★ won", "◐ in work", "○ new", "not won yet"):
             await game.sees(words)
         await game.sees("1,255 ticks 1 rule 973 driven 19/20")
+
+
+async def test_arenas_are_the_last_ones_and_name_the_teams(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        cards = await open_levels(game)
+        await game.press(*"arena")
+        await game.until(lambda: [card.name for card in cards._cards] == NAMES[len(COURSE) :])
+        await game.sees("◇ arena")
+        await game.sees("teams: red, gold, blue, green")
 
 
 async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
@@ -111,7 +121,7 @@ async def test_what_is_typed_filters_by_title_idea_and_state(data_dir: Path) -> 
     progress.close()
     async with opened(data_dir) as game:
         cards = await open_levels(game)
-        await game.until(lambda: game.shows(f"1 of {len(NAMES)} won"))
+        await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
         await game.press(*"won")
         await game.until(lambda: [card.name for card in cards._cards] == [NAMES[1]])
         await game.press(*["backspace"] * 3, *"xyzzy")

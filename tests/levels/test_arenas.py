@@ -1,0 +1,166 @@
+"""Our arenas are fair, and each is won by an idea and not by luck."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from logical_robots_tui import Program, list_arenas, load_level
+from logical_robots_tui.editing.checks import check
+from logical_robots_tui.game.minds import mind_for
+from logical_robots_tui.game.robustness import start_of
+from logical_robots_tui.mind.program import join_teams
+from logical_robots_tui.shipped import ARENAS, shipped_names
+from logical_robots_tui.world import Level, World
+from logical_robots_tui.world.scoring import points
+from tests.levels.playing import LEVELS, program_text
+from tests.levels.test_levels import LONGEST_IDEA, LONGEST_LINE, around
+
+if TYPE_CHECKING:
+    from logical_robots_tui.values import Value
+
+NAMES = list_arenas()
+SEATS = [(name, seat) for name in NAMES for seat in range(len(load_level(name).teams))]
+STARTS = range(1, 11)
+
+each_arena = pytest.mark.parametrize("name", NAMES)
+
+
+def scores(level: Level, programs: list[str]) -> list[float]:
+    """What each team has at the end of a match, rounded as the screen does."""
+    names = [team.name for team in level.teams]
+    texts = map(program_text, programs)
+    mind = mind_for(Program.compile(join_teams(dict(zip(names, texts, strict=True)))), level)
+    world = World(level)
+    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
+    while world.tick < level.match_ticks:
+        decisions = mind.think(world.sense(), memories)
+        assert not any(decision.notices for decision in decisions)
+        world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+        memories = {d.robot_name: d.memory for d in decisions}
+    mind.close()
+    return [round(sum(mine), 2) for mine in points(level, world.save()).values()]
+
+
+@cache
+def played(name: str, seat: int | None, start: int) -> list[float]:
+    """The scores with the solution on one seat, or on none, and sparring partners on the others."""
+    level = start_of(load_level(name), start)
+    programs = [team.program for team in level.teams]
+    if seat is not None:
+        programs[seat] = level.solution
+    return scores(level, programs)
+
+
+def turned(level: Level, x: float, y: float) -> tuple[float, float]:
+    """Where a place comes to be when each team takes the seat of the next one."""
+    middle = level.width / 2, level.height / 2
+    dx, dy = x - middle[0], y - middle[1]
+    if len(level.teams) == 4:
+        dx, dy = -dy, dx
+    else:
+        dx, dy = -dx, -dy
+    return round(middle[0] + dx, 6), round(middle[1] + dy, 6)
+
+
+def test_arenas_are_numbered_after_the_course() -> None:
+    numbers = [int(name.partition("-")[0]) for name in NAMES]
+    assert numbers == [len(LEVELS) + 1 + place for place in range(len(NAMES))]
+    assert len(NAMES) == 3
+
+
+@each_arena
+def test_an_arena_has_texts_that_fit_a_pane_and_programs_of_its_name(name: str) -> None:
+    level = load_level(name)
+    lines = level.briefing.split("\n")
+    assert 3 <= len(lines) <= 6
+    assert max(map(len, lines)) <= LONGEST_LINE
+    assert 2 <= len(level.hints) <= 3
+    assert 0 < len(level.idea) <= LONGEST_IDEA
+    assert level.further
+    assert level.solution == name.partition("-")[2] == level.title.lower().replace(" ", "-")
+    assert {team.program for team in level.teams} == {level.starter}
+    assert level.starter == f"{level.solution}-sparring"
+    solution = "".join(program_text(level.solution).split())
+    (block,) = re.findall(r"^```\n(.*?)^```$", level.lesson, re.DOTALL | re.MULTILINE)
+    assert "".join(block.split()) in solution
+    assert max(map(len, block.split("\n"))) <= 76
+
+
+def test_every_program_for_arenas_belongs_to_one() -> None:
+    levels = map(load_level, NAMES)
+    wanted = [name for level in levels for name in (level.starter, level.solution)]
+    assert sorted(wanted) == shipped_names("programs", ".l", ARENAS)
+
+
+@each_arena
+def test_an_arena_is_without_mistakes_and_nobody_wins_it_for_all(name: str) -> None:
+    level = load_level(name)
+    assert check(level) == []
+    assert level.match_ticks
+    assert level.scores
+    assert not any(area.victory_robots for area in level.areas)
+    for robot in level.robots:
+        across, down = slice(*around(robot.x)), slice(*around(robot.y))
+        assert not np.any(level.walls[down, across])
+
+
+@each_arena
+@pytest.mark.parametrize("start", [0, 1])
+def test_an_arena_looks_the_same_from_every_seat(name: str, start: int) -> None:
+    level = start_of(load_level(name), start)
+    teams = [team.name for team in level.teams]
+    quarters = 4 // len(teams)
+    assert np.array_equal(level.walls, np.rot90(level.walls, quarters))
+    for kind in ("beacons", "areas"):
+        things = getattr(level, kind)
+        places = sorted((round(one.x, 6), round(one.y, 6)) for one in things)
+        assert places == sorted(turned(level, one.x, one.y) for one in things)
+        if len(teams) == 2:  # a program that knows a name finds it from either side
+            known = {(one.name, round(one.x, 6), round(one.y, 6)) for one in things}
+            assert known == {(one.name, *turned(level, one.x, one.y)) for one in things}
+    seats = [[robot for robot in level.robots if robot.team == team] for team in teams]
+    for mine, theirs in zip(seats, [*seats[1:], seats[0]], strict=True):
+        for one, other in zip(mine, theirs, strict=True):
+            assert turned(level, one.x, one.y) == pytest.approx((other.x, other.y))
+            turn = math.remainder(other.angle - one.angle - math.pi / 2 * quarters, math.tau)
+            assert turn == pytest.approx(0, abs=1e-9)
+            own = replace(one, name="", team="", color="", x=0, y=0, angle=0)
+            assert own == replace(other, name="", team="", color="", x=0, y=0, angle=0)
+    assert sorted(robot.name for robot in seats[0]) == [robot.name for robot in seats[0]]
+
+
+@each_arena
+@pytest.mark.parametrize("start", [0, 1])
+def test_equal_programs_have_equal_scores(name: str, start: int) -> None:
+    found = played(name, None, start)
+    assert len(set(found)) == 1
+
+
+@each_arena
+def test_the_solution_has_an_equal_match_against_itself(name: str) -> None:
+    level = load_level(name)
+    assert len(set(scores(level, [level.solution] * len(level.teams)))) == 1
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize(("name", "seat"), SEATS)
+@pytest.mark.parametrize("start", [0, 5])
+def test_who_takes_another_seat_takes_the_scores_along(name: str, seat: int, start: int) -> None:
+    first = played(name, 0, start)
+    assert played(name, seat, start) == [*first[len(first) - seat :], *first[: len(first) - seat]]
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize(("name", "seat"), SEATS)
+def test_the_solution_beats_all_sparring_partners(name: str, seat: int, start: int) -> None:
+    found = played(name, seat, start)
+    others = [*found[:seat], *found[seat + 1 :]]
+    assert found[seat] > 1.2 * max(others)
