@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -97,18 +98,19 @@ class _Moment:
         rows: Sequence[SensorRow],
     ) -> None:
         self._level, self._tick, self._rows = level, tick, rows
-        self._areas = [
-            (area, state) for area, state in zip(level.areas, areas, strict=True) if state.active
-        ]
-        teams = [team.name for team in level.teams]
-        self._team = {robot.name: teams.index(robot.team) for robot in level.robots}
+        self._areas: dict[str, list[tuple[Area, AreaState]]] = defaultdict(list)
+        for area, state in zip(level.areas, areas, strict=True):
+            if state.active:
+                self._areas[area.name].append((area, state))
+        teams = {team.name: i for i, team in enumerate(level.teams)}
+        self._team = {robot.name: teams[robot.team] for robot in level.robots}
         self._robots: list[list[RobotState]] = [[] for _ in teams]
         for robot in robots:
             self._robots[self._team[robot.name]].append(robot)
 
     def tally(self, score: Score, before: tuple[int, ...]) -> tuple[int, ...]:
         """Return the tallies of one part of the score."""
-        areas = [(area, state) for area, state in self._areas if area.name == score.area]
+        areas = self._areas[score.area]
         if score.kind == "beacons":
             return self._beacons(before)
         if score.kind == "charged":

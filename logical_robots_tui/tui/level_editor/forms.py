@@ -23,7 +23,15 @@ from logical_robots_tui.tui.level_editor.form import Choice, Flag, Form, Lines, 
 from logical_robots_tui.tui.library.level_screen import own_levels
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.world import Beacon, Level, Robot, Visibility, list_levels, load_level
+from logical_robots_tui.world import (
+    Beacon,
+    Level,
+    Robot,
+    Visibility,
+    list_arenas,
+    list_levels,
+    load_level,
+)
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
 if TYPE_CHECKING:
@@ -266,7 +274,8 @@ async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
         own: Folder of the player's levels.
     """
     own_names = await asyncio.to_thread(own_levels, own)
-    names = list(dict.fromkeys([*await asyncio.to_thread(list_levels), *own_names]))
+    shipped = await asyncio.to_thread(lambda: [*list_levels(), *list_arenas()])
+    names = list(dict.fromkeys([*shipped, *own_names]))
     form = NewLevelForm(names, here, own)
     return form.made if await ui.ask(form) else None
 

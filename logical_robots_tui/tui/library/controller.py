@@ -15,7 +15,7 @@ from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.game.source import programs_for
 from logical_robots_tui.tui.recovery.offers import short_name, when_saved
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world import list_arenas, list_levels, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -84,7 +84,8 @@ class LibraryController:
 
     async def next_level(self) -> None:
         """Open the next level, or say that this was the last."""
-        names = await asyncio.to_thread(list_levels)
+        listed = list_arenas if self._session.level.teams else list_levels
+        names = await asyncio.to_thread(listed)
         here = self._session.level.name
         following = names[names.index(here) + 1 :] if here in names else names[:1]
         if not following:

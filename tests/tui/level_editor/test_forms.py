@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
+from logical_robots_tui.shipped import ARENAS, shipped_folder
 from logical_robots_tui.tui.level_editor.form import Ticks
 from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm
 from logical_robots_tui.world import Visibility
@@ -65,6 +66,21 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
         assert s.live.hints == ("Turn.", "Go on.")
         assert s.live.visibility == Visibility("own", "all")
         assert s.live.shared_names == ("Lamp", "red light")
+
+
+async def test_a_robot_joins_one_of_the_teams_there_are(data_dir: Path, tmp_path: Path) -> None:
+    file = tmp_path / "match.toml"
+    shipped = (shipped_folder("levels") / ARENAS / "13-high-ground.toml").read_text("utf-8")
+    file.write_text(shipped, "utf-8")
+    async with studio(data_dir, file) as s:
+        await s.press("tab", "i")
+        await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
+        form = s.game.app.screen
+        assert form.query_one("#team", Select).value == "red"
+        form.query_one("#team", Select).value = "blue"
+        await s.press("f2")
+        await s.game.until(lambda: s.game.app.screen is s.game.main)
+        assert [robot.team for robot in s.level.robots] == ["blue", "red", "red", *["blue"] * 3]
 
 
 @pytest.mark.slow

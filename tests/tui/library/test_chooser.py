@@ -10,10 +10,11 @@ import pytest
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import list_programs, load_program, save_program
+from logical_robots_tui.shipped import ARENAS, shipped_folder
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.tui.library.save_dialog import SaveAs
-from logical_robots_tui.world import list_levels, load_level
+from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
 from tests.tui.dialogs import complaint, dialog, fill
 from tests.waiting import PATIENCE
@@ -91,6 +92,17 @@ async def test_the_next_level_follows_and_the_last_one_says_so(data_dir: Path) -
         for name in list_levels():
             await game.press("greater_than_sign")
             await game.until(partial(is_at, game, name))
+        await game.press("greater_than_sign")
+        await game.sees("the last level")
+
+
+async def test_an_arena_is_followed_by_the_next_one(data_dir: Path) -> None:
+    *_, last_but_one, last = list_arenas()
+    file = shipped_folder("levels") / ARENAS / f"{last_but_one}.toml"
+    async with opened(data_dir, level=file) as game:
+        await game.ready()
+        await game.press("greater_than_sign")
+        await game.until(partial(is_at, game, last))
         await game.press("greater_than_sign")
         await game.sees("the last level")
 
