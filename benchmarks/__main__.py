@@ -32,6 +32,7 @@ from benchmarks.replays import replays
 from benchmarks.schemas import schemas
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
+from benchmarks.teams import teams
 from benchmarks.tournament import tournament
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
@@ -47,6 +48,7 @@ BENCHMARKS = {
     "think": thinking,
     "schemas": schemas,
     "swarms": swarms,
+    "teams": teams,
     "game": whole_game,
     "breakpoints": breakpoints,
     "editing": editing,

@@ -49,7 +49,9 @@ def editing(effort: Effort) -> Iterator[Measurement]:
 async def _in_the_app(level: Level) -> list[float]:
     """Return the processor times in ms from a mouse move to the lines to send."""
     with tempfile.TemporaryDirectory() as folder:
-        app = LogicalRobotsApp(level, load_program("first-steps-starter"), data_dir=Path(folder))
+        app = LogicalRobotsApp(
+            level, {"": load_program("first-steps-starter")}, data_dir=Path(folder)
+        )
         async with app.run_test(size=(COLUMNS, ROWS)) as pilot:
             main = app.main
             while main.session.game is None:

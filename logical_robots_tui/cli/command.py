@@ -9,7 +9,7 @@ import os
 import sys
 import unicodedata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,6 +22,7 @@ __all__ = [
     "add_data_dir",
     "add_json",
     "add_no_solutions",
+    "add_programs",
     "add_start",
     "columns",
     "finite",
@@ -29,6 +30,7 @@ __all__ = [
     "harmless",
     "is_set",
     "line_of_json",
+    "named_programs",
     "new_command",
     "new_group",
     "number_from",
@@ -102,6 +104,37 @@ def number_from(least: int) -> Callable[[str], int]:
         return number
 
     return read
+
+
+def add_programs(command: argparse.ArgumentParser, *, nargs: Literal["+", "*"] = "+") -> None:
+    """Add the programs, by order as `programs` and by team as `teams`."""
+    command.add_argument(
+        "programs",
+        nargs=nargs,
+        metavar="PROGRAM",
+        help="a program's name or file; where teams play, one for each in order",
+    )
+    command.add_argument(
+        "--team",
+        dest="teams",
+        type=_team_and_program,
+        action="append",
+        default=[],
+        metavar="TEAM=PROGRAM",
+        help="the program of a team, by its name",
+    )
+
+
+def named_programs(options: argparse.Namespace) -> list[str]:
+    """Return the programs as typed, of a command with `add_programs`."""
+    return [*options.programs, *(program for _team, program in options.teams)]
+
+
+def _team_and_program(text: str) -> tuple[str, str]:
+    team, sign, program = text.partition("=")
+    if not (team and sign and program):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a team and a program: red=mine.l")
+    return team, program
 
 
 def add_start(command: argparse.ArgumentParser) -> None:

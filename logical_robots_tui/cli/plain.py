@@ -23,18 +23,19 @@ from logical_robots_tui.game.continuing import (
     keep_if_own,
     level_to_begin_with,
     note_level,
-    program_to_begin_with,
+    programs_to_begin_with,
 )
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.source import hide_solutions, target
 from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.mind.program import join_teams
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from logical_robots_tui.game import Frame, Source
@@ -61,7 +62,8 @@ quit            leave; so does the end of the input"""
 
 def play_in_lines(
     level_name: str | None,
-    program: str | None,
+    programs: Sequence[str],
+    teams: Mapping[str, str],
     data_dir: Path,
     *,
     start: int = 0,
@@ -71,7 +73,9 @@ def play_in_lines(
 
     Args:
         level_name: A level's name or path; by default the level played last.
-        program: A program's name or path; by default the player's last program for that level.
+        programs: A program's name or path for each team; by default the player's last program for
+            that level.
+        teams: Further programs by team.
         data_dir: The folder with the player's programs and progress.
         start: The number of a shifted start; 0 is the given one.
         solutions: Whether the solution of a level can be read before it is won.
@@ -90,18 +94,23 @@ def play_in_lines(
             from logical_robots_tui.game.robustness import named_start_of
 
             level = named_start_of(level, start)
-        source, kept = program_to_begin_with(progress, level, program, own)
-        if kept is not None and kept != source.text:
-            source = source._replace(text=kept)
+        sources, kept = programs_to_begin_with(progress, level, programs, teams, own)
+        mine = next(iter(sources))
+        if kept is not None and kept != sources[mine].text:
+            sources[mine] = sources[mine]._replace(text=kept)
             _say("Loaded your last program for this level.")
         try:
-            compiled = Program.compile(source.text)
+            compiled = _compiled(sources)
         except ProgramError as error:
-            raise ProgramFileError(program or source.name, error) from error
-        game = _TextGame(level, source, compiled, progress, own)
+            raise ProgramFileError(sources[error.team or mine].name, error) from error
+        game = _TextGame(level, sources, compiled, progress, own)
         return asyncio.run(game.play())
     finally:
         progress.close()
+
+
+def _compiled(sources: Mapping[str, Source]) -> Program:
+    return Program.compile(join_teams({team: source.text for team, source in sources.items()}))
 
 
 class _TextGame:
@@ -110,18 +119,18 @@ class _TextGame:
     def __init__(
         self,
         level: Level,
-        source: Source,
+        sources: dict[str, Source],
         program: Program,
         progress: Progress,
         own: Path,
     ) -> None:
-        self._level, self._source = level, source
+        self._level, self._sources, self._mine = level, sources, next(iter(sources))
         self._progress, self._key, self._own = progress, level_key(level), own
         self._game = Game(level, program)
         self._game.listen(self._tell_events)
         self._past = self._game.frame
         note_level(progress, level)
-        keep_if_own(progress, self._key, program.text)
+        keep_if_own(progress, self._key, program.own.text)
         self._commands: dict[str, Callable[[int], object]] = {
             "back": self._back,
             "restart": lambda _: self._go(self._game.restart),
@@ -197,19 +206,23 @@ class _TextGame:
             if is_there(path):
                 raise InputError("already exists.", place=str(path), hint="Choose another name.")
             save_program(path, self._source.text)
-            self._source = load_program(path)
+            self._sources[self._mine] = load_program(path)
         except InputError as error:
             _say(str(error))
         else:
             _say(f"Saved as {path}. Edit that file, then type apply.")
+
+    @property
+    def _source(self) -> Source:
+        return self._sources[self._mine]
 
     def _apply(self) -> None:
         if self._source.shipped:
             _say("This program is not in a file of yours. Type save and a name first.")
             return
         try:
-            self._source = load_program(self._source.path)
-            program = Program.compile(self._source.text)
+            self._sources[self._mine] = load_program(self._source.path)
+            program = _compiled(self._sources)
         except InputError as error:
             _say(str(error))
         except ProgramError as error:
@@ -217,7 +230,7 @@ class _TextGame:
                 _say(f"Line {found.line}: {found.message} {found.hint}")
         else:
             self._game.use(program)
-            keep_if_own(self._progress, self._key, program.text)
+            keep_if_own(self._progress, self._key, program.own.text)
             _say("The robots will use it from the next tick.")
 
     def _tell_events(self, frame: Frame) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_no_solutions,
+    add_programs,
     add_start,
     folder_of,
     is_set,
@@ -37,6 +38,7 @@ examples:
   logical-robots play                  continue, or start the first level
   logical-robots play 02-open-space    play another level
   logical-robots play my-level.toml my-program.l
+  logical-robots play 13-high-ground --team blue=my-program.l
   logical-robots play --daily          play the labyrinth of today
   logical-robots play --plain          play in lines of text, also in a pipe:
   echo run | logical-robots play 01-first-steps first-steps --plain
@@ -56,7 +58,7 @@ def declare(commands: Commands) -> None:
         epilog=EPILOG,
     )
     command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("program", nargs="?", metavar="PROGRAM", help="a program's name or file")
+    add_programs(command, nargs="*")
     command.add_argument(
         "--daily",
         nargs="?",
@@ -128,14 +130,15 @@ def _choose_daily(options: argparse.Namespace) -> None:
     from logical_robots_tui.game.continuing import daily_level
     from logical_robots_tui.progress import FILE_NAME, Progress
 
-    if options.program is not None:
+    if options.programs:
         raise InputError("--daily is the level; name a program at most, not two things.")
     progress = Progress(options.data_dir / FILE_NAME)
     try:
         level = daily_level(progress, options.daily, options.size)
     finally:
         progress.close()
-    options.level, options.program = level.name, options.level
+    options.programs = [options.level] if options.level else []
+    options.level = level.name
 
 
 def _refuse_shared_folder(folder: Path) -> None:
@@ -195,7 +198,12 @@ def _play_on_screen(options: argparse.Namespace) -> int:
         solutions=not options.no_solutions,
     )
     return play(
-        options.level, options.program, options.data_dir, permissions, start=options.start_number
+        options.level,
+        options.programs,
+        options.data_dir,
+        permissions,
+        teams=dict(options.teams),
+        start=options.start_number,
     )
 
 
@@ -210,7 +218,7 @@ def play_replay(options: argparse.Namespace, replay: Replay) -> int:
     from logical_robots_tui.tui.app.ui import Permissions
 
     permissions = Permissions(solutions=not options.no_solutions)
-    return play(None, None, folder_of(options.data_dir), permissions, replay=replay)
+    return play(None, (), folder_of(options.data_dir), permissions, replay=replay)
 
 
 def _play_in_lines(options: argparse.Namespace) -> int:
@@ -218,7 +226,8 @@ def _play_in_lines(options: argparse.Namespace) -> int:
 
     return play_in_lines(
         options.level,
-        options.program,
+        options.programs,
+        dict(options.teams),
         options.data_dir,
         start=options.start_number,
         solutions=not options.no_solutions,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
-from logical_robots_tui.game.frame import Frame
+from logical_robots_tui.game.frame import Frame, ends
 from logical_robots_tui.world import World
 from logical_robots_tui.world.changing import changed_state, former_names
 
@@ -72,7 +72,7 @@ def advance(
     most: int | None = None,
     decide: Decide | None = None,
 ) -> list[Advance]:
-    """Return the ticks after a past one, up to victory or a breakpoint. Blocks.
+    """Return the ticks after a past one, up to their end or a breakpoint. Blocks.
 
     Args:
         worlds: The worlds to compute them in.
@@ -101,8 +101,7 @@ def advance(
         is_watched = watch.breakpoints and frame.decisions
         hits = watch.hits(past, frame, mind, stop) if is_watched else ()
         done.append(Advance(frame, hits))
-        has_won = frame.after.won_at == frame.tick
-        if hits or has_won or len(done) == most or perf_counter() > until:
+        if hits or ends(level, frame) or len(done) == most or perf_counter() > until:
             return done
         past = frame
 

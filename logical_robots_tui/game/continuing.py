@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import (
-    DEFAULT_PROGRAM,
     Source,
     load_program,
+    programs_for,
     shipped_texts,
 )
 from logical_robots_tui.game.victory import level_key
 from logical_robots_tui.world import LevelError, list_levels, load_level
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from datetime import date
     from pathlib import Path
 
@@ -33,7 +34,7 @@ __all__ = [
     "level_to_begin_with",
     "note_level",
     "place_of",
-    "program_to_begin_with",
+    "programs_to_begin_with",
 ]
 
 _LAST_LEVEL = "level"
@@ -99,23 +100,37 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
     raise InputError(f"No {size} labyrinth of {day.isoformat()} can be won.")
 
 
-def program_to_begin_with(
-    progress: Progress, level: Level, named: str | None, own: Path
-) -> tuple[Source, str | None]:
-    """Return the program to open in a level, and the text last used there if it is to continue.
+def programs_to_begin_with(
+    progress: Progress,
+    level: Level,
+    names: Sequence[str],
+    by_team: Mapping[str, str],
+    own: Path,
+) -> tuple[dict[str, Source], str | None]:
+    """Return the programs to open in a level, and the player's last text of the first of them.
+
+    The player's team is the first one: one that is named, or else the first one of the level.
 
     Args:
         progress: The player's progress.
         level: The level.
-        named: A program's name or path, or None for the level's default.
+        names: Programs by the order of the teams, each a path or a name; () for the usual ones.
+        by_team: Further ones by team.
         own: Folder of the player's programs.
 
+    Returns:
+        The programs by team, in a level without teams of "", and the text if it is to continue.
+
     Raises:
-        InputError: The program can't be read.
+        InputError: A program can't be read, or the level has no such team.
     """
-    source = load_program(named or level.starter or DEFAULT_PROGRAM, own)
-    goes_on = named is None and bool(level.starter)
-    return source, progress.newest(level_key(level)) if goes_on else None
+    sources = programs_for(level, names, by_team, own)
+    mine = next(iter(sources) if names or not by_team else iter(by_team))
+    goes_on = not (names or by_team) and bool(level.starter)
+    if goes_on:
+        sources[mine] = load_program(level.starter, own)
+    text = progress.newest(level_key(level)) if goes_on else None
+    return {mine: sources[mine]} | sources, text
 
 
 def keep_if_own(progress: Progress, key: str, text: str) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.world.scoring import points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -16,7 +17,19 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = ["Frame", "Goal", "NoSuchTickError", "Superseded", "driven", "events_between", "goals"]
+__all__ = [
+    "Frame",
+    "Goal",
+    "NoSuchTickError",
+    "Superseded",
+    "driven",
+    "ends",
+    "events_between",
+    "goals",
+    "is_match_over",
+    "standing",
+    "standing_words",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +115,29 @@ def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
                 yield f"{decision.robot_name}: {notice.message}"
     if frame.after.won_at == frame.tick and past.after.won_at is None:
         yield f"Won after {frame.tick} ticks."
+    if is_match_over(level, frame.tick):
+        yield f"The match is over: {standing_words(level, frame.after)}."
+
+
+def ends(level: Level, frame: Frame) -> bool:
+    """Return whether a run stops after a tick: the level was just won, or the match is over."""
+    return frame.tick > 0 and (frame.after.won_at == frame.tick or is_match_over(level, frame.tick))
+
+
+def is_match_over(level: Level, tick: int) -> bool:
+    """Return whether a tick is the last one that counts in a match of teams."""
+    return tick > 0 and tick == level.match_ticks
+
+
+def standing(level: Level, state: WorldState) -> dict[str, float]:
+    """Return the points of each team, in the order of the level; {} where nothing is scored."""
+    return {team: sum(parts) for team, parts in points(level, state).items() if parts}
+
+
+def standing_words(level: Level, state: WorldState) -> str:
+    """Return the points of the teams in words, the best first: ``red 12, blue 7``."""
+    found = sorted(standing(level, state).items(), key=lambda each: -each[1])
+    return ", ".join(f"{team} {round(score, 1):,.10g}" for team, score in found)
 
 
 def _of_robot(before: RobotState, now: RobotState) -> Iterator[str]:

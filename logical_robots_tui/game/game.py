@@ -16,7 +16,7 @@ from logical_robots_tui.game.advancing import (
 )
 from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, mistake_in
 from logical_robots_tui.game.debugging.watching import Watch
-from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.frame import Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace
 from logical_robots_tui.game.thinker import Thinker
@@ -262,9 +262,9 @@ class Game:
         self.history.forget_future(self._frame.tick)
 
     async def run(self) -> None:
-        """Step at the speed of `pace` until a breakpoint, a pause, victory or cancellation.
+        """Step at the speed of `pace` until a breakpoint, a pause, the end or cancellation.
 
-        A game that is already won continues.
+        The end is victory, or that of a match; a game that is over continues.
         """
         if self._running:
             return
@@ -272,14 +272,11 @@ class Game:
         self.pace.start()
         try:
             while self._running:
-                was_won = self.won_at is not None
                 try:
-                    if await self._go_on(self.pace.together):
+                    if await self._go_on(self.pace.together) or ends(self.level, self._frame):
                         return
                 except Superseded:
                     continue
-                if self.won_at is not None and not was_won:
-                    return
                 await self.pace.wait()
         finally:
             self._running = False
@@ -288,7 +285,7 @@ class Game:
     async def run_until(
         self, *, tick: int | None = None, condition: Callable[[Frame], bool] | None = None
     ) -> Frame:
-        """Step flat out until a tick, a breakpoint or a condition is met, or the game is won.
+        """Step flat out until a tick, a breakpoint or a condition is met, or the game ends.
 
         Args:
             tick: Stop when this tick is finished.
@@ -297,11 +294,9 @@ class Game:
         Raises:
             Superseded: The game was restarted, rewound or reprogrammed in the meantime.
         """
-        was_won = self.won_at is not None
         while tick is None or self._frame.tick < tick:
             most = None if tick is None else tick - self._frame.tick
-            met = await self._go_on(most, condition, _SECONDS_AWAY)
-            if met or (self.won_at is not None and not was_won):
+            if await self._go_on(most, condition, _SECONDS_AWAY) or ends(self.level, self._frame):
                 break
         return self._frame
 

@@ -17,10 +17,11 @@ from logical_robots_tui.shipped import ARENAS, did_you_mean, shipped_folder, shi
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind import Program, Report
     from logical_robots_tui.progress import Progress
+    from logical_robots_tui.world import Level
 
 __all__ = [
     "DEFAULT_PROGRAM",
@@ -33,6 +34,7 @@ __all__ = [
     "list_programs",
     "load_program",
     "mistake_in_question",
+    "programs_for",
     "reference_names",
     "save_program",
     "shipped_texts",
@@ -148,6 +150,39 @@ def load_program(
         place=str(path_or_name),
         hint=did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}.",
     )
+
+
+def programs_for(
+    level: Level,
+    names: Sequence[str],
+    by_team: Mapping[str, str],
+    own: Path | None = None,
+    *,
+    pipes: bool = False,
+) -> dict[str, Source]:
+    """Return the program of each team of a level, or of "" if it has no teams.
+
+    Args:
+        level: The level. It says who plays the teams that are not named.
+        names: Programs by the order of the teams, each a path or a name.
+        by_team: Further ones by team.
+        own: Folder with the player's own programs.
+        pipes: Whether they may be pipes or devices, which may block.
+
+    Raises:
+        InputError: A program can't be read, or the level has no such team.
+    """
+    usual = level.starter or DEFAULT_PROGRAM
+    wanted = {team.name: team.program or usual for team in level.teams} or {"": usual}
+    if len(names) > len(wanted):
+        teams = f"{len(level.teams)} teams" if level.teams else "no teams"
+        raise InputError(f"{len(names)} programs are too many: {level.name} has {teams}.")
+    for team in by_team:
+        if team not in wanted or not team:
+            hint = did_you_mean(team, wanted) or f"It has {', '.join(wanted)}."
+            raise InputError(f"{level.name} has no team {team}.", hint=hint if level.teams else "")
+    wanted |= dict(zip(wanted, names, strict=False)) | dict(by_team)
+    return {team: load_program(name, own, pipes=pipes) for team, name in wanted.items()}
 
 
 @lru_cache(maxsize=1)

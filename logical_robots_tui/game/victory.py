@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.wording import counted
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
@@ -207,8 +208,8 @@ def result_line(level: Level, measures: Measures) -> str:
         level: Where it was achieved.
         measures: How good it is.
     """
-    rules = f"{measures.rules} rule{'s' * (measures.rules != 1)}"
-    line = f"Logical Robots · {level.title} · {measures.ticks:,} ticks · {rules}"
+    ticks, rules = counted(measures.ticks, "tick"), counted(measures.rules, "rule")
+    line = f"Logical Robots · {level.title} · {ticks} · {rules}"
     line += f" · {measures.distance:,.0f} units driven"
     if measures.wins is not None:
         line += f" · {measures.wins} of {measures.starts} starts"

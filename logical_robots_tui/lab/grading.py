@@ -14,6 +14,7 @@ from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import digest
 from logical_robots_tui.lab.specification import Assignment
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.exporting import Done
@@ -274,7 +275,7 @@ def _said(level: LevelGrade, show: list[str]) -> list[str]:
     if "ticks" in show and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
     if "rules" in show and level.rules is not None:
-        said.append(f"{level.rules} rule{'s' * (level.rules != 1)}.")
+        said.append(f"{counted(level.rules, 'rule')}.")
     if "distance" in show and level.distance:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):

@@ -191,14 +191,19 @@ def run_batteries(
     """
     shares: list[list[float]] = [[] for _ in movers]
     given: dict[int, float] = {}
+    needy = [
+        (i, mover, mover.x, mover.y)
+        for i, (robot, mover) in enumerate(zip(robots, movers, strict=True))
+        if robot.has_battery and mover.battery_level < robot.battery_capacity
+    ]
     for source in sources:
+        x, y = source.x, source.y
         around = [
             i
-            for i, (robot, mover) in enumerate(zip(robots, movers, strict=True))
-            if robot.has_battery
-            and source is not mover
-            and mover.battery_level < robot.battery_capacity
-            and math.hypot(source.x - mover.x, source.y - mover.y) < CHARGING_RADIUS
+            for i, mover, its_x, its_y in needy
+            if abs(its_x - x) < CHARGING_RADIUS
+            and math.hypot(its_x - x, its_y - y) < CHARGING_RADIUS
+            and mover is not source
         ]
         gift = float(CHARGING_RATE)
         if isinstance(source, Mover) and around:

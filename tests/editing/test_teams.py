@@ -6,20 +6,24 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import given, settings
 
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
 from logical_robots_tui.editing.properties import set_words
 from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove
-from logical_robots_tui.world import LevelError, Robot, Score, Team
+from logical_robots_tui.world import Area, LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 from logical_robots_tui.world.levels.web import read_web
 from tests.editing.test_files import read
+from tests.world.test_scoring import matches
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from logical_robots_tui.world import Level
 
 TEAMS = """\
 title = "Match"
@@ -90,6 +94,13 @@ def test_a_score_follows_an_area_that_is_called_otherwise() -> None:
     assert renamed.scores == (Score("hold", "top"), Score("charged", points=0.5))
     twice, ref = duplicate(level, Ref("areas", 0), 2, 0)
     assert change(twice, ref, name="top").scores == level.scores
+
+
+@settings(deadline=None)
+@given(matches())
+def test_any_match_is_read_as_it_was_written(level: Level) -> None:
+    level = replace(level, areas=(*level.areas, Area("home", 10, 10, 5)))
+    assert alike(read(write_native(level)), level)
 
 
 def test_a_team_without_robots_is_not_saved(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Game
-from logical_robots_tui.game.replay import _hash_of, load_replay
+from logical_robots_tui.game.replay import Replay, _hash_of, load_replay
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import WorldState, load_level
 from logical_robots_tui.world.levels.native import read_native
@@ -88,6 +88,20 @@ async def test_a_replay_with_other_tallies_is_refused(
     file = written(msgspec.structs.replace(replay, stages=(stage,)), tmp_path)
     with pytest.raises(InputError, match="does not fit the level"):
         load_replay(file)
+
+
+async def test_a_replay_from_before_there_were_scores_is_still_read(tmp_path: Path) -> None:
+    game = Game(hall(tmp_path), Program.compile(COUNTER))
+    await game.run_until(tick=5)
+    replay = await kept(game)
+    await game.close()
+    told = msgspec.msgpack.decode(msgspec.msgpack.encode(replay))
+    for stage in told["stages"]:
+        assert stage["state"].pop("tallies") == []
+    old = msgspec.msgpack.decode(msgspec.msgpack.encode(told), type=Replay)
+    assert old == replay
+    async with again(old) as (_, verifier):
+        assert verifier.difference is None
 
 
 def test_the_hash_of_a_world_without_a_score_is_what_it_always_was(tmp_path: Path) -> None:

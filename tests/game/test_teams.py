@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Game
+from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.robustness import play_through
 from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.mind.program import join_teams
@@ -123,3 +124,26 @@ def test_the_quick_loop_thinks_alike(match: Level) -> None:
     played = play_through(match, teams(COUNTER, BACKWARDS), 30)
     assert played.won_at is None
     assert play_through(match, Program.compile(COUNTER), 100).won_at is not None
+
+
+SCORE = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
+SCORED = "match = {ticks = 8}\n" + MATCH + SCORE
+
+
+async def test_a_match_ends_and_may_go_on(tmp_path: Path) -> None:
+    path = tmp_path / "scored.toml"
+    path.write_text(SCORED, "utf-8")
+    game = Game(load_level(path), teams(COUNTER, BACKWARDS))
+    await game.run_until(tick=50)
+    assert game.frame.tick == 8
+    found = standing(game.level, game.frame.after)
+    assert found["red"] > found["blue"]
+    game.back(3)
+    assert standing(game.level, game.frame.after)["red"] < found["red"]
+    game.pace.speed = None
+    await game.run()
+    assert game.frame.tick == 8
+    await game.run_until(tick=12)
+    assert game.frame.tick == 12
+    assert standing(game.level, game.frame.after) == found
+    await game.close()

@@ -15,7 +15,7 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :-
 """
 
 texts = st.text(st.sampled_from('ab#\n{}": 1') | st.characters(codec="utf-8"), max_size=30)
-teams = st.dictionaries(st.text(max_size=5), texts, min_size=1, max_size=4)
+teams = st.dictionaries(st.text(min_size=1, max_size=5), texts, min_size=1, max_size=4)
 
 
 @given(teams)

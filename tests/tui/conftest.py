@@ -250,7 +250,7 @@ async def opened(
     source = load_program(path) if path.exists() else source_of(text, path.parent, name)
     app = LogicalRobotsApp(
         await asyncio.to_thread(load_level, file),
-        source,
+        {"": source},
         data_dir=data_dir,
         welcome=welcome,
         settings=settings,

@@ -11,8 +11,10 @@ from logical_robots_tui.cli.command import (
     add_data_dir,
     add_json,
     add_no_solutions,
+    add_programs,
     add_start,
     harmless,
+    named_programs,
     new_command,
     number_from,
     own_programs,
@@ -76,7 +78,7 @@ def new_run_command(
         epilog=epilog,
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
+    add_programs(command)
     if first_tick is not None:
         said = "the tick" if first_tick else "the tick; 0 is the start"
         command.add_argument(
@@ -107,21 +109,26 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
         InputError: The level or program can't be read, or there is no such robot.
         ProgramFileError: The program has errors.
     """
-    from logical_robots_tui.game import load_program
     from logical_robots_tui.game.robustness import named_start_of
+    from logical_robots_tui.game.source import programs_for
     from logical_robots_tui.mind import Program, ProgramError
+    from logical_robots_tui.mind.program import join_teams
     from logical_robots_tui.world import load_level
 
     level = named_start_of(load_level(options.level), options.start_number)
-    source = load_program(options.program, own_programs(options), pipes=True)
+    own = own_programs(options)
+    sources = programs_for(level, options.programs, dict(options.teams), own, pipes=True)
     try:
-        program = Program.compile(source.text)
+        program = Program.compile(join_teams({team: each.text for team, each in sources.items()}))
     except ProgramError as error:
-        place = str(source.path if options.program == str(source.path) else options.program)
-        raise ProgramFileError(place, error) from error
-    if getattr(options, "robot", None) is not None:
-        check_name("robot", options.robot, (robot.name for robot in level.robots))
-    return level, program
+        path, typed = str(sources[error.team].path), named_programs(options)
+        raise ProgramFileError(
+            path if path in typed else sources[error.team].name, error
+        ) from error
+    robot = getattr(options, "robot", None)
+    if robot is not None:
+        check_name("robot", robot, (robot.name for robot in level.robots))
+    return level, program.for_team(level.team_of(robot or ""))
 
 
 def check_name(what: str, name: str, known: Iterable[str]) -> None:

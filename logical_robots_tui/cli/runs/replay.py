@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.cli.command import (
     add_data_dir,
     add_no_solutions,
+    add_programs,
     add_start,
     finite,
     harmless,
+    named_programs,
     new_command,
     new_group,
     number_from,
 )
 from logical_robots_tui.cli.level_files import write
 from logical_robots_tui.cli.runs.common import opened, progress_bar
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     import argparse
@@ -75,7 +78,7 @@ def _declare_record(commands: Commands) -> None:
         epilog=_RECORD_EPILOG,
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("program", metavar="PROGRAM", help="a program's name or file")
+    add_programs(command)
     command.add_argument(
         "-o", "--output", type=Path, required=True, metavar="FILE", help="to write"
     )
@@ -108,7 +111,7 @@ def _record(options: argparse.Namespace) -> int:
             with progress_bar(level.title, options.ticks) as show:
                 game.listen(lambda frame: show(frame.tick))
                 await game.run_until(tick=options.ticks)
-            name = Path(options.program).stem
+            name = "-".join(Path(each).stem for each in named_programs(options))
             return await gather(
                 game.history, write_native, lambda _: name, with_programs=not options.no_programs
             )
@@ -123,8 +126,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _ticks(replay: Replay) -> str:
-    count = replay.last - replay.first
-    return f"{count:,} tick{'s' * (count != 1)}"
+    return counted(replay.last - replay.first, "tick")
 
 
 _PLAY_EPILOG = """\

@@ -10,7 +10,14 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import UNRELIABLE, columns, finite, harmless, prefers_json
+from logical_robots_tui.cli.command import (
+    UNRELIABLE,
+    columns,
+    finite,
+    harmless,
+    named_programs,
+    prefers_json,
+)
 from logical_robots_tui.cli.runs.common import new_run_command, opened, progress_bar
 
 if TYPE_CHECKING:
@@ -34,8 +41,9 @@ examples:
   logical-robots run 01-first-steps first-steps --json     print it as JSON
   logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
   logical-robots run my-level.toml my-program.l --ticks 900
+  logical-robots run 13-high-ground high-ground high-ground-sparring
 
-exit status: 0 won, 1 not won in time, 2 bad level or program
+exit status: 0 won or match over, 1 not won in time, 2 bad level or program
 """
 
 
@@ -57,9 +65,12 @@ def start(options: argparse.Namespace) -> int:
     """Run the program in the level and print the result."""
     level, program = opened(options)
     with progress_bar(level.title, options.ticks) as show:
-        outcome = asyncio.run(play_out(level, program, options.program, options.ticks, show))
+        outcome = asyncio.run(
+            play_out(level, program, " ".join(named_programs(options)), options.ticks, show)
+        )
     print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.as_text())
-    return WON if outcome.won_at is not None else NOT_WON
+    is_over = level.match_ticks == outcome.frame.tick
+    return WON if outcome.won_at is not None or is_over else NOT_WON
 
 
 async def play_out(
@@ -160,6 +171,7 @@ class Outcome:
             times: Whether to include times, which differ from run to run.
         """
         from logical_robots_tui.game import goals
+        from logical_robots_tui.world.scoring import points
 
         ticks = self.frame.tick
         found: dict[str, Any] = {
@@ -173,6 +185,7 @@ class Outcome:
                 {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
                 for goal in goals(self.level, self.frame.after)
             ],
+            **({"scores": points(self.level, self.frame.after)} if self.level.scores else {}),
             "second_goals": {
                 goal.words: goal.words in self.reached for goal in self.level.second_goals
             },
@@ -219,8 +232,12 @@ class Outcome:
 
     def _verdict(self) -> str:
         from logical_robots_tui.game import goals
+        from logical_robots_tui.game.frame import standing_words
 
         title = harmless(self.level.title)
+        if self.level.scores:
+            told = harmless(standing_words(self.level, self.frame.after))
+            return f"{title}: after {self.frame.tick} ticks {told}."
         if self.won_at is not None:
             return f"{title}: won at tick {self.won_at}."
         if not any(area.victory_robots for area in self.level.areas):

@@ -12,7 +12,7 @@ from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 
-from logical_robots_tui.game.continuing import level_to_begin_with, program_to_begin_with
+from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
@@ -27,10 +27,11 @@ from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
 from logical_robots_tui.tui.terminal.key_queue import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
-from logical_robots_tui.tui.timeline.replays import level_of, source_of
+from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from textual.binding import BindingType
@@ -55,7 +56,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     Args:
         level: Where to begin.
-        source: The program to begin with.
+        sources: The programs to begin with by team; in a level without teams that of "".
         data_dir: Where drafts, the player's programs and progress are.
         recorder: Where progress is kept, if that is open already.
         text: What the player made of the program, or None.
@@ -79,7 +80,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     def __init__(
         self,
         level: Level,
-        source: Source,
+        sources: Mapping[str, Source],
         *,
         data_dir: Path,
         recorder: ProgressRecorder | None = None,
@@ -100,7 +101,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         recorder = recorder or ProgressRecorder(data_dir / FILE_NAME)
         self.main = MainScreen(
             level,
-            source,
+            sources,
             data_dir,
             recorder,
             text=text,
@@ -263,10 +264,11 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
 def play(
     level_name: str | None,
-    program: str | None,
+    programs: Sequence[str],
     data_dir: Path,
     permissions: Permissions | None = None,
     *,
+    teams: Mapping[str, str] | None = None,
     start: int = 0,
     replay: Replay | None = None,
 ) -> int:
@@ -274,10 +276,11 @@ def play(
 
     Args:
         level_name: A level's name or path; by default the level played last, or the first one.
-        program: A program's name or path; by default the player's last program for that level, or
-            its starter.
+        programs: A program's name or path for each team; by default the player's last program for
+            that level, or its starter.
         data_dir: Folder with drafts, the player's programs and progress.
         permissions: What the player may do and read; by default everything.
+        teams: Further programs by team.
         start: The number of a shifted start; 0 is the given one.
         replay: What to open instead of a level and a program.
 
@@ -295,17 +298,17 @@ def play(
         hide_solutions(progress)
     own, text = data_dir / "programs", None
     if replay is not None:
-        level, source = level_of(replay), source_of(replay, own)
+        level, sources = level_of(replay), sources_of(replay, own)
     else:
         level = load_level(level_name) if level_name else level_to_begin_with(progress)
         if start:
             from logical_robots_tui.game.robustness import named_start_of
 
             level = named_start_of(level, start)
-        source, text = program_to_begin_with(progress, level, program, own)
+        sources, text = programs_to_begin_with(progress, level, programs, teams or {}, own)
     app = LogicalRobotsApp(
         level,
-        source,
+        sources,
         data_dir=data_dir,
         recorder=recorder,
         text=text,

@@ -38,6 +38,7 @@ from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
+from logical_robots_tui.tui.program.teams import TeamChoice, TeamTabs
 from logical_robots_tui.tui.recovery.autosave import Autosave, leave, program_draft
 from logical_robots_tui.tui.recovery.offers import Bookmark, Offers
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
@@ -45,6 +46,7 @@ from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from textual import events
@@ -70,7 +72,7 @@ class MainScreen(Screen[None], SessionListener):
 
     Args:
         level: The first level.
-        source: The first program.
+        sources: The first programs by team; in a level without teams that of "".
         data_dir: Folder with drafts and the player's programs.
         recorder: Records progress.
         text: The player's text of the program, or None.
@@ -89,7 +91,7 @@ class MainScreen(Screen[None], SessionListener):
     def __init__(
         self,
         level: Level,
-        source: Source,
+        sources: Mapping[str, Source],
         data_dir: Path,
         recorder: ProgressRecorder,
         *,
@@ -106,9 +108,9 @@ class MainScreen(Screen[None], SessionListener):
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.scheduler = FrameScheduler(self, self._draw)
-        self.session = Session(level, source, spawn=self.spawn, changed=self.scheduler.soon)
+        self.session = Session(level, sources, spawn=self.spawn, changed=self.scheduler.soon)
         self.scheduler.pace = self.session.pace
-        self._text_to_begin_with = source.text if text is None else text
+        self._text_to_begin_with = self.session.source.text if text is None else text
         self._is_new_here, self._replay = welcome, replay
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
@@ -161,15 +163,16 @@ class MainScreen(Screen[None], SessionListener):
             enter=lambda: self.go_to(program),
             suspend=lambda: self.app.suspend(),
         )
+        self.team_choice = TeamChoice(session, self.library.look_at, self.tell)
         self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
         self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
         self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
         self.replays = Replays(session, ui, data_dir / "replays")
         self.search = Search(session, ui, self.timeline_controller.go_to)
-        is_covered = partial(self.arrangement.covers, self.labyrinth)
-        self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, is_covered)
-        session.listeners += [self.editing, recorder, self.announcer]
-        session.listeners += [self.timeline_controller, self]
+        covered = partial(self.arrangement.covers, self.labyrinth)
+        self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, covered)
+        heard = [self.editing, recorder, self.announcer, self.timeline_controller, self]
+        session.listeners += heard
 
     def _panel(self, mode: EditMode) -> EditPanel:
         from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -206,7 +209,7 @@ class MainScreen(Screen[None], SessionListener):
     def _start(self) -> None:
         collect_seldom()
         self.recorder.level_opened(self.session.opened)
-        self.session.apply(self.text)
+        self.session.apply(self.program.text)
         if self._replay is not None:
             self.spawn(partial(self.replays.open, self._replay), "replay", exclusive=False)
         else:
@@ -226,11 +229,6 @@ class MainScreen(Screen[None], SessionListener):
 
     # -- for the parts -------------------------------------------------------------------------
 
-    @property
-    def text(self) -> str:
-        """The text in the editor."""
-        return self.program.text
-
     def level_opened(self, level: Level) -> None:
         """Show the level with no robot selected."""
         self.labyrinth.select(None)
@@ -248,18 +246,14 @@ class MainScreen(Screen[None], SessionListener):
         if not self.arrangement.is_tiny and self._drawn != now:
             self._drawn = now
             self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
-        saved = self.text == session.source.text
-        self.program.show(session.state, session.source.name, saved=saved)
+        source = session.source
+        self.program.show(session.state, source.name, saved=self.program.text == source.text)
+        self.program.teams.show(session.level, session.sources.team)
         is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
         self.labyrinth.banner.follow(self.recorder)
         self.inspector.follow()
-
-    @property
-    def _edits(self) -> bool:
-        """Return whether keys edit the level."""
-        return self.editing.is_on and self.labyrinth.has_focus
 
     def redraw_lines(self) -> None:
         """Update the lines around the panes."""
@@ -267,8 +261,9 @@ class MainScreen(Screen[None], SessionListener):
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))
-        own = getattr(self.focused, "bar_keys", ())
-        self._bar.show(typing=typing, running=self.session.busy, editing=self._edits, own=own)
+        own, busy = getattr(self.focused, "bar_keys", ()), self.session.busy
+        edits = self.editing.is_on and self.labyrinth.has_focus
+        self._bar.show(typing=typing, running=busy, editing=edits, own=own)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)
         self._tabs.show(tabs, self.arrangement.active.command_id)
 
@@ -365,7 +360,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
-        self._select(event.name)
+        self.select(event.name)
         if not self.inspector.shows_robot:
             self.inspector.inspect(ROBOTS)
 
@@ -379,16 +374,19 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(Placed)
     def _place_pointed(self, event: Placed) -> None:
-        if event.program == self.text and not self.program.has_focus_within:
+        if event.program == self.program.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
 
     @on(RobotsView.Chosen)
-    def _robot_chosen(self, event: RobotsView.Chosen) -> None:
-        self._select(event.robot_name)
+    @on(TeamTabs.Chosen)
+    def _robot_chosen(self, event: RobotsView.Chosen | TeamTabs.Chosen) -> None:
+        self.select(event.robot_name)
 
-    def _select(self, robot_name: str) -> None:
-        self.labyrinth.select(robot_name)
-        self.inspector.choose(robot_name)
+    def select(self, robot_name: str) -> None:
+        """Look at a robot, and at the program that it thinks with."""
+        if self.team_choice.follow(robot_name):
+            self.labyrinth.select(robot_name)
+            self.inspector.choose(robot_name)
 
     def action_command(self, command_id: str) -> None:
         """Run a command."""

@@ -14,16 +14,23 @@ from logical_robots_tui.game import (
     mistake_in,
     start_frame,
 )
+from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import Movement, OpenLevel, ProgramState, nothing
+from logical_robots_tui.tui.app.session_state import (
+    Movement,
+    OpenLevel,
+    ProgramState,
+    TeamSources,
+    nothing,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
 
-    from logical_robots_tui.game import Breakpoint, Game, Hit, Place, Source
+    from logical_robots_tui.game import Breakpoint, Game, Hit, Source
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.mind import Predicate, Program, Table
+    from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.tui.app.session_state import SessionListener
     from logical_robots_tui.tui.app.ui import Spawn, Work
     from logical_robots_tui.world import Level
@@ -41,12 +48,13 @@ class Session:
 
     Args:
         level: The first level.
-        source: The first program.
+        sources: The program of each team, or of "" in a level without teams.
         spawn: Starts background work.
         changed: Called after every change that the screen may show.
 
     Attributes:
         levels: The current level: in its file, edited, and on the screen.
+        sources: The programs, and the team that is looked at.
         listeners: Notified of events.
         movement: What the robots are doing.
     """
@@ -54,13 +62,13 @@ class Session:
     def __init__(
         self,
         level: Level,
-        source: Source,
+        sources: Mapping[str, Source],
         *,
         spawn: Spawn,
         changed: Callable[[], None],
     ) -> None:
         self.levels = OpenLevel(level)
-        self.source = source
+        self.sources = TeamSources(sources)
         self.state = ProgramState()
         self.pace = Pace()
         self.game: Game | None = None
@@ -96,6 +104,11 @@ class Session:
         return not self.movement.is_resting
 
     @property
+    def source(self) -> Source:
+        """The program in the editor: that of the team that is looked at."""
+        return self.sources.source
+
+    @property
     def program(self) -> Program | None:
         """The robots' program, or None before the first compilation."""
         return self._program
@@ -128,8 +141,8 @@ class Session:
 
     # -- level and program ---------------------------------------------------------------------
 
-    def open_level(self, level: Level, source: Source, text: str) -> None:
-        """Open a level with a program; its robots are at the start."""
+    def open_level(self, level: Level, sources: Mapping[str, Source], text: str) -> None:
+        """Open a level with programs, the first with another text; its robots are at the start."""
         self.pause()
         if self.game is not None:
             self.release(self.game.close)
@@ -137,19 +150,27 @@ class Session:
         self.state = ProgramState()
         self.levels = OpenLevel(level)
         self.frame = start_frame(level)
-        self.source = source
+        self.sources = TeamSources(sources)
         self._won = None
         self._tell(lambda listener: listener.level_opened(level))
         self.apply(text)
 
+    def look_at(self, team: str) -> None:
+        """Look at another team's program; the robots notice nothing."""
+        self.sources.team = team
+        if self.game is not None:
+            self.game.look_at(team)
+            self._think_with(self.game.program)
+        self._changed()
+
     def open_program(self, source: Source, text: str) -> None:
         """Use another program from the next tick."""
-        self.source = source
+        self.sources.source = source
         self.apply(text)
 
     def saved_as(self, source: Source) -> None:
         """Note that the editor's text was saved as `source`."""
-        self.source = source
+        self.sources.source = source
         self._changed()
 
     def level_saved_as(self, level: Level) -> None:
@@ -159,19 +180,20 @@ class Session:
 
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; cancels an older compilation."""
-        if self._program is not None and self._program.text == text:
+        whole = self.sources.with_text(text)
+        if self._program is not None and self._program.text == whole:
             self._spawn(nothing, "compile", exclusive=True)
             self.use(self._program)
             return
         self.state = self.state.compiling(text)
         self._changed()
-        self._spawn(partial(self._compile, text), "compile", exclusive=True)
+        self._spawn(partial(self._compile, text, whole), "compile", exclusive=True)
 
     def use(self, program: Program) -> None:
         """Use a compiled program from the next tick on."""
         from logical_robots_tui.game import Game  # loading it would delay the first picture
 
-        self._think_with(program)
+        program = self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
             game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
@@ -222,15 +244,6 @@ class Session:
         """Run at full speed to a tick, a breakpoint or victory."""
         self.pause()
         self._begin(Movement("until"), lambda game: game.run_until(tick=tick))
-
-    async def replay(self, place: Place) -> None:
-        """Replay to the place of an earlier session of this level; pausing ends that.
-
-        Raises:
-            ProgramError: A program no longer compiles.
-        """
-        ends = [(await compile_program(text), end) for text, end in place.stretches()]
-        self.go_through(ends[0][0], partial(self._replay, ends))
 
     def go_through(self, program: Program, work: Going) -> None:
         """Restart with a program, and move as the work does; pausing ends that."""
@@ -298,17 +311,6 @@ class Session:
         self.pace.slower()
         self._changed()
 
-    async def query(self, predicate: str, frame: Frame) -> Table:
-        """Return the rows of a predicate at a frame.
-
-        Raises:
-            Superseded: The program changed meanwhile, or there is none yet.
-            QueryError: The predicate has no rows of its own, or failed.
-        """
-        if self.game is None:
-            raise Superseded
-        return await self.game.query(predicate, frame)
-
     def release(self, close: Work) -> None:
         """Close something in the background."""
         self._spawn(close, "close", exclusive=False)
@@ -321,13 +323,14 @@ class Session:
 
     # -- inside --------------------------------------------------------------------------------
 
-    async def _compile(self, text: str) -> None:
+    async def _compile(self, text: str, whole: str) -> None:
         try:
-            program = await compile_program(text, partial(self._compiled, text))
+            program = await compile_program(whole, partial(self._compiled, text))
         except ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
-            self.state = self.state._replace(phase="mistake", mistakes=error.diagnostics)
+            mistakes = self.sources.mistakes(error)
+            self.state = self.state._replace(phase="mistake", mistakes=mistakes)
             self._changed()
             return
         self.use(program)
@@ -337,9 +340,10 @@ class Session:
             self.state = self.state._replace(compiled=(done, of_all))
             self._changed()
 
-    def _think_with(self, program: Program) -> None:
-        self._program = program
-        self.state = ProgramState.of_applied(program.text, program.warnings)
+    def _think_with(self, program: Program) -> Program:
+        program = self._program = self.sources.seen(program)
+        self.state = ProgramState.of_applied(program.own.text, program.warnings)
+        return program
 
     def _show(self, game: Game, frame: Frame) -> None:
         if game is not self.game:
@@ -386,14 +390,8 @@ class Session:
         while movement.owed and self.movement is movement:
             movement.owed -= 1
             frame = await game.step()
-            if self._hits(game) or game.won_at == frame.tick:
+            if self._hits(game) or ends(game.level, frame):
                 movement.owed = 0
-
-    async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
-        for program, end in ends:
-            self.use(program)
-            while game.frame.tick < end:
-                await game.run_until(tick=end)
 
     def _hits(self, game: Game) -> tuple[Hit, ...]:
         """Return the breakpoints that stop the robots at the current tick."""

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
 
 from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.mind.program import TeamProgram, join_teams
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame, Hit
+    from collections.abc import Mapping
+
+    from logical_robots_tui.game import Frame, Hit, Source
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.mind import Diagnostic, Program
+    from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.world import Level
 
-__all__ = ["Movement", "OpenLevel", "ProgramState", "ProgramText", "SessionListener", "nothing"]
+__all__ = [
+    "Movement",
+    "OpenLevel",
+    "ProgramState",
+    "ProgramText",
+    "SessionListener",
+    "TeamSources",
+    "nothing",
+]
 
 
 class OpenLevel:
@@ -48,6 +59,61 @@ class OpenLevel:
     def is_saved(self) -> bool:
         """Whether a file holds the edited level."""
         return bool(self.saved.source) and not self.has_changes
+
+
+class TeamSources:
+    """The programs of a level by team, of which one is looked at.
+
+    Args:
+        sources: By team in the order of the level; in a level without teams one of "".
+
+    Attributes:
+        team: The team that is looked at: the editor and questions are about its program.
+        hides_others: Whether the player wants to see nothing of what the other teams think.
+    """
+
+    def __init__(self, sources: Mapping[str, Source]) -> None:
+        self._sources = {**sources}
+        self._texts = {team: source.text for team, source in sources.items()}
+        self.team = next(iter(sources))
+        self.hides_others = False
+
+    @property
+    def teams(self) -> tuple[str, ...]:
+        """The teams, () if there is one program for all robots."""
+        return tuple(filter(None, self._sources))
+
+    @property
+    def source(self) -> Source:
+        """The program of the team that is looked at."""
+        return self._sources[self.team]
+
+    @source.setter
+    def source(self, source: Source) -> None:
+        self._sources[self.team] = source
+
+    def of(self, team: str) -> tuple[Source, str]:
+        """Return the program of a team, and its text as last applied."""
+        return self._sources[team], self._texts[team]
+
+    def with_text(self, text: str) -> str:
+        """Return the texts of all teams as one, with a new one of the team that is looked at."""
+        return join_teams({**self._texts, self.team: text})
+
+    def seen(self, program: Program) -> Program:
+        """Note what the robots think with, and return it as that of the team looked at."""
+        program = program.for_team(self.team)
+        if isinstance(program, TeamProgram):
+            self._texts |= {team: each.text for team, each in program.teams.items()}
+        return program
+
+    def mistakes(self, error: ProgramError) -> tuple[Diagnostic, ...]:
+        """Return the mistakes in the text in the editor, or that another team's has one."""
+        if error.team in ("", self.team):
+            return error.diagnostics
+        first = error.diagnostics[0]
+        words = f"in the program of {error.team}, line {first.line}: {first.message}"
+        return (replace(first, line=1, column=1, message=words, excerpt=""),)
 
 
 _MOST_OWED = 5  # steps that a held key may leave pending

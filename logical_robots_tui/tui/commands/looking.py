@@ -34,6 +34,22 @@ def inspector(screen: MainScreen) -> None:
     screen.go_to(screen.inspector)
 
 
+@looking.command("Program of the next team")
+def next_team(screen: MainScreen) -> None:
+    """Show the program of another team, and the mind of its first robot."""
+    robot = screen.team_choice.next_robot()
+    if robot is None:
+        screen.tell("This level has no teams.")
+    else:
+        screen.select(robot)
+
+
+@looking.command("Hide the other teams")
+def hide_teams(screen: MainScreen) -> None:
+    """Hide what the other teams think, or show it again."""
+    screen.team_choice.toggle_others()
+
+
 @looking.command("Why", "w", bar="Why")
 def why(screen: MainScreen) -> None:
     """Prove what the robot did at this tick, or why a predicate has its rows, as a tree."""

@@ -20,7 +20,7 @@ program = Group("Program and level")
 @program.command("Apply the program", "ctrl+r", "f4", bar="Apply", place="anywhere")
 def apply(screen: MainScreen) -> None:
     """Compile the text in the editor; the robots use it from the next tick on."""
-    screen.session.apply(screen.text)
+    screen.session.apply(screen.program.text)
 
 
 @program.command("Go to the mistake", "ctrl+g")

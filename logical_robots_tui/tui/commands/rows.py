@@ -188,7 +188,7 @@ def transpose(screen: MainScreen) -> None:
 def copy_rows(screen: MainScreen) -> None:
     """Copy the rows as CSV, to the terminal's clipboard and into a file."""
     from logical_robots_tui.tui.inspector.widgets.row_order import as_csv
-    from logical_robots_tui.tui.theme.safe_text import counted
+    from logical_robots_tui.wording import counted
 
     if (table := _table(screen)) is not None:
         text, count = as_csv(table.shown), len(table.shown.rows)

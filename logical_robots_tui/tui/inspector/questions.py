@@ -97,7 +97,10 @@ class Questions:
         """
         if self.is_function(predicate):
             return await self._inquiry().calls(self.program, robot, frame, predicate)
-        return await self._session.query(predicate, frame)
+        game = self._session.game
+        if game is None:
+            raise Superseded
+        return await game.query(predicate, frame)
 
     async def survey(self, frame: Frame) -> Survey:
         """The rows of every predicate at a frame, and at the one before."""

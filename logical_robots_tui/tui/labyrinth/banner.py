@@ -11,8 +11,9 @@ from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.results import results_lines
-from logical_robots_tui.tui.theme.safe_text import clip, counted
+from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -174,7 +174,7 @@ def _content(
     lines = [
         Content.assemble(
             ("● ", colour), (clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"), "  "
-        ).append(_trouble(state, decision)),
+        ).append(_trouble(robot, state, decision)),
         _labelled("engines", _engines(state, decision)),
         _labelled("battery", _battery(robot, state)),
         _labelled(
@@ -189,12 +189,15 @@ def _labelled(label: str, content: Content) -> Content:
     return Content.styled(f"{label:<8}", INK.dim).append(content)
 
 
-def _trouble(state: RobotState, decision: Decision | None) -> Content:
+def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> Content:
+    """What is wrong with a robot, or its team."""
     if state.dead:
         return Content.styled("battery empty", INK.bad)
     if decision is not None and decision.desire is None:
         return Content.styled("undecided", INK.warn)
-    return Content.styled("blocked", INK.warn) if state.blocked else Content("")
+    if state.blocked:
+        return Content.styled("blocked", INK.warn)
+    return Content.styled(clip(one_line(robot.team), 13), INK.dim)
 
 
 def _engines(state: RobotState, decision: Decision | None) -> Content:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 
-from logical_robots_tui.tui.theme.safe_text import counted
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator

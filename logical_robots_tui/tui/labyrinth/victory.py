@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import STUCK_AFTER, MarkKind
 from logical_robots_tui.game.history.rounds import ROUNDS
 from logical_robots_tui.tui.app.session_state import SessionListener
@@ -76,6 +77,9 @@ class VictoryAnnouncer(SessionListener):
         history = self._session.history
         if frame.tick != before + 1 or history is None:
             return
+        level = self._session.level
+        if is_match_over(level, frame.tick):
+            self._tell(f"The match is over: {one_line(standing_words(level, frame.after))}.")
         for mark in history.marks.at(frame.tick):
             if (words := _TROUBLE.get(mark.kind)) is not None:
                 names = clip(one_line(", ".join(mark.names)), 60)

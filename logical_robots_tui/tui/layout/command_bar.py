@@ -64,7 +64,11 @@ class Labels(Widget):
         event.stop()
         for row, start, end, command_id in self.places:
             if command_id and event.y == row and start <= event.x < end:
-                self.post_message(CommandChosen(command_id))
+                self.post_message(self.chosen(command_id))
+
+    def chosen(self, command_id: str) -> Message:
+        """Return what to post when a label is clicked."""
+        return CommandChosen(command_id)
 
 
 class CommandBar(Labels):

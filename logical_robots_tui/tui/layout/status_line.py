@@ -9,6 +9,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.game import goals
+from logical_robots_tui.game.frame import is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.direct_paint import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Status", "StatusLine", "status_of"]
 
-Activity: TypeAlias = Literal["running", "paused", "won", "compiling"]
+Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]
 
 _LONG = 2.0  # seconds of thinking
 
@@ -30,6 +31,7 @@ _SIGNS: dict[Activity, tuple[str, str]] = {
     "running": ("● RUNNING", f"bold {INK.good}"),
     "paused": ("‖ PAUSED", f"bold {INK.warn}"),
     "won": ("★ WON", f"bold {INK.key}"),
+    "over": ("■ MATCH OVER", f"bold {INK.key}"),
     "compiling": ("◌ COMPILING", f"bold {INK.title}"),
 }
 
@@ -45,6 +47,7 @@ class Status(NamedTuple):
         speed: The chosen ticks per second; None for full speed.
         achieved: Ticks per second over the last second, or None while nothing runs.
         goals: The goal areas with the robots in them.
+        standing: The points of each team.
         think_milliseconds: How long the last think took.
         thinking_for: Seconds that a long think has taken so far, otherwise 0.0.
     """
@@ -56,6 +59,7 @@ class Status(NamedTuple):
     speed: float | None
     achieved: float | None
     goals: tuple[Goal, ...]
+    standing: tuple[tuple[str, float], ...]
     think_milliseconds: float
     thinking_for: float
 
@@ -67,6 +71,8 @@ def status_of(session: Session) -> Status:
         activity = "running"
     elif session.won_at is not None:
         activity = "won"
+    elif is_match_over(session.level, session.frame.tick):
+        activity = "over"
     elif session.game is None and session.state.phase in ("fresh", "compiling"):
         activity = "compiling"
     achieved = session.pace.achieved if session.running else None
@@ -79,6 +85,7 @@ def status_of(session: Session) -> Status:
         speed=session.pace.speed,
         achieved=round(achieved, 1) if achieved else None,
         goals=goals(session.level, frame.after),
+        standing=tuple(standing(session.level, frame.after).items()),
         think_milliseconds=frame.think_milliseconds,
         thinking_for=round(session.thinking_for, 1),
     )
@@ -127,7 +134,7 @@ def fit(status: Status, width: int) -> Content:
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
         (3, Content.styled(tick, INK.text)),
-        (5, _goals(status.goals, long=True)),
+        (5, _standing(status.standing).append(_goals(status.goals, long=True))),
         (6, thought),
         (4, Content.styled(_speed(status), INK.number)),
         (1, Content.styled(clip(one_line(status.title), 40), INK.text)),
@@ -137,7 +144,7 @@ def fit(status: Status, width: int) -> Content:
     chosen: list[tuple[int, Content]] = []
     for place, part in by_importance:
         if place == 5 and part.cell_length + thought.cell_length > left - 2 * gap:
-            part = _goals(status.goals, long=False)
+            part = _standing(status.standing).append(_goals(status.goals, long=False))
         need = part.cell_length + (gap if chosen else 0)
         if part.cell_length and need <= left:
             chosen.append((place, part))
@@ -152,6 +159,19 @@ def _thinking(seconds: float) -> str:
     if seconds < _LONG or not key:
         return f"◌ thinking… {seconds:.1f} s"
     return f"◌ thinking… {seconds:.1f} s, {key} stops it"
+
+
+def _standing(found: Sequence[tuple[str, float]]) -> Content:
+    """Return the points of each team; the best are bright."""
+    best = max((points for _team, points in found), default=0.0)
+    teams = [
+        Content.assemble(
+            (f"{clip(one_line(team), 12)} ", INK.dim),
+            (f"{round(points, 1):,.10g}", INK.good if points == best else INK.text),
+        )
+        for team, points in found
+    ]
+    return Content("  ").join([*teams, Content("")]) if teams else Content("")
 
 
 def _goals(found: Sequence[Goal], *, long: bool) -> Content:

@@ -12,6 +12,7 @@ from logical_robots_tui.tui.layout.command_bar import Labels
 from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import counted
 from logical_robots_tui.world import Area, Beacon, Robot
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class ToolLine(Labels):
         found = [(tool.value, self._tool(tool)) for tool in Tool]
         if settings.tool in PAINTING:
             width = settings.width * settings.grid
-            found.append(("wider_brush", _setting("[ ]", f"{width} unit{'s' * (width != 1)} wide")))
+            found.append(("wider_brush", _setting("[ ]", f"{counted(width, 'unit')} wide")))
         if settings.tool in (Tool.LINE, Tool.RECTANGLE, Tool.FILL):
             found.append(("ink", _setting(_key("ink"), "wall" if settings.is_wall else "floor")))
         if settings.tool is Tool.RECTANGLE:
@@ -113,7 +114,7 @@ class InfoLine(Widget):
             told.append(Content.styled("● not saved", INK.title))
         if findings:
             style = f"bold {INK.bad}" if forbidden else INK.warn
-            told.append(Content.styled(f"! {findings} finding{'s' * (findings != 1)}", style))
+            told.append(Content.styled(f"! {counted(findings, 'finding')}", style))
         elif findings == 0:
             told.append(Content.styled("✓ no problems", INK.good))
         told.append(Content.styled(described(thing), INK.text if thing else INK.dim))

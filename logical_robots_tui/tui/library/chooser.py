@@ -19,8 +19,9 @@ from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.paths import typed_path
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
-from logical_robots_tui.tui.theme.safe_text import clip, counted, one_line, visible_lines
+from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

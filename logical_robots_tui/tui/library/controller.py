@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
+from logical_robots_tui.game.source import programs_for
 from logical_robots_tui.tui.recovery.offers import short_name, when_saved
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import list_arenas, list_levels, load_level
@@ -125,11 +126,25 @@ class LibraryController:
                 source = await asyncio.to_thread(load_program, level.starter, self._own)
             except InputError as error:
                 self._ui.warn(str(error))
+        sources = {"": source}
+        if level.teams:
+            try:
+                sources = await asyncio.to_thread(programs_for, level, (), {}, self._own)
+            except InputError as error:
+                self._ui.warn(str(error))
+                sources = dict.fromkeys([team.name for team in level.teams], source)
+            source = next(iter(sources.values()))
         kept = None
         if source.name == level.starter:
             kept = await self._recorder.newest(level)
         text = self._leave_text_for(source, kept)
-        self._session.open_level(level, source, text)
+        self._session.open_level(level, sources, text)
+
+    def look_at(self, team: str) -> None:
+        """Put the program of another team into the editor, with its unsaved text."""
+        source, applied = self._session.sources.of(team)
+        self._leave_text_for(source, applied, tells=False)
+        self._session.look_at(team)
 
     # -- programs ------------------------------------------------------------------------------
 
@@ -201,12 +216,15 @@ class LibraryController:
             session.saved_as(source)
             self._ui.warn(f"{name} has changed on disk; your text is kept here.")
 
-    def _leave_text_for(self, source: Source, kept: str | None = None) -> str:
+    def _leave_text_for(
+        self, source: Source, kept: str | None = None, *, tells: bool = True
+    ) -> str:
         """Put the text or draft of a program into the editor; the old text is kept.
 
         Args:
             source: The program.
             kept: The player's earlier text of it, used if there is no draft.
+            tells: Whether to say that an earlier text has been restored.
 
         Returns:
             The text in the editor.
@@ -220,11 +238,12 @@ class LibraryController:
             name = "program for this level"
             if draft.text != kept:
                 name = f"unsaved text of {one_line(source.name)}"
-            self._ui.tell(f"Your {name} has been restored.")
+            if tells:
+                self._ui.tell(f"Your {name} has been restored.")
             self._program.load(draft.text)
             return draft.text
         text = source.text if kept is None else kept
-        if text != source.text:
+        if text != source.text and tells:
             self._ui.tell("Your program for this level has been restored.")
         self._program.load(text)
         return text

@@ -21,8 +21,9 @@ from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.card import LevelCard, miniature, shipped_level
 from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.chooser import is_path
-from logical_robots_tui.tui.theme.safe_text import counted, one_line
+from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
+from logical_robots_tui.wording import counted
 from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 

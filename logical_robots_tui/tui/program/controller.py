@@ -19,6 +19,7 @@ from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.program.text_operations import find_after, is_predicate_name, rename
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.wording import counted
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ class ProgramController:
         count = self._pane.text.count(wish.wanted)
         if count:
             self._pane.put(self._pane.text.replace(wish.wanted, wish.instead))
-            self._ui.tell(f"Replaced in {count} place{'s' * (count != 1)}.")
+            self._ui.tell(f"Replaced in {counted(count, 'place')}.")
         elif find_after(self._pane.text, wish.wanted, (0, 0)) is not None:
             self._ui.tell("Nothing was replaced: it only occurs with different case.")
         else:
@@ -134,7 +135,7 @@ class ProgramController:
             return
         text, count = rename(self._pane.text, old, new)
         self._pane.put(text)
-        self._ui.tell(f"Renamed in {count} place{'s' * (count != 1)}.")
+        self._ui.tell(f"Renamed in {counted(count, 'place')}.")
 
     def edit_elsewhere(self) -> None:
         """Open the player's external editor, and use its text."""

@@ -13,8 +13,10 @@ from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
+from logical_robots_tui.tui.program.teams import TeamTabs
 from logical_robots_tui.tui.program.text_operations import followed
-from logical_robots_tui.tui.theme.safe_text import clip, counted, one_line
+from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
@@ -36,7 +38,7 @@ class ProgramPane(Pane):
     """
 
     def __init__(self) -> None:
-        self.editor = Editor()
+        self.editor, self.teams = Editor(), TeamTabs()
         self._strip = MistakeStrip()
         self._state: ProgramState | None = None
         # Each error as found, and with the current place of its line.
@@ -45,9 +47,8 @@ class ProgramPane(Pane):
         self._tried: list[str] = []
         self._help = Static(id="help-line", markup=False)
         self._said = ""
-        super().__init__(
-            self.editor, self.editor.completion, self._help, self._strip, title="Program"
-        )
+        parts = (self.teams, self.editor, self.editor.completion, self._help, self._strip)
+        super().__init__(*parts, title="Program")
 
     @property
     def text(self) -> str:

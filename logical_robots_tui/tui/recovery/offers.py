@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from logical_robots_tui.errors import InputError, LogicalRobotsError
-from logical_robots_tui.game import Place, level_key, load_program, place_of
+from logical_robots_tui.game import Place, compile_program, level_key, load_program, place_of
 from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.mind.program import split_teams
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
@@ -21,8 +23,9 @@ if TYPE_CHECKING:
 
     from textual import events
 
-    from logical_robots_tui.game import Source
+    from logical_robots_tui.game import Game, Source
     from logical_robots_tui.game.drafts import Drafts
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.layout.dialogs import Question
@@ -215,8 +218,17 @@ class Bookmark:
             await self._open_level(await asyncio.to_thread(load_level, place.level))
         source = await asyncio.to_thread(self._source_of, place)
         is_unsaved = self._drafts.get(("program", str(source.path))) is not None
-        self._open_program(source, None if is_unsaved else place.programs[-1][1])
-        await self._session.replay(place)
+        last, team = place.programs[-1][1], self._session.sources.team
+        last = (split_teams(last) or {}).get(team, last)
+        self._open_program(source, None if is_unsaved else last)
+        ends = [(await compile_program(text), end) for text, end in place.stretches()]
+        self._session.go_through(ends[0][0], partial(self._replay, ends))
+
+    async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
+        for program, end in ends:
+            self._session.use(program)
+            while game.frame.tick < end:
+                await game.run_until(tick=end)
 
     def _source_of(self, place: Place) -> Source:
         """Return the program's source of a place; the current one if its file is gone."""

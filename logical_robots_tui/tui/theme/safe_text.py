@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 
-__all__ = ["clip", "counted", "one_line", "visible", "visible_lines"]
+__all__ = ["clip", "one_line", "visible", "visible_lines"]
 
 _PICTURES = {code: 0x2400 + code for code in range(32)} | {0x7F: 0x2421}
 _PICTURES |= dict.fromkeys(range(0x80, 0xA0), 0xFFFD)
@@ -38,11 +38,6 @@ def one_line(text: str) -> str:
 def clip(text: str, width: int) -> str:
     """Return at most `width` characters of a text, ending in `…` if it is cut."""
     return text if len(text) <= width else text[: max(width - 1, 0)] + "…"[:width]
-
-
-def counted(number: int, what: str) -> str:
-    """Return how many there are of something in words, such as ``1 row`` or ``1,200 rows``."""
-    return f"{number:,} {what}{'' if number == 1 else 's'}"
 
 
 def visible_lines(text: str) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, Superseded, compile_program, load_program
 from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.mind.program import split_teams
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.level import alike
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.world import Level
 
-__all__ = ["Replays", "level_of", "source_of"]
+__all__ = ["Replays", "level_of", "sources_of"]
 
 
 def level_of(replay: Replay) -> Level:
@@ -38,8 +39,10 @@ def level_of(replay: Replay) -> Level:
     return shipped if alike(shipped, level) else level
 
 
-def source_of(replay: Replay, own: Path) -> Source:
-    """Return the last program of a replay: a player's or a shipped one if it is the same.
+def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
+    """Return the last program of each team in a replay, or of "" without teams.
+
+    Each is a player's or a shipped one if it is the same.
 
     Args:
         replay: The replay.
@@ -47,6 +50,15 @@ def source_of(replay: Replay, own: Path) -> Source:
     """
     name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
     text = replay.program_texts[-1]
+    teams = [team.name for team in replay.levels[-1].teams]
+    texts = split_teams(text) or dict.fromkeys(teams or [""], text)
+    return {
+        team: _source_of(f"{name}-{team}" if team else name, part, own)
+        for team, part in texts.items()
+    }
+
+
+def _source_of(name: str, text: str, own: Path) -> Source:
     try:
         source = load_program(name, own)
         if source.text == text:

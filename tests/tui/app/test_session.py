@@ -173,10 +173,12 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     program.write_text(text, "utf-8")
     data_dir, ui, chronicle = tmp_path / "data", Background(), Chronicle()
     recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
-    session = Session(load_level(file), load_program(program), spawn=ui.spawn, changed=lambda: None)
+    session = Session(
+        load_level(file), {"": load_program(program)}, spawn=ui.spawn, changed=lambda: None
+    )
 
     async def open_level(level: Level) -> None:
-        session.open_level(level, session.source, text)
+        session.open_level(level, {"": session.source}, text)
 
     editing = LevelEditing(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
     recorder.attach(ui, changed=lambda: None, measured=lambda level, found, is_here: None)

@@ -35,6 +35,8 @@ ONLY_IN_THE_PALETTE = {
         "daily",
         "diagnose",
         "find_next",
+        "hide_teams",
+        "next_team",
         "rename",
         "revert",
         "save_replay",

@@ -211,7 +211,7 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
         saving.go_on.set()
         await game.sees("Saved as room")
         assert game.session.opened.name != "room"
-        game.main.session.open_level(load_level(room_file), game.session.source, STILL)
+        game.main.session.open_level(load_level(room_file), {"": game.session.source}, STILL)
         await s.press("M")
         await game.sees("unsaved changes to the level have been restored")
         assert s.level.beacons == newest

@@ -38,7 +38,7 @@ PLAY = """
 import sys
 from pathlib import Path
 from logical_robots_tui.tui.app.app import play
-sys.exit(play(sys.argv[1], sys.argv[2], Path(sys.argv[3])))
+sys.exit(play(sys.argv[1], [sys.argv[2]], Path(sys.argv[3])))
 """
 
 

@@ -170,6 +170,7 @@ STATUS = Status(
     speed=40.0,
     achieved=17.2,
     goals=(Goal("Home", True, ("Ada", "Bo", "Cy"), ("Ada",)),),
+    standing=(),
     think_milliseconds=1.23,
     thinking_for=0.0,
 )

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.cli.main import main
+from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from logical_robots_tui.tui.timeline.replays import level_of, source_of
+from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, Opened, opened
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 
 @asynccontextmanager
 async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
-    level, source = level_of(replay), source_of(replay, data_dir / "programs")
-    app = LogicalRobotsApp(level, source, data_dir=data_dir, replay=replay)
+    level, sources = level_of(replay), sources_of(replay, data_dir / "programs")
+    app = LogicalRobotsApp(level, sources, data_dir=data_dir, replay=replay)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
         await game.ready()
@@ -96,14 +97,15 @@ def test_a_shipped_level_and_program_are_recognised(tmp_path: Path) -> None:
     assert main(["replay", "record", "01-first-steps", "first-steps", *ticks]) == 0
     replay = load_replay(path)
     assert level_of(replay).source == load_level("01-first-steps").source
-    assert source_of(replay, tmp_path).shipped
+    assert sources_of(replay, tmp_path)[""].shipped
 
 
 @pytest.mark.parametrize("name", ["../../etc/passwd", "a\nb", "", "x" * 300, "first-steps"])
 def test_a_program_of_any_name_is_one_of_the_player_s_folder(tmp_path: Path, name: str) -> None:
-    state = World(load_level("01-first-steps")).save()
-    replay = Replay("x", 1, (Stage("", state, "{}", False, ()),), (Text(1, name, STILL),), {})
-    source = source_of(replay, tmp_path)
+    level = load_level("01-first-steps")
+    stage = Stage(write_native(level), World(level).save(), "{}", False, ())
+    replay = Replay("x", 1, (stage,), (Text(1, name, STILL),), {})
+    source = sources_of(replay, tmp_path)[""]
     assert source.path.parent == tmp_path
     assert not source.shipped
     assert len(source.path.name) < 60

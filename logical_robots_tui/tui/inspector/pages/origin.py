@@ -21,6 +21,7 @@ from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -174,7 +175,7 @@ class OriginPage(Page):
 
         def report() -> None:
             back = asked.tick - at
-            words = f"at tick {at}, {back:,} tick{'s' * (back != 1)} back"
+            words = f"at tick {at}, {counted(back, 'tick')} back"
             self._say_instead(progress(words, self._query.seconds))
 
         try:

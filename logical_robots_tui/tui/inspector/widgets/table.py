@@ -24,8 +24,9 @@ from logical_robots_tui.tui.inspector.widgets.row_order import (
     changed_cells,
 )
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
-from logical_robots_tui.tui.theme.safe_text import clip, counted, visible
+from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from textual import events

@@ -1,0 +1,51 @@
+"""Teams: what a second mind costs in a tick, beside one mind with as many robots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import process_time
+from typing import TYPE_CHECKING
+
+from benchmarks.measure import Effort, Measurement, summed_up
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.world import Team
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.world import Level
+
+__all__ = ["teams"]
+
+LEVELS = ("04-everybody-home", "07-station-management", "12-swarm")
+ONE, TWO = ("red",), ("red", "blue")
+
+
+def teams(effort: Effort) -> Iterator[Measurement]:
+    """Measure whole ticks by turns: one team with one mind, and two teams with as many robots."""
+    for name in LEVELS:
+        level = load_level(name)
+        text = (shipped_folder("programs") / f"{level.solution}.l").read_text("utf-8")
+        program = Program.compile(text)
+        ratios = []
+        for _ in range(2 * effort.repeats + 1):
+            one, two = (
+                _seconds(_in_teams(level, names), program, effort.ticks) for names in (ONE, TWO)
+            )
+            ratios.append(two / one)
+        robots = f"{name}, {len(level.robots)} robots"
+        yield summed_up("a second mind", robots, "times", ratios[1:], required="<= 1.15")
+
+
+def _in_teams(level: Level, names: tuple[str, ...]) -> Level:
+    """Return the level with its robots in teams by turns."""
+    robots = tuple(replace(r, team=names[i % len(names)]) for i, r in enumerate(level.robots))
+    return replace(level, robots=robots, teams=tuple(map(Team, names)))
+
+
+def _seconds(level: Level, program: Program, ticks: int) -> float:
+    began = process_time()
+    play_through(level, program, ticks)
+    return process_time() - began

@@ -1,0 +1,146 @@
+"""Where several teams play: a tab for each program, and the mind of the robot looked at."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game.source import Source
+from logical_robots_tui.mind.program import split_teams
+from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.inspector.predicate_list import DECISION
+from logical_robots_tui.world import load_level
+from tests.game.test_teams import MATCH
+from tests.tui.conftest import Opened
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+RED = """\
+Ahead(x) :- x == 1;
+Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "redly") :-
+  Sensor(robot_name:), Ahead(x);
+"""
+BLUE = """\
+Backward(x) :- x == -1;
+Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "bluely") :-
+  Sensor(robot_name:), Backward(x);
+"""
+
+
+@asynccontextmanager
+async def match(
+    data_dir: Path, size: tuple[int, int] = (120, 40), text: str = MATCH
+) -> AsyncIterator[Opened]:
+    """Open the game in a level with two teams."""
+    folder = data_dir / "programs"
+    folder.mkdir(parents=True)
+    file = data_dir / "match.toml"
+    file.write_text(text, "utf-8")
+    sources = {}
+    for team, text in (("red", RED), ("blue", BLUE)):
+        path = folder / f"{team}ly.l"
+        path.write_text(text, "utf-8")
+        sources[team] = Source(path.stem, text, path, shipped=False)
+    app = LogicalRobotsApp(load_level(file), sources, data_dir=data_dir)
+    async with app.run_test(size=size, notifications=True) as pilot:
+        game = Opened(app, pilot, data_dir)
+        await game.ready()
+        yield game
+
+
+async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        await game.sees(" red   blue ")
+        await game.sees("applied · redly")
+        assert game.editor.text == RED
+        await game.press("n", "n")
+        game.main.select("Bo")
+        assert game.editor.text == BLUE
+        assert game.main.session.source.name == "bluely"
+        game.main.inspector.open(DECISION)
+        await game.sees("Decision of Bo · tick 2")
+        await game.sees('"bluely"')
+        await game.sees("Backward")
+        assert not game.shows("Ahead")
+        assert game.tick == 2
+        await game.press("w")
+        await game.sees("Backward(x)")
+
+
+async def test_a_click_on_a_tab_shows_that_team(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        (_, start, _, robot) = game.main.program.teams.places[1]
+        assert robot == "Bo"
+        await game.pilot.click(game.main.program.teams, offset=(start, 0))
+        await game.until(lambda: game.editor.text == BLUE)
+        assert game.main.labyrinth.view.selected == "Bo"
+
+
+async def test_a_change_reaches_one_team_only(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        game.main.select("Bo")
+        await game.write(BLUE.replace("-1", "0"))
+        await game.until(lambda: game.main.session.state.phase == "applied")
+        program = game.main.session.program
+        assert program is not None
+        assert split_teams(program.text) == {"red": RED, "blue": BLUE.replace("-1", "0")}
+        await game.press("escape", "n")
+        await game.until(lambda: game.tick == 1)
+        ada, bo, _ = game.session.frame.after.robots
+        assert (ada.x, bo.x) == (41, 40)
+
+
+async def test_unsaved_text_of_each_team_is_kept(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        game.editor.put(RED + "# mine\n")
+        game.main.select("Bo")
+        assert game.editor.text == BLUE
+        game.editor.put(BLUE + "Wrong(x :- \n")
+        game.main.select("Ada")
+        assert game.editor.text == RED + "# mine\n"
+        game.main.select("Bo")
+        assert game.editor.text == BLUE + "Wrong(x :- \n"
+        await game.press("f4")
+        await game.sees("1 mistake")
+        game.main.select("Ada")
+        await game.press("f4")
+        await game.until(lambda: game.main.session.state.phase == "applied")
+
+
+async def test_the_other_teams_can_be_hidden(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        game.main.action_command("hide_teams")
+        await game.sees("What the other teams think is hidden.")
+        game.main.select("Bo")
+        await game.sees("What blue thinks is hidden.")
+        assert game.editor.text == RED
+        assert game.main.inspector.robot == "Ada"
+        game.main.action_command("hide_teams")
+        game.main.action_command("next_team")
+        assert game.editor.text == BLUE
+        assert game.main.inspector.robot == "Bo"
+
+
+async def test_the_tabs_fit_a_small_terminal(data_dir: Path) -> None:
+    async with match(data_dir, size=(80, 24)) as game:
+        await game.press("2")
+        await game.sees(" red   blue ")
+        game.main.action_command("next_team")
+        await game.sees("Backward(x) :- x == -1;")
+
+
+async def test_the_points_are_counted_until_the_match_is_over(data_dir: Path) -> None:
+    score = '\n[[scores]]\nkind = "near"\narea = "Door"\npoints = 9\n'
+    async with match(data_dir, text="match = {ticks = 3}\n" + MATCH + score) as game:
+        await game.press("space")
+        await game.sees("MATCH OVER")
+        assert game.tick == 3
+        await game.sees("The match is over: red ")
+        await game.sees("red 8.3, blue 7.1.")
+        await game.press("n")
+        await game.until(lambda: game.tick == 4)
+        await game.sees("PAUSED")
+        await game.press("p")
+        await game.sees("MATCH OVER")
