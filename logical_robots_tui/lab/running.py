@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import msgspec
 
+from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.robustness import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.game.victory import count_rules
@@ -29,7 +30,6 @@ from logical_robots_tui.mind import (
     Stopped,
 )
 from logical_robots_tui.world.levels.load import read_level
-from logical_robots_tui.world.scoring import points
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.robustness import Thought
@@ -335,9 +335,7 @@ class _Watcher:
 
     def points(self) -> dict[str, float]:
         """Return the points of each team."""
-        if self._state is None or not self._level.teams:
-            return {}
-        return {team: sum(parts) for team, parts in points(self._level, self._state).items()}
+        return {} if self._state is None else standing(self._level, self._state)
 
     def forfeit(self) -> tuple[str, ...]:
         """Return the teams that have lost because their programs failed."""
