@@ -33,6 +33,7 @@ from benchmarks.schemas import schemas
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
 from benchmarks.teams import teams
+from benchmarks.tournament import tournament
 from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
 from benchmarks.world import crowds
@@ -64,10 +65,11 @@ BENCHMARKS = {
     "class": classes,
     "large-class": large_classes,
     "lab": laboratory,
+    "tournament": tournament,
     "processor": processor,
     "first-frame": first_frame,
 }
-LONGEST = {"large-class", "lab"}
+LONGEST = {"large-class", "lab", "tournament"}
 """Left out of a run that names no benchmarks."""
 LONG = {"memory", "traffic", "ssh", "class"}
 """Left out of a quick run as well."""

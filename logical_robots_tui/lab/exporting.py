@@ -85,7 +85,8 @@ def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
 
 def replay(cell: Cell, program: str, start: int) -> str:
     """Return the command that plays a run on the screen, to be typed in the folder."""
-    command = f"logical-robots play inputs/{cell.level} inputs/{program}"
+    programs = " ".join(f"inputs/{each}" for each in cell.parts or (program,))
+    command = f"logical-robots play inputs/{cell.level} {programs}"
     return command + (f" --start {start}" if start else "")
 
 

@@ -38,6 +38,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
         settings: The values of what is varied, by name; in a match the players by team.
         student: Whose program it is, or "".
         own: Digest of the student's own text.
+        parts: In a match, digests of the texts of the teams' programs, in the order of the teams.
     """
 
     level: str
@@ -48,6 +49,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
     settings: dict[str, bool | int | float | str] = {}
     student: str = ""
     own: str = ""
+    parts: tuple[str, ...] = ()
 
 
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):

@@ -130,6 +130,12 @@ def test_matches_that_are_missing_are_left_out() -> None:
     assert ranking.pairings["ada", "ben"].share == pytest.approx(np.nanmean(shares[0]))
 
 
+def test_before_the_first_match_nothing_is_known() -> None:
+    ranking = ranking_of_shares(NAMES, PAIRS, np.full((len(PAIRS), 3), np.nan))
+    assert [each.rank for each in ranking.standings] == ["1-5"] * 5
+    assert not ranking.pairings
+
+
 def swiss(count: int) -> Manifest:
     """A tournament of so many players before its first round."""
     players = tuple(Player(f"p{n:02}", f"{n * 7919 % 1000:03}") for n in range(count))

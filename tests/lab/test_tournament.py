@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.lab import local
 from logical_robots_tui.lab.folder import Folder
+from logical_robots_tui.lab.tournament.planning import plan_tournament
 from tests.cli.running import Command
-from tests.lab.laboratory import exported, recorded, start
+from tests.lab.laboratory import deadly, exported, recorded, start
 from tests.waiting import until
 
 if TYPE_CHECKING:
@@ -230,6 +232,56 @@ def test_a_program_that_thinks_too_long_has_lost_and_costs_the_other_nothing(
     assert "thinking took more than 100,000 steps" in (out / "report.html").read_text("utf-8")
 
 
+def test_hostile_players_get_nothing_from_it(tmp_path: Path, command: Command) -> None:
+    robot = (
+        'Robot(robot_name: "of {}", desire: {{left_engine: -1, right_engine: -1}}, memory: "");\n'
+    )
+    texts = {
+        "plain": drives(0.8),
+        "names the others": robot.format("red") + robot.format("blue"),
+        "looks like a match": '# teams: {"red": 1, "blue": 9}\n' + drives(0.6),
+        "floods": drives(0).replace('memory: ""', "memory: Range(20000)"),
+    }
+    arena, players = write_arena(tmp_path, texts, starts=0, ticks=40)
+    out = tmp_path / "out"
+    assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
+    ranking = rows(out / "ranking.csv")
+    assert [row["player"] for row in ranking[:2]] == ["plain", "looks like a match"]
+    assert {row["remark"] for row in ranking} == {""}
+    assert {row["forfeit"] for row in rows(out / "runs.csv")} == {""}
+
+
+@pytest.mark.slow
+def test_a_match_that_ends_every_worker_is_left_out(
+    tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(local, "execute", deadly)
+    programs = {name: drives(speed) for name, speed in PLAYERS.items()}
+    programs["still"] += "# deadly from 1;\n"
+    arena, players = write_arena(tmp_path, programs)
+    out = tmp_path / "out"
+    told = command("tournament", arena, players, "-o", out, "--workers", 1)
+    assert told.status == 1
+    assert "6 runs could not be done (infrastructure)" in told.out
+    told = command("lab", "export", out)
+    assert told.status == 1
+    ranking = rows(out / "ranking.csv")
+    assert [row["player"] for row in ranking] == ["fast", "quick", "slow", "still"]
+    assert [row["opponents"] for row in ranking] == ["3"] * 4, "they have met from the given start"
+
+
+def test_from_forty_players_on_it_is_swiss(tmp_path: Path) -> None:
+    arena, players = write_arena(tmp_path, {f"p{n}": drives(1) for n in range(40)})
+    manifest, _ = plan_tournament(arena, players)
+    assert (len(manifest.rounds), manifest.most_rounds) == (1, 8)
+    assert len(manifest.rounds[0]) == 20
+    (players / "p0.l").unlink()
+    manifest, inputs = plan_tournament(arena, players)
+    assert manifest.most_rounds == 1
+    assert len(manifest.rounds[0]) == 39 * 38 / 2
+    assert len(inputs) == 3, "the level, the program, and the program against itself"
+
+
 def test_the_same_program_under_two_names_is_as_good_as_itself(
     tmp_path: Path, command: Command
 ) -> None:
@@ -264,11 +316,16 @@ def test_a_match_can_be_seen_again(tmp_path: Path, command: Command) -> None:
     out = tmp_path / "out"
     assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
     *_, row = rows(out / "runs.csv")
-    _, play, level, program, *rest = shlex.split(row["replay"])
+    _, play, *match = shlex.split(row["replay"])
     assert play == "play"
+    match[:3] = [str(out / name) for name in match[:3]]
+    scores = command("run", *match, "--json").data["scores"]
+    assert {team: str(sum(parts)) for team, parts in scores.items()} == {
+        team: row[f"points_{team}"] for team in ("red", "blue")
+    }
+    assert match[-2:] == ["--start", "1"]
     file = tmp_path / "match.replay"
-    match = [str(out / level), str(out / program), *rest]
-    assert command("replay", "record", *match, "-o", file, "--ticks", 60).status == 0
+    assert command("replay", "record", *match, "-o", file).status == 0
     assert command("replay", "verify", file).status == 0
 
 

@@ -137,6 +137,7 @@ def _with_round(
                     program=digest(joined),
                     program_name=f"{seated[0].name} against {seated[1].name}",
                     settings={team: player.name for team, player in at.items()},
+                    parts=tuple(player.program for player in seated),
                 )
             )
     rounds = (*manifest.rounds, tuple(pairs))

@@ -103,7 +103,7 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
     for each in done:
         if each.start == 0:
             at = each.cell.settings
-            points = ", ".join(f"{at[team]} {n:g}" for team, n in each.result.points.items())
+            points = ", ".join(f"{at[t]} ({t}) {n:,g}" for t, n in each.result.points.items())
             rows.append((each.cell.program_name, points, as_code(replay(*each[:3]))))
     said = (
         "<p>Each from the given start; runs.csv has all. The commands are typed in this folder; "
