@@ -97,7 +97,7 @@ def test_commands_read_no_solution(
 ) -> None:
     told = command(*words, "--no-solutions", "--data-dir", tmp_path / "data")
     assert told.status == 2
-    assert "a solution of a level that you have not won yet|hidden here" in told.err
+    assert "a solution of a level that you have not won yet" in told.err
     progress.win("01-first-steps", "text")
     told = command("check", "first-steps", "--no-solutions", "--data-dir", tmp_path / "data")
     assert told.status == 0
@@ -108,7 +108,7 @@ def test_the_game_in_lines_opens_no_solution(command: Command, tmp_path: Path) -
         "play", "01-first-steps", "first-steps", "--plain", "--no-solutions", "--data-dir", tmp_path
     )
     assert told.status == 2
-    assert "a solution of a level that you have not won yet|hidden here" in told.err
+    assert "a solution of a level that you have not won yet" in told.err
     assert "Win 01-first-steps" in told.err
 
 
