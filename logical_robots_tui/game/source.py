@@ -217,7 +217,8 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
 
         level = _solved_levels()[file.stem]
         if level in list_arenas():
-            raise InputError("is the solution of an arena, and hidden here", place=path.stem)
+            hint = f"Beat the sparring partner of {level} without it."
+            raise InputError("is an arena's solution, hidden here", place=path.stem, hint=hint)
         raise InputError(
             "is a solution of a level that you have not won yet",
             place=path.stem,
