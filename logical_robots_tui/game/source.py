@@ -213,10 +213,16 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
     file = real(path)
     shipped = file.parent in [folder.resolve() for folder in _folders()]
     if shipped and is_hidden(file.stem):
+        from logical_robots_tui.world import list_arenas
+
+        level = _solved_levels()[file.stem]
+        if level in list_arenas():
+            hint = f"Beat the sparring partner of {level} without it."
+            raise InputError("is an arena's solution, hidden here", place=path.stem, hint=hint)
         raise InputError(
             "is a solution of a level that you have not won yet",
             place=path.stem,
-            hint=f"Win {_solved_levels()[file.stem]}, and you can read it.",
+            hint=f"Win {level}, and you can read it.",
         )
     return Source(path.stem, _text_of(path, pipes=pipes), path, shipped)
 

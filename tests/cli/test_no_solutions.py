@@ -69,7 +69,7 @@ def test_a_solution_can_be_read_when_its_level_is_won(
     link = tmp_path / "mine.l"
     link.symlink_to(file)
     for way in (name, file, link):
-        with pytest.raises(InputError, match="not won yet") as caught:
+        with pytest.raises(InputError, match=r"not won yet|hidden here") as caught:
             load_program(way)
         assert REFERENCES[name] in caught.value.hint
     assert name not in list_programs()

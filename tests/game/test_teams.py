@@ -120,6 +120,25 @@ async def test_a_team_that_uses_up_its_budget_costs_the_other_nothing(match: Lev
     await game.close()
 
 
+FLOOD = """
+Long(x) = (if Length(x) < 1 then "0123456789" else x ++ x ++ x ++ x);
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: Long(memory)) :-
+  Sensor(robot_name:), Memory(robot_name:, memory:);
+"""
+
+
+async def test_a_team_that_floods_its_memory_costs_the_other_nothing(match: Level) -> None:
+    game = Game(match, teams(FLOOD, COUNTER))
+    alone = Game(match, teams(COUNTER, COUNTER))
+    for _ in range(15):
+        frame, quiet = await game.step(), await alone.step()
+        assert frame.memories["Bo"] == quiet.memories["Bo"]
+        assert not frame.decisions[1].notices
+    assert frame.decisions[0].notices
+    await game.close()
+    await alone.close()
+
+
 def test_the_quick_loop_thinks_alike(match: Level) -> None:
     played = play_through(match, teams(COUNTER, BACKWARDS), 30)
     assert played.won_at is None
