@@ -48,6 +48,9 @@ SUFFIX = ".l"
 MAX_PROGRAM_BYTES = 1_000_000
 
 
+_TEAM = "#team="
+
+
 class Source(NamedTuple):
     """A program's text and its file.
 
@@ -56,12 +59,29 @@ class Source(NamedTuple):
         text: Logica text.
         path: The file it came from.
         shipped: Whether it is part of the game and must not be overwritten.
+        team: The team that it is for, or "".
     """
 
     name: str
     text: str
     path: Path
     shipped: bool
+    team: str = ""
+
+    @property
+    def draft(self) -> str:
+        """What a draft of it is filed under: its path, with the team if there is one."""
+        return f"{self.path}{_TEAM}{self.team}" if self.team else str(self.path)
+
+    @classmethod
+    def of_draft(cls, draft: str, name: str) -> Source:
+        """Return the program that a draft belongs to, even if its file is gone."""
+        path, _, team = draft.partition(_TEAM)
+        try:
+            source = load_program(path)
+        except InputError:
+            source = cls(name, "", Path(path), shipped=False)
+        return source._replace(team=team)
 
 
 def list_programs(own: Path | None = None) -> list[str]:
@@ -181,8 +201,14 @@ def programs_for(
         if team not in wanted or not team:
             hint = did_you_mean(team, wanted) or f"It has {', '.join(wanted)}."
             raise InputError(f"{level.name} has no team {team}.", hint=hint if level.teams else "")
-    wanted |= dict(zip(wanted, names, strict=False)) | dict(by_team)
-    return {team: load_program(name, own, pipes=pipes) for team, name in wanted.items()}
+    in_order = dict(zip(wanted, names, strict=False))
+    if twice := in_order.keys() & by_team.keys():
+        raise InputError(f"Two programs are named for {min(twice)}.")
+    wanted |= in_order | dict(by_team)
+    return {
+        team: load_program(name, own, pipes=pipes)._replace(team=team)
+        for team, name in wanted.items()
+    }
 
 
 @lru_cache(maxsize=1)

@@ -252,7 +252,7 @@ class Program:
             table: sorted({n for t in self.tuned.values() for n in t.columns.get(table, ())})
             for table in ("Memory", "Item")
         }
-        request = {"text": self.text, "query": query, "columns": columns}
+        request = {"text": self.own.text, "query": query, "columns": columns}
         return compiled(request, Question, stop=stop, limits=limits)
 
     def decompose(
@@ -284,7 +284,7 @@ class Program:
         if not (known.has_rows or known.is_function or within):
             raise QueryError(known.reason)
         request = {
-            "text": self.text,
+            "text": self.own.text,
             "predicate": predicate,
             "within": within,
             "with_rows": [p.name for p in self.predicates if p.kind == "program" and p.has_rows],
@@ -301,6 +301,11 @@ class Program:
     @property
     def own(self) -> Program:
         """The program without those of other teams."""
+        return self
+
+    @property
+    def first(self) -> Program:
+        """The program of the first team, without those of others."""
         return self
 
     def for_team(self, team: str) -> Program:
@@ -334,6 +339,11 @@ class TeamProgram(Program):
         """The program of the team alone."""
         return self.teams[self.team]
 
+    @property
+    def first(self) -> Program:
+        """The program of the first team alone."""
+        return next(iter(self.teams.values()))
+
     def for_team(self, team: str) -> TeamProgram:
         """Return the program as a team's robots think with it; the same if it has no such team."""
         if team not in self.teams:
@@ -343,23 +353,6 @@ class TeamProgram(Program):
             seen = {f.name: getattr(part, f.name) for f in fields(Program) if f.name != "text"}
             self.views[team] = replace(self, team=team, views=self.views, **seen)
         return self.views[team]
-
-    def question(
-        self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
-    ) -> Question:
-        """Compile a question about the team's program."""
-        return self.own.question(query, stop=stop, limits=limits)
-
-    def decompose(
-        self,
-        predicate: str,
-        within: str = "",
-        *,
-        stop: threading.Event | None = None,
-        limits: Limits | None = None,
-    ) -> Probing:
-        """Decompose the rules of a predicate of the team's program."""
-        return self.own.decompose(predicate, within, stop=stop, limits=limits)
 
 
 _TEAMS = "# teams: "

@@ -297,13 +297,17 @@ def _as_json(replay: Replay) -> dict[str, Any]:
 
 def _lines(replay: Replay) -> Iterator[str]:
     """Yield what is in a replay, for people."""
+    from logical_robots_tui.mind.program import split_teams
+
     level = replay.levels[0]
     yield f"{level.title} ({replay.name}): {_ticks(replay)}, from tick {replay.first}"
     names = ", ".join(robot.name for robot in level.robots)
     yield f"robots    {names}"
     for text in replay.texts:
         size = "left out" if text.text is None else f"{len(text.text):,} characters"
-        yield f"program   {text.name} from tick {text.tick}, {size}"
+        teams = ", ".join(split_teams(text.text or "") or ())
+        whose = f" for {teams}" if teams else ""
+        yield f"program   {text.name}{whose} from tick {text.tick}, {size}"
     for stage in replay.stages[1:]:
         yield f"change    the level or a robot, by hand, after tick {stage.state.tick}"
     won = next((state.won_at for state in replay.states() if state.won_at is not None), None)

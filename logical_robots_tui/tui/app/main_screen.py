@@ -147,8 +147,9 @@ class MainScreen(Screen[None], SessionListener):
         self.editing = LevelEditing(
             session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
         )
+        library = self.library
         self.bookmark = Bookmark(
-            session, self.drafts, ui, self.library.open_level, self.library.open_program
+            session, self.drafts, ui, library.open_level, library.open_program, library.look_at
         )
         self.offers = Offers(ui, lambda: self.is_active)
         self.learning = LearningController(
@@ -246,8 +247,9 @@ class MainScreen(Screen[None], SessionListener):
         if not self.arrangement.is_tiny and self._drawn != now:
             self._drawn = now
             self.labyrinth.show(self.editing.level, session.frame, hurried=session.running)
-        source = session.source
-        self.program.show(session.state, source.name, saved=self.program.text == source.text)
+        source, team = session.source, session.source.team
+        name = f"{team}: {source.name}" if team else source.name
+        self.program.show(session.state, name, saved=self.program.text == source.text)
         self.program.teams.show(session.level, session.sources.team)
         is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or monotonic() - self._lines_drawn_at > _READABLE:

@@ -73,7 +73,7 @@ class TeamSources:
     """
 
     def __init__(self, sources: Mapping[str, Source]) -> None:
-        self._sources = {**sources}
+        self._sources = {team: each._replace(team=team) for team, each in sources.items()}
         self._texts = {team: source.text for team, source in sources.items()}
         self.team = next(iter(sources))
         self.hides_others = False
@@ -84,13 +84,18 @@ class TeamSources:
         return tuple(filter(None, self._sources))
 
     @property
+    def first(self) -> Source:
+        """The program of the player's own team."""
+        return next(iter(self._sources.values()))
+
+    @property
     def source(self) -> Source:
         """The program of the team that is looked at."""
         return self._sources[self.team]
 
     @source.setter
     def source(self, source: Source) -> None:
-        self._sources[self.team] = source
+        self._sources[self.team] = source._replace(team=self.team)
 
     def of(self, team: str) -> tuple[Source, str]:
         """Return the program of a team, and its text as last applied."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 from datetime import date
-from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
@@ -19,6 +18,7 @@ from logical_robots_tui.world import list_arenas, list_levels, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
+    from pathlib import Path
 
     from logical_robots_tui.game.drafts import Draft, Drafts, Key
     from logical_robots_tui.tui.app.session import Session
@@ -159,9 +159,10 @@ class LibraryController:
 
     def open_program(self, source: Source, text: str | None = None) -> None:
         """Edit and apply a program: a given text, or its draft."""
+        source = source._replace(team=self._session.sources.team)
         if text is None:
             text = self._leave_text_for(source)
-        elif source.path == self._session.source.path:
+        elif source.draft == self._session.source.draft:
             self._program.put(text)
         else:
             self._autosave.flush()
@@ -193,8 +194,8 @@ class LibraryController:
 
     def _saved(self, former: Source, saved: Source) -> None:
         """Go on with a program that was saved, unless another one was opened meanwhile."""
-        if self._session.source.path == former.path:
-            self._drafts.drop(("program", str(former.path)))
+        if self._session.source.draft == former.draft:
+            self._drafts.drop(("program", former.draft))
             self._session.saved_as(saved)
             self._autosave.edited()
             self._ui.tell(f"Saved as {one_line(saved.name)}.")
@@ -229,10 +230,10 @@ class LibraryController:
         Returns:
             The text in the editor.
         """
-        if source.path == self._session.source.path:
+        if source.draft == self._session.source.draft:
             return self._program.text
         self._autosave.flush()
-        key: Key = "program", str(source.path)
+        key: Key = "program", source.draft
         draft = self._drafts.get(key) or self._drafts.take(key)
         if draft is not None and draft.text != source.text:
             name = "program for this level"
@@ -255,7 +256,7 @@ class LibraryController:
         drafts = await offers.at_hand(self._left_unsaved)
         if not drafts:
             return
-        here = str(self._session.source.path)
+        here = self._session.source.draft
         draft = next((draft for draft in drafts if draft.path == here), drafts[0])
         answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
         question = (
@@ -276,26 +277,21 @@ class LibraryController:
         return [draft for draft in drafts if await self._is_unsaved(draft)]
 
     def _continue_with(self, draft: Draft) -> None:
-        source = self._session.source
+        source, sources = Source.of_draft(draft.path, draft.name), self._session.sources
+        if source.team != sources.team and source.team in sources.teams:
+            self.look_at(source.team)
         self._autosave.flush()
         self._drafts.take(draft.key)
-        if draft.path == str(source.path):
+        if draft.path == self._session.source.draft:
+            source = self._session.source
             self._program.put(draft.text)
         else:
-            source = self._source_of(draft)
             self._program.load(draft.text)
         self._session.open_program(source, draft.text)
 
-    def _source_of(self, draft: Draft) -> Source:
-        """Return the program that a draft belongs to, even if its file is gone."""
-        try:
-            return load_program(draft.path)
-        except InputError:
-            return Source(draft.name, "", Path(draft.path), shipped=False)
-
     async def _is_unsaved(self, draft: Draft) -> bool:
         """Return whether a draft is neither in its file nor among the earlier versions."""
-        source = await asyncio.to_thread(self._source_of, draft)
+        source = await asyncio.to_thread(Source.of_draft, draft.path, draft.name)
         kept = await self._recorder.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not kept:
             return True

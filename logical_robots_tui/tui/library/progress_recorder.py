@@ -132,8 +132,8 @@ class ProgressRecorder(SessionListener):
             self.level_opened(level)
 
     def program_used(self, program: Program) -> None:
-        """Keep the program as a version, if it is the player's own."""
-        key, text = self._key, program.own.text
+        """Keep the program of the first team as a version, if it is the player's own."""
+        key, text = self._key, program.first.text
         self._write(lambda progress: keep_if_own(progress, key, text))
 
     def tick_shown(self, frame: Frame) -> None:

@@ -115,10 +115,9 @@ class Autosave(Generic[State]):
 def program_draft(unsaved: tuple[Source, str]) -> Draft | Key:
     """The draft of a program's text, unless that is as in its file."""
     source, text = unsaved
-    path = str(source.path)
     if text == source.text:
-        return "program", path
-    return Draft("program", source.name, path, text)
+        return "program", source.draft
+    return Draft("program", source.name, source.draft, text)
 
 
 class Unsaved(Protocol):

@@ -169,6 +169,7 @@ class Bookmark:
         ui: The user interface.
         open_level: Opens a level.
         open_program: Opens a program, with a text or its draft.
+        look_at: Shows the program of a team.
     """
 
     def __init__(
@@ -178,16 +179,18 @@ class Bookmark:
         ui: Ui,
         open_level: Callable[[Level], Awaitable[None]],
         open_program: Callable[[Source, str | None], None],
+        look_at: Callable[[str], None],
     ) -> None:
         self._session, self._drafts, self._ui = session, drafts, ui
         self._open_level, self._open_program = open_level, open_program
+        self._look_at = look_at
 
     def flush(self) -> None:
         """Write the current place. Safe in a signal handler; never raises."""
         session = self._session
         if session.game is None:
             return
-        place = place_of(session.game, session.opened, session.source)
+        place = place_of(session.game, session.opened, session.sources.first)
         if place is not None:
             with contextlib.suppress(OSError):  # nobody is there to be told
                 self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
@@ -216,10 +219,15 @@ class Bookmark:
         """Go to a place; restored unsaved text stays in the editor."""
         if place.level != level_key(self._session.level):
             await self._open_level(await asyncio.to_thread(load_level, place.level))
+        last, sources = place.programs[-1][1], self._session.sources
+        if parts := split_teams(last):
+            first = next(iter(parts))
+            if first != sources.team and first in sources.teams:
+                self._look_at(first)
+            last = parts.get(sources.team, last)
         source = await asyncio.to_thread(self._source_of, place)
-        is_unsaved = self._drafts.get(("program", str(source.path))) is not None
-        last, team = place.programs[-1][1], self._session.sources.team
-        last = (split_teams(last) or {}).get(team, last)
+        source = source._replace(team=sources.team)
+        is_unsaved = self._drafts.get(("program", source.draft)) is not None
         self._open_program(source, None if is_unsaved else last)
         ends = [(await compile_program(text), end) for text, end in place.stretches()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))

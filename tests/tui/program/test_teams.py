@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.game.source import Source
 from logical_robots_tui.mind.program import split_teams
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
@@ -31,18 +32,18 @@ Robot(robot_name:, desire: {left_engine: x, right_engine: x}, memory: "bluely") 
 
 @asynccontextmanager
 async def match(
-    data_dir: Path, size: tuple[int, int] = (120, 40), text: str = MATCH
+    data_dir: Path, size: tuple[int, int] = (120, 40), text: str = MATCH, *, same: bool = False
 ) -> AsyncIterator[Opened]:
-    """Open the game in a level with two teams."""
+    """Open the game in a level with two teams, with two programs or with the same file."""
     folder = data_dir / "programs"
     folder.mkdir(parents=True)
     file = data_dir / "match.toml"
     file.write_text(text, "utf-8")
     sources = {}
-    for team, text in (("red", RED), ("blue", BLUE)):
-        path = folder / f"{team}ly.l"
-        path.write_text(text, "utf-8")
-        sources[team] = Source(path.stem, text, path, shipped=False)
+    for team, program in (("red", RED), ("blue", RED if same else BLUE)):
+        path = folder / f"{'red' if same else team}ly.l"
+        path.write_text(program, "utf-8")
+        sources[team] = Source(path.stem, program, path, shipped=False)
     app = LogicalRobotsApp(load_level(file), sources, data_dir=data_dir)
     async with app.run_test(size=size, notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
@@ -53,7 +54,7 @@ async def match(
 async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path) -> None:
     async with match(data_dir) as game:
         await game.sees(" red   blue ")
-        await game.sees("applied · redly")
+        await game.sees("applied · red: redly")
         assert game.editor.text == RED
         await game.press("n", "n")
         game.main.select("Bo")
@@ -144,3 +145,45 @@ async def test_the_points_are_counted_until_the_match_is_over(data_dir: Path) ->
         await game.sees("PAUSED")
         await game.press("p")
         await game.sees("MATCH OVER")
+
+
+async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> None:
+    async with match(data_dir, same=True) as game:
+        game.editor.put(RED + "# mine\n")
+        game.main.select("Bo")
+        assert game.editor.text == RED
+        game.editor.put(RED + "# theirs\n")
+        game.main.select("Ada")
+        assert game.editor.text == RED + "# mine\n"
+        game.main.autosave.flush()
+        kept = {draft.path[-5:]: draft.text for draft in game.main.drafts._mine.values()}
+        assert kept["=blue"] == RED + "# theirs\n"
+        assert kept["m=red"] == RED + "# mine\n"
+
+
+async def test_an_unsaved_text_goes_back_to_its_team(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        blue, _ = game.main.session.sources.of("blue")
+        draft = Draft("program", blue.name, blue.draft, BLUE + "# unsaved\n")
+        game.main.library._continue_with(draft)
+        assert game.main.session.sources.team == "blue"
+        assert game.editor.text == BLUE + "# unsaved\n"
+        game.main.select("Ada")
+        assert game.editor.text == RED
+        assert game.main.session.source.name == "redly"
+
+
+async def test_only_the_first_team_s_program_is_kept_as_the_player_s(data_dir: Path) -> None:
+    async with match(data_dir) as game:
+        game.main.select("Bo")
+        await game.write(BLUE + "# changed\n")
+        await game.until(lambda: game.main.session.state.phase == "applied")
+        recorder = game.main.recorder
+        assert await recorder.newest(game.main.session.level) == RED
+
+
+async def test_the_title_names_the_team(data_dir: Path) -> None:
+    async with match(data_dir, size=(80, 24)) as game:
+        game.main.action_command("next_team")
+        await game.press("2")
+        await game.sees("blue: bluely")
