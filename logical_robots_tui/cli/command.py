@@ -107,13 +107,15 @@ def number_from(least: int) -> Callable[[str], int]:
 
 
 def add_programs(command: argparse.ArgumentParser, *, nargs: Literal["+", "*"] = "+") -> None:
-    """Add the programs, by order as `programs` and by team as `teams`."""
-    command.add_argument(
+    """Add the programs, by order as `programs` and by team as `teams`; both may be empty."""
+    programs = command.add_argument(
         "programs",
         nargs=nargs,
+        default=[],
         metavar="PROGRAM",
         help="a program's name or file; where teams play, one for each in order",
     )
+    programs.required = False  # with "*" none could follow an option
     command.add_argument(
         "--team",
         dest="teams",

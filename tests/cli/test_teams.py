@@ -37,7 +37,9 @@ def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, Any]:
     "programs",
     [
         ("on.l", "off.l"),
+        ("--ticks", "90", "on.l", "off.l"),
         ("on.l", "--team", "blue=off.l"),
+        ("--team", "blue=off.l", "--team", "red=on.l"),
     ],
 )
 def test_each_team_is_named_by_order_or_by_name(
@@ -73,6 +75,8 @@ def test_why_explains_with_the_program_of_the_robot(
         (("on.l", "off.l", "on.l"), "3 programs are too many: match has 2 teams."),
         (("on.l", "--team", "bleu=off.l"), "match has no team bleu."),
         (("on.l", "missing.l"), "there is no such program"),
+        (("on.l", "--team", "red=off.l"), "Two programs are named for red."),
+        ((), "No program is named."),
     ],
 )
 def test_a_wrong_team_is_refused(

@@ -116,6 +116,9 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     from logical_robots_tui.world import load_level
 
     level = named_start_of(load_level(options.level), options.start_number)
+    if not named_programs(options):
+        hint = "For a first look: logical-robots run 01-first-steps first-steps"
+        raise InputError("No program is named.", hint=hint)
     own = own_programs(options)
     sources = programs_for(level, options.programs, dict(options.teams), own, pipes=True)
     try:
