@@ -20,7 +20,7 @@ from logical_robots_tui.shipped import ARENAS, shipped_names
 from logical_robots_tui.world import Level, World
 from logical_robots_tui.world.scoring import points
 from tests.levels.playing import LEVELS, program_text
-from tests.levels.test_levels import LONGEST_IDEA, LONGEST_LINE, around
+from tests.levels.test_levels import around, check_texts
 
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
@@ -78,12 +78,7 @@ def test_arenas_are_numbered_after_the_course() -> None:
 @each_arena
 def test_an_arena_has_texts_that_fit_a_pane_and_programs_of_its_name(name: str) -> None:
     level = load_level(name)
-    lines = level.briefing.split("\n")
-    assert 3 <= len(lines) <= 6
-    assert max(map(len, lines)) <= LONGEST_LINE
-    assert 2 <= len(level.hints) <= 3
-    assert 0 < len(level.idea) <= LONGEST_IDEA
-    assert level.further
+    check_texts(level)
     assert level.solution == name.partition("-")[2] == level.title.lower().replace(" ", "-")
     assert {team.program for team in level.teams} == {level.starter}
     assert level.starter == f"{level.solution}-sparring"
