@@ -52,9 +52,9 @@ def declare(commands: Commands) -> None:
 
 def list_all_levels(options: argparse.Namespace) -> int:
     """Print the name, title and robots of each level, then of each arena."""
-    from logical_robots_tui.world import list_arenas, list_levels, load_level
+    from logical_robots_tui.world import list_shipped, load_level
 
-    levels = [load_level(name) for name in (*list_levels(), *list_arenas())]
+    levels = [load_level(name) for name in list_shipped()]
     if options.json:
         found = [
             {

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import (
     Source,
-    load_program,
     programs_for,
     shipped_texts,
 )
@@ -127,8 +126,6 @@ def programs_to_begin_with(
     sources = programs_for(level, names, by_team, own)
     mine = next(iter(sources) if names or not by_team else iter(by_team))
     goes_on = not (names or by_team) and bool(level.starter)
-    if goes_on:
-        sources[mine] = load_program(level.starter, own)
     text = progress.newest(level_key(level)) if goes_on else None
     return {mine: sources[mine]} | sources, text
 

@@ -121,7 +121,7 @@ def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
 
 def ends(level: Level, frame: Frame) -> bool:
     """Return whether a run stops after a tick: the level was just won, or the match is over."""
-    return frame.tick > 0 and (frame.after.won_at == frame.tick or is_match_over(level, frame.tick))
+    return frame.after.won_at == frame.tick or is_match_over(level, frame.tick)
 
 
 def is_match_over(level: Level, tick: int) -> bool:

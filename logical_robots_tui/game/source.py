@@ -113,11 +113,11 @@ def is_hidden(name: str) -> bool:
 @lru_cache(maxsize=1)
 def _solved_levels() -> Mapping[str, str]:
     """Return the level that each reference program is for, by name."""
-    from logical_robots_tui.world import list_arenas, list_levels, load_level  # loads numpy
+    from logical_robots_tui.world import list_shipped, load_level  # loads numpy
 
     return {
         program: name
-        for name in (*list_levels(), *list_arenas())
+        for name in list_shipped()
         for program in reference_names(load_level(name).solution)
     }
 
@@ -183,7 +183,8 @@ def programs_for(
     """Return the program of each team of a level, or of "" if it has no teams.
 
     Args:
-        level: The level. It says who plays the teams that are not named.
+        level: The level. It says who plays the teams that are not named; if none is, the first
+            team is the player's and begins with the starter.
         names: Programs by the order of the teams, each a path or a name.
         by_team: Further ones by team.
         own: Folder with the player's own programs.
@@ -194,6 +195,8 @@ def programs_for(
     """
     usual = level.starter or DEFAULT_PROGRAM
     wanted = {team.name: team.program or usual for team in level.teams} or {"": usual}
+    if level.starter and not (names or by_team):
+        wanted[next(iter(wanted))] = level.starter
     if len(names) > len(wanted):
         teams = f"{len(level.teams)} teams" if level.teams else "no teams"
         raise InputError(f"{len(names)} programs are too many: {level.name} has {teams}.")

@@ -12,7 +12,7 @@ from logical_robots_tui.world.level import (
     Team,
     Visibility,
 )
-from logical_robots_tui.world.levels.load import list_arenas, list_levels, load_level
+from logical_robots_tui.world.levels.load import list_arenas, list_levels, list_shipped, load_level
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 from logical_robots_tui.world.world import World
 
@@ -31,5 +31,6 @@ __all__ = [
     "WorldState",
     "list_arenas",
     "list_levels",
+    "list_shipped",
     "load_level",
 ]

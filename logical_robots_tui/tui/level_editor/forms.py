@@ -28,8 +28,7 @@ from logical_robots_tui.world import (
     Level,
     Robot,
     Visibility,
-    list_arenas,
-    list_levels,
+    list_shipped,
     load_level,
 )
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
@@ -274,7 +273,7 @@ async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
         own: Folder of the player's levels.
     """
     own_names = await asyncio.to_thread(own_levels, own)
-    shipped = await asyncio.to_thread(lambda: [*list_levels(), *list_arenas()])
+    shipped = await asyncio.to_thread(list_shipped)
     names = list(dict.fromkeys([*shipped, *own_names]))
     form = NewLevelForm(names, here, own)
     return form.made if await ui.ask(form) else None

@@ -121,19 +121,13 @@ class LibraryController:
     async def open_level(self, level: Level) -> None:
         """Open a level, with its starter program if it has one."""
         source = self._session.source
-        if level.starter and level.starter != source.name:
-            try:
-                source = await asyncio.to_thread(load_program, level.starter, self._own)
-            except InputError as error:
-                self._ui.warn(str(error))
-        sources = {"": source}
-        if level.teams:
+        sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
+        if level.teams or (level.starter and level.starter != source.name):
             try:
                 sources = await asyncio.to_thread(programs_for, level, (), {}, self._own)
             except InputError as error:
                 self._ui.warn(str(error))
-                sources = dict.fromkeys([team.name for team in level.teams], source)
-            source = next(iter(sources.values()))
+        source = next(iter(sources.values()))
         kept = None
         if source.name == level.starter:
             kept = await self._recorder.newest(level)

@@ -24,7 +24,7 @@ from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.wording import counted
-from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
+from logical_robots_tui.world import Level, list_arenas, list_shipped, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     def _list(self) -> None:
         """Show the names before the first key."""
-        shipped, own = [*list_levels(), *list_arenas()], own_levels(self._own)
+        shipped, own = list_shipped(), own_levels(self._own)
         here = self._here.name
         self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [
             LevelCard(name, is_here=str(file) == self._here.source, file=file)

@@ -19,6 +19,7 @@ __all__ = [
     "is_of_web",
     "list_arenas",
     "list_levels",
+    "list_shipped",
     "load_level",
     "read_level",
     "read_text",
@@ -33,6 +34,11 @@ _FORMATS = "A level is a .toml file of this game or a .json file of the web plat
 def list_levels() -> list[str]:
     """Return the names of the shipped levels that are to be won, sorted by file name."""
     return sorted({name for suffix in SUFFIXES for name in shipped_names("levels", suffix)})
+
+
+def list_shipped() -> list[str]:
+    """Return the names of all shipped levels: those that are to be won, then the arenas."""
+    return [*list_levels(), *list_arenas()]
 
 
 def list_arenas() -> list[str]:
@@ -92,7 +98,7 @@ def _daily(name: str) -> Level | None:
 
 
 def _shipped(name: str) -> Path:
-    folder, known = shipped_folder("levels"), [*list_levels(), *list_arenas()]
+    folder, known = shipped_folder("levels"), list_shipped()
     for path in (*(folder / f"{name}{suffix}" for suffix in SUFFIXES), _arena(name)):
         if name in known and path.is_file():
             return path
