@@ -26,7 +26,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
 NAMES = list_arenas()
-SEATS = [(name, seat) for name in NAMES for seat in range(len(load_level(name).teams))]
+FOUR_TEAMS = "14-four-doors"
+SEATS = [
+    pytest.param(name, seat, marks=[pytest.mark.slow] * (name == FOUR_TEAMS and seat > 1))
+    for name in NAMES
+    for seat in range(len(load_level(name).teams))
+]
 STARTS = range(1, 11)
 
 each_arena = pytest.mark.parametrize("name", NAMES)

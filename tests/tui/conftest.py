@@ -183,8 +183,8 @@ class Opened:
     async def ready(self) -> None:
         """Wait until the first program is compiled and everything is loaded."""
         await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
-        # Which the game loads at its leisure.
-        await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
+        if not inspector_pane._LOADING_DELAY:
+            await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
 
     async def write(self, text: str) -> None:
         """Put a text into the editor as a paste and apply it."""
@@ -210,9 +210,10 @@ class Opened:
 
 
 @pytest.fixture(autouse=True)
-def _pages_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No test waits until the inspector loads its pages at leisure."""
-    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0)
+def _pages_at_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The inspector loads its pages at once for tests of them, and for others when one is used."""
+    is_about_them = "inspector" in request.path.parts or request.config.option.all
+    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0 if is_about_them else 3600.0)
 
 
 @pytest.fixture(autouse=True)
