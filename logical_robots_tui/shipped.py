@@ -29,11 +29,7 @@ def shipped_folder(kind: ShippedKind) -> Path:
 
 
 def shipped_names(kind: ShippedKind, suffix: str, within: str = "") -> list[str]:
-    """Return the sorted names of the shipped files, without their ending.
-
-    Returns:
-        Names; none if the folder is missing.
-    """
+    """Return the sorted names of the shipped files, without their ending."""
     folder = shipped_folder(kind) / within
     return sorted(path.stem for path in folder.glob(f"*{suffix}"))
 

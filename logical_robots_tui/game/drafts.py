@@ -84,7 +84,8 @@ class Drafts:
     def keep(self, draft: Draft, turn: int | None = None) -> None:
         """Write a draft, replacing an older one.
 
-        A draft of an earlier turn than the last draft or drop is ignored; by default it is the next.
+        A draft of an earlier turn than the last draft or drop is ignored; by default the turn is
+        the next.
 
         Raises:
             OSError: It can't be written.
