@@ -44,10 +44,6 @@ class _Export(msgspec.Struct):
 def read_claims(file: Path, version: int) -> Iterator[tuple[str, str, Measures]]:
     """Read an exported file, and return level, program and measures of each victory.
 
-    Args:
-        file: The file.
-        version: The version of the format.
-
     Raises:
         InputError: It can't be read, or is not such a file; with the key that is wrong.
     """

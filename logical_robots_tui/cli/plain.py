@@ -71,14 +71,7 @@ def play_in_lines(
 ) -> int:
     """Play in lines of text until the player leaves; return the exit status.
 
-    Args:
-        level_name: A level's name or path; by default the level played last.
-        programs: A program's name or path for each team; by default the player's last program for
-            that level.
-        teams: Further programs by team.
-        data_dir: The folder with the player's programs and progress.
-        start: The number of a shifted start; 0 is the given one.
-        solutions: Whether the solution of a level can be read before it is won.
+    By default this is the level played last, with the player's last program for it.
 
     Raises:
         InputError: The level or the program can't be read.

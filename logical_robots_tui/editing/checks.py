@@ -40,11 +40,7 @@ _MOST_NAMES = 3  # most names listed in one finding
 class Finding:
     """A likely mistake.
 
-    Attributes:
-        text: The mistake, in a sentence.
-        x: Its position in map units, or None if it has none.
-        y: The same.
-        forbids: Whether it prevents the level from being loaded.
+    Its position is in map units, or None. One that `forbids` prevents the level from being loaded.
     """
 
     text: str
@@ -216,9 +212,6 @@ class Reach:
 
     Obstacles are walls, and solid areas that nothing switches off. Collisions treat a robot as a
     point, but where its body doesn't fit it gets through only by luck.
-
-    Args:
-        level: The level.
     """
 
     def __init__(self, level: Level) -> None:

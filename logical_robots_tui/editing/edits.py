@@ -133,9 +133,6 @@ class Edits:
 
     Undo and redo are unlimited: for each step only the difference is stored. For the newest step
     the previous level is kept until the next step begins, so that a stroke can extend it.
-
-    Args:
-        level: The initial level.
     """
 
     def __init__(self, level: Level) -> None:

@@ -22,12 +22,7 @@ __all__ = ["resize", "set_words"]
 def set_words(level: Level, **values: Any) -> Level:
     """Set texts, what programs may see, or names that are meant to be shared.
 
-    Args:
-        level: The level.
-        **values: By the names of the attributes of ``Level``: ``title``, ``idea``, ``briefing``,
-            ``hints``, ``lesson``, ``further``, ``starter``, ``solution``, ``visibility``,
-            ``shared_names``, ``second_goals``, ``teams``,
-            ``match_ticks``, ``scores``, ``divided_charge``.
+    The values are named like the attributes of ``Level``.
 
     Raises:
         LevelError: A text is too long or can't be shown, or a value is invalid.

@@ -50,12 +50,7 @@ _READ: dict[Kind, Callable[[Fields], Thing]] = {
 
 @dataclass(frozen=True, slots=True, order=True)
 class Ref:
-    """A reference to one object of a level.
-
-    Attributes:
-        kind: The list of the level that contains it.
-        index: Its index in that list.
-    """
+    """A reference to one object of a level."""
 
     kind: Kind
     index: int
@@ -94,12 +89,8 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
     """Set properties of an object, such as its position, heading, name or colour.
 
     Renaming a robot updates the areas that are a goal for it; renaming the last beacon of a name
-    updates the areas that it switches, and renaming the last area of a name its score.
-
-    Args:
-        level: The level.
-        ref: The object.
-        **values: By the names of the attributes of ``Robot``, ``Beacon`` or ``Area``.
+    updates the areas that it switches, and renaming the last area of a name its score. The values
+    are named like the attributes of ``Robot``, ``Beacon`` or ``Area``.
 
     Raises:
         LevelError: A value is invalid or out of range, or another robot has that name.
@@ -144,11 +135,7 @@ def remove(level: Level, ref: Ref) -> Level:
 def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
     """Return the object at a point: the nearest robot or beacon, otherwise the smallest area.
 
-    Args:
-        level: The level.
-        x: Map units.
-        y: Map units.
-        reach: Tolerance for robots and beacons in map units.
+    Everything is in map units; `reach` is the tolerance for robots and beacons.
     """
 
     def away(some: Thing) -> float:
@@ -271,9 +258,7 @@ class Poses:
     def note(self, robot: Robot, now: Robot) -> None:
         """Remember a robot's place before it is moved.
 
-        Args:
-            robot: The robot in the level.
-            now: Its current state.
+        `robot` is as in the level, and `now` as it stands.
         """
         self._stood[robot.name, _pose(robot)] = _pose(now)
 

@@ -45,11 +45,6 @@ class Run:
     Ticks that this process or an earlier one has computed are not computed again; only the sensors
     are. `close` writes the computed ticks to disk.
 
-    Args:
-        level: The level.
-        program: The robots' program.
-        limits: Bounds on thinking.
-
     Attributes:
         key: Digest of everything on which the ticks depend.
     """
@@ -84,9 +79,7 @@ class Run:
     async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
         """Return the frame of a tick.
 
-        Args:
-            tick: The tick; 0 is the start.
-            told: Called with the last computed tick as work proceeds.
+        `told` is called with the last computed tick as work proceeds.
         """
         await self._reach(tick, told)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
@@ -118,11 +111,8 @@ class Run:
     ) -> AsyncGenerator[T]:
         """Yield the result of a piece of work for each of some ticks, in order.
 
-        Args:
-            first: The first tick, from 0.
-            last: The last one.
-            work: Called in a thread with the frame, a mind, and the event that stops it.
-            to_victory: Whether to end at the tick of victory, if it comes earlier.
+        `work` is called in a thread with the frame, a mind, and the event that stops it. With
+        `to_victory`, the tick of victory is the last.
 
         Raises:
             Stopped: Another piece of work was started.
@@ -222,13 +212,7 @@ class Run:
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:
-    """Return the digest of everything on which the ticks of a run depend, including the code.
-
-    Args:
-        level: The level.
-        program: The robots' program.
-        limits: Bounds on thinking.
-    """
+    """Return the digest of everything on which the ticks of a run depend, including the code."""
     told = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),

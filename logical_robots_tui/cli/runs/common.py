@@ -55,18 +55,9 @@ def new_run_command(
 ) -> argparse.ArgumentParser:
     """Declare a command that takes a level and a program, which `opened` loads.
 
-    Args:
-        commands: Where to add it.
-        name: The command's name.
-        start: Does the work and returns the exit status.
-        summary: One line for the list of commands.
-        description: The first lines of the command's own help.
-        epilog: Examples and exit status, already formatted.
-        first_tick: The lowest value of ``--tick``, or None for no such option.
-        ticks: Default and help of ``--ticks``, or None for no such option.
-        robot: Help of ``--robot``, or "" for no such option.
-        needs_robot: Whether ``--robot`` is required.
-        only_json: Whether all output is JSON.
+    `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``, `robot`
+    the help of ``--robot``; there is no such option by default. `only_json` says that all output is
+    JSON.
     """
     command = new_command(
         commands,
@@ -137,11 +128,6 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
 def check_name(what: str, name: str, known: Iterable[str]) -> None:
     """Check that a name exists.
 
-    Args:
-        what: What it names: robot or predicate.
-        name: The name as typed.
-        known: All names of that kind.
-
     Raises:
         InputError: It does not exist; the hint lists the known names.
     """
@@ -162,11 +148,6 @@ async def run_shown(
 
     Ticks that an earlier process has computed are not computed again.
 
-    Args:
-        level: The level.
-        program: The robots' program.
-        ticks: The last tick that will be needed.
-
     Yields:
         The run, and a callback to call with each finished tick.
     """
@@ -181,13 +162,7 @@ async def run_shown(
 
 
 async def frame_at(level: Level, program: Program, tick: int) -> Frame:
-    """Return the frame of a tick; a victory before it does not end the run.
-
-    Args:
-        level: The level.
-        program: The robots' program.
-        tick: The tick; 0 is the start.
-    """
+    """Return the frame of a tick; a victory before it does not end the run."""
     async with run_shown(level, program, tick) as (run, show):
         return await run.frame(tick, show)
 
@@ -199,10 +174,7 @@ _REDRAW_EVERY = 0.1  # seconds
 def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[[int], None]]:
     """Show the progress of a run on a terminal; the bar disappears at the end.
 
-    Args:
-        title: The label.
-        ticks: The last tick.
-        after: Seconds before the bar appears.
+    It appears `after` some seconds.
 
     Yields:
         A callback to call with each finished tick; it redraws a few times a second only.

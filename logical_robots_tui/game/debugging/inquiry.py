@@ -33,10 +33,6 @@ class Inquiry:
     """Answers questions about frames of a level, while the game may continue.
 
     Questions have no side effects. A newer question of the same kind cancels an older one.
-
-    Args:
-        level: The level of the frames.
-        limits: Limits on compiling and thinking.
     """
 
     def __init__(self, level: Level, limits: Limits | None = None) -> None:
@@ -50,10 +46,7 @@ class Inquiry:
     async def ask(self, program: Program, query: str, frame: Frame) -> Table:
         """Evaluate any query at a frame.
 
-        Args:
-            program: The program.
-            query: A call, an expression, conditions, or whole rules of which the last is evaluated.
-            frame: The tick.
+        A query is a call, an expression, conditions, or whole rules of which the last is evaluated.
 
         Raises:
             ProgramError: The query is wrong; the diagnostics refer to its lines and columns.
@@ -79,13 +72,8 @@ class Inquiry:
     ) -> Explanation:
         """Explain why a predicate has its rows, or none, in a robot's reasoning at a frame.
 
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: One of the program's own predicates.
-            given: Values of some of its columns; only rows with these values are explained.
-            within: A predicate made with ``:=`` whose rules contain the call, or "".
+        Only rows with the given values in some of the columns are explained. `within` is a
+        predicate made with ``:=`` whose rules contain the call.
 
         Raises:
             QueryError: There is no such predicate or robot, or a function lacks its arguments.
@@ -112,14 +100,7 @@ class Inquiry:
     ) -> Proof:
         """Return the whole proof of a row in a robot's reasoning at a frame, as `Mind.proof` does.
 
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: One of the program's own predicates.
-            given: Values of some of its columns; the first row with these values is proved.
-            within: A predicate made with ``:=`` whose rules contain the call, or "".
-            depth: How many predicates deep.
+        The first row with the given values is proved, `depth` predicates deep.
 
         Raises:
             QueryError: As `why` does.
@@ -136,12 +117,6 @@ class Inquiry:
     async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
         """Return the calls of a function in a robot's reasoning at a frame, as `Mind.calls` does.
 
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: A function defined by the program.
-
         Raises:
             QueryError: There is no such robot or function, or a rule that calls it failed.
             Superseded: A newer survey began before the answer was ready.
@@ -157,12 +132,6 @@ class Inquiry:
         self, program: Program, robot: str, frame: Frame, predicate: str
     ) -> list[tuple[int, Suggestion]]:
         """Return the single changes that would have produced a row, for each rule without one.
-
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: One of the program's own predicates.
 
         Returns:
             Lines of rules, each with a change; the smallest change of a rule first.
@@ -181,10 +150,6 @@ class Inquiry:
 
     async def query_plans(self, program: Program, frame: Frame) -> list[QueryPlan]:
         """Return how each of the program's predicates is computed at a frame, slowest first.
-
-        Args:
-            program: The program.
-            frame: The tick.
 
         Raises:
             Superseded: A newer question came before the answer was ready.
@@ -207,10 +172,7 @@ class Inquiry:
     ) -> dict[str, Table | QueryError]:
         """Return the rows of many predicates at a frame, or why one has none.
 
-        Args:
-            program: The program.
-            frame: The tick.
-            predicates: Their names; by default all predicates that have rows.
+        By default, these are all predicates that have rows.
 
         Raises:
             Superseded: A newer survey began before this one was finished.
@@ -225,11 +187,6 @@ class Inquiry:
         self, program: Program, frame: Frame, pins: Sequence[Pin]
     ) -> dict[Pin, Reading]:
         """Return the values of pins at a frame.
-
-        Args:
-            program: The program.
-            frame: The tick.
-            pins: The pins.
 
         Raises:
             Superseded: Other pins or another tick were requested before this was finished.

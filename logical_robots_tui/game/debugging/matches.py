@@ -75,12 +75,7 @@ async def find_matches(
 ) -> Matches:
     """Evaluate a question at every tick of a run up to victory, or load the cached answer.
 
-    Args:
-        run: The run.
-        question: A question compiled for the program of the run.
-        ticks: The last tick to evaluate, if the run is not won before.
-        robot: The robot whose mind counts; "" means any.
-        told: Called with each tick.
+    `robot` is the one whose mind counts, by default any. `told` is called with each tick.
     """
     about = (run.key, question.text, question.sql, robot, ticks)
     name = hashlib.sha256(json.dumps(about).encode()).hexdigest()
@@ -192,13 +187,9 @@ async def search_ticks(
     """Find the nearest tick after or before the current one in which a question holds.
 
     If it holds in the current tick, the adjacent ticks in which it holds too are skipped. Robots
-    sense and reason off the event loop; cancelling the call ends the search.
-
-    Args:
-        game: The game; the search starts at its current tick and uses its program.
-        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
-        way: 1 to search later ticks, -1 to search earlier ones.
-        told: Called with the last tick searched; an exception that it raises ends the search.
+    sense and reason off the event loop; cancelling the call ends the search. `way` is 1 for later
+    ticks and -1 for earlier ones. `told` is called with the last tick searched, and can end the
+    search with an exception.
 
     Raises:
         ProgramError: The query is wrong.

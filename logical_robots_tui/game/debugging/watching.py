@@ -30,12 +30,8 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
     """Return the rows of an answer for which a question holds.
 
     For an expression these are the values that are not null, false or 0; for conditions without
-    variables, the minds in which they are true; for anything else, all rows.
-
-    Args:
-        question: The question.
-        table: Its answer at a tick.
-        robot: The robot whose mind counts; "" means any, as it does where all reason alike.
+    variables, the minds in which they are true; for anything else, all rows. `robot` is the one
+    whose mind counts; "" means any, as it does where all reason alike.
     """
     viewers = table.viewers or ("",) * len(table.rows)
     kept = [
@@ -59,9 +55,6 @@ def _counts(question: Question, value: object) -> bool:
 class Watch:
     """Compares each tick with the previous one.
 
-    Args:
-        breakpoints: The breakpoints to check.
-
     Attributes:
         problems: Why a breakpoint could not be checked in the latest tick, by breakpoint.
     """
@@ -75,11 +68,7 @@ class Watch:
     def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
         """Return the breakpoints that a tick hits.
 
-        Args:
-            past: The tick before.
-            frame: The tick.
-            mind: The mind to evaluate them; the same one each time.
-            stop: Set this from another thread to abort.
+        The mind must be the same one each time.
 
         Raises:
             Stopped: `stop` was set.

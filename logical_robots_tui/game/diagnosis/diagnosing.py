@@ -67,10 +67,7 @@ async def diagnose(
 ) -> Diagnosis:
     """Diagnose the current program over a game's history. Cancel the call to stop.
 
-    Args:
-        game: The game; it may continue in the meantime.
-        report: Called with the amount of work done and the total.
-        limits: Limits on compiling and thinking.
+    `report` is called with the amount of work done and the total.
 
     Raises:
         QueryError: The program is too complex.

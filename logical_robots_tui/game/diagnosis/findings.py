@@ -36,11 +36,7 @@ def findings_of(
 ) -> list[Finding]:
     """Return all findings, the most significant first.
 
-    Args:
-        tally: The counts over the whole run.
-        observed: What else was observed in it.
-        closer: By robot and first tick, the counts in that robot's reasoning at that tick.
-        level: The level.
+    `closer` has, by robot and first tick, the counts in that robot's reasoning at that tick.
     """
     found = [
         *_of_notices(observed, closer),

@@ -22,12 +22,7 @@ LONG = 150
 class Stretch:
     """Ticks in which a robot made no progress.
 
-    Attributes:
-        kind: The kind of movement.
-        robot: The robot's name.
-        first: The first tick.
-        last: The last one.
-        period: Ticks per round, or 0.
+    `period` is in ticks per round, or 0.
     """
 
     kind: Literal["blocked", "still", "circle", "unfinished"]
@@ -40,9 +35,7 @@ class Stretch:
 def stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
     """Yield the longest stretch of each kind in which a robot made no progress.
 
-    Args:
-        path: The robot at the end of each tick.
-        first: Number of the first tick.
+    The path is the robot at the end of each tick, from the first one on.
     """
     name = path[-1].name if path else ""
     kinds: tuple[tuple[Literal["blocked", "still"], Callable[[RobotState], bool]], ...] = (

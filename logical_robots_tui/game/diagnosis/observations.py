@@ -27,13 +27,7 @@ _MOST_STRETCHES = 4  # of each kind, because in a crowd many robots do the same
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """A field that a robot's memory lost.
-
-    Attributes:
-        robot: Name of the robot.
-        field: Name of the field.
-        tick: The tick whose new memory lacks it.
-    """
+    """A field that a robot's memory lost."""
 
     robot: str
     field: str
@@ -77,13 +71,7 @@ class Observations:
 
 
 async def observe(history: History, first: int, last: int) -> Observations:
-    """Observe the ticks of a history.
-
-    Args:
-        history: The history.
-        first: The first tick, from 1.
-        last: The last one.
-    """
+    """Observe the ticks of a history."""
     found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)

@@ -37,10 +37,7 @@ fewest rules? The command "Copy my result" makes a line to share.
 class Daily(NamedTuple):
     """A labyrinth of a day.
 
-    Attributes:
-        day: Its date.
-        size: How large it is.
-        number: Which one of that day and size, from 1.
+    The number counts those of that day and size, from 1.
     """
 
     day: date
@@ -71,11 +68,7 @@ class Daily(NamedTuple):
         return columns * rows
 
     def level(self, source: str) -> Level:
-        """Return the level.
-
-        Args:
-            source: The path of a file for it.
-        """
+        """Return the level."""
         seed = crc32(self.name.encode())
         made = labyrinth(*_CELLS[self.size], seed=seed, loops=0, corridor=_CORRIDOR, wall=_WALL)
         (goal,) = made.areas
