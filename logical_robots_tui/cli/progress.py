@@ -199,7 +199,7 @@ async def _played_again(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import list_levels, load_level
-    from logical_robots_tui.world.levels.daily import Daily
+    from logical_robots_tui.world.levels.labyrinths import Daily
 
     if level not in list_levels() and Daily.named(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
