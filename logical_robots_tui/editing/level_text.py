@@ -198,13 +198,8 @@ def write_native(level: Level) -> str:
     cell = coarsest_cell(level.walls)
     drawing = "\n".join(draw_rows(level.walls, cell))
     lines += ["", f"cell = {cell}", f"walls = '''\n{drawing}\n'''"]
-    return "\n".join([*lines, "", "\n".join(_blocks(level))])
-
-
-def _blocks(level: Level) -> Iterator[str]:
-    for kind in KINDS:
-        for some in getattr(level, kind):
-            yield block_text(kind, record_of(some))
+    blocks = [block_text(kind_of(some), record_of(some)) for some in all_things(level)]
+    return "\n".join([*lines, "", "\n".join(blocks)])
 
 
 def block_text(kind: Kind, record: Record) -> str:
