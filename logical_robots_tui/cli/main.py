@@ -28,7 +28,7 @@ _HOMES = {
     "run": "runs.run",
     "trace": "runs.trace",
     "query": "runs.query",
-    "when": "runs.when",
+    "when": "runs.query",
     "why": "runs.why",
     "origin": "runs.origin",
     "diagnose": "runs.diagnose",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.editing.records import all_things, words_of
-from logical_robots_tui.editing.things import KINDS, Ref, reread
+from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
+from logical_robots_tui.editing.things import Ref, reread
 from logical_robots_tui.editing.walls import Regions
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.levels.fields import Fields

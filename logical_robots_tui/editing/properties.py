@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from logical_robots_tui.editing.records import all_things, words_of
+from logical_robots_tui.editing.level_text import all_things, words_of
 from logical_robots_tui.world.level import LevelError
 from logical_robots_tui.world.levels.fields import Fields
 from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER

@@ -14,13 +14,18 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
 from logical_robots_tui.editing.level_text import (
+    KINDS,
+    Kind,
+    Record,
+    Thing,
     block_text,
+    kind_of,
     needs_leniency,
+    record_of,
     toml_text,
+    words_of,
     write_native,
 )
-from logical_robots_tui.editing.records import Record, Thing, record_of, words_of
-from logical_robots_tui.editing.things import KINDS, Kind, kind_of
 from logical_robots_tui.world.level import LevelError, alike
 from logical_robots_tui.world.levels.drawing import (
     coarsest_cell,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.editing.records import Thing, record_of
+from logical_robots_tui.editing.level_text import Kind, Thing, kind_of, record_of
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.levels.fields import Fields, check_robot_names
 from logical_robots_tui.world.levels.limits import LONGEST_NAME, MOST_OF_A_KIND
@@ -22,24 +22,18 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
 
 __all__ = [
-    "KINDS",
-    "Kind",
     "Poses",
     "Ref",
     "add",
     "as_it_stands",
     "change",
     "duplicate",
-    "kind_of",
     "ref_at",
     "remove",
     "reread",
     "thing",
 ]
 
-Kind: TypeAlias = Literal["robots", "beacons", "areas"]
-
-KINDS: tuple[Kind, ...] = ("robots", "beacons", "areas")
 _SMALLER = ROBOT_RADIUS - BEACON_RADIUS  # handicap of beacons in map units when picking an object
 _READ: dict[Kind, Callable[[Fields], Thing]] = {
     "robots": read_robot,
@@ -154,13 +148,6 @@ def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
         if away(area) < area.radius
     ]
     return min(around)[1] if around else None
-
-
-def kind_of(some: Thing) -> Kind:
-    """Return the list of a level to which an object belongs."""
-    return (
-        "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
-    )
 
 
 def _list(level: Level, kind: Kind) -> tuple[Thing, ...]:

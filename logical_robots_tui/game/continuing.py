@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.source import Source
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
-    from logical_robots_tui.world.levels.daily import DailySize
+    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 __all__ = [
     "Place",
@@ -75,7 +75,7 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
     """
     from logical_robots_tui.game.robustness import LateError, play_through
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.world.levels.daily import Daily
+    from logical_robots_tui.world.levels.labyrinths import Daily
 
     program: Program | None = None
     for number in range(1, _MOST_DAILIES + 1):

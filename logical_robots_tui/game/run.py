@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import platform
 import sqlite3
 from dataclasses import asdict
@@ -81,25 +80,12 @@ class Run:
 
         `told` is called with the last computed tick as work proceeds.
         """
-        await self._reach(tick, told)
+        while self._recording.last < tick:
+            until = perf_counter() + _SECONDS
+            await self._thinker.do(partial(self._reached, tick, until=until))
+            told(self._recording.last)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
-
-    async def moments(self, first: int, last: int) -> list[Moment]:
-        """Return the states after some ticks: world, memories and decisions, without sensors.
-
-        Args:
-            first: The first tick, from 0.
-            last: The last one.
-        """
-        while True:
-            await self._reach(last, lambda _tick: None)
-            try:
-                return await self._thinker.do(
-                    lambda stop: [self._moment(tick, stop) for tick in range(first, last + 1)]
-                )
-            except DamagedError:
-                self._forget()
 
     async def each(
         self,
@@ -124,13 +110,6 @@ class Run:
             for done in found:
                 yield done
             tick += len(found)
-
-    async def _reach(self, tick: int, told: Callable[[int], object]) -> None:
-        """Compute the missing ticks up to this one."""
-        while self._recording.last < tick:
-            until = perf_counter() + _SECONDS
-            await self._thinker.do(partial(self._reached, tick, until=until))
-            told(self._recording.last)
 
     async def close(self) -> None:
         """Save the computed ticks, and free the mind."""
@@ -165,24 +144,14 @@ class Run:
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         """Return the frame of a tick, or None if it can't be computed in time."""
         try:
-            if self._recording.is_in_gap(max(tick - 1, 0)):
+            if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
                 self._recording.return_to_gap()
-            self._go_on_to(tick, stop, until)
+            while self._recording.last < tick and perf_counter() < until:
+                self._go_on(stop)
             return self._known(tick) if tick <= self._recording.last else None
         except DamagedError:
             self._forget()
             return None
-
-    def _moment(self, tick: int, stop: threading.Event) -> Moment:
-        self._go_on_to(tick, stop, math.inf)
-        return self._recording.moment(tick)
-
-    def _go_on_to(self, tick: int, stop: threading.Event, until: float) -> None:
-        """Compute the ticks up to one, if there is time for all of them until then."""
-        if self._recording.is_in_gap(tick):
-            self._recording.return_to_gap()
-        while self._recording.last < tick and perf_counter() < until:
-            self._go_on(stop)
 
     def _forget(self) -> None:
         """Start over, because the file is not a recording of this run."""

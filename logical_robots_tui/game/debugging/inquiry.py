@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Explanation, Mind, Program, Proof, QueryPlan
+    from logical_robots_tui.mind.why.explainer import Explainer
     from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
@@ -28,6 +29,8 @@ __all__ = ["Inquiry"]
 
 T = TypeVar("T")
 
+_LIMITS = Limits()
+
 
 class Inquiry:
     """Answers questions about frames of a level, while the game may continue.
@@ -35,9 +38,8 @@ class Inquiry:
     Questions have no side effects. A newer question of the same kind cancels an older one.
     """
 
-    def __init__(self, level: Level, limits: Limits | None = None) -> None:
+    def __init__(self, level: Level) -> None:
         self._level = level
-        self._limits = limits or Limits()
         self._asker = Thinker("ask")
         self._explainer = Thinker("explain")
         self._surveyor = Thinker("survey")
@@ -55,7 +57,7 @@ class Inquiry:
         """
 
         def work(mind: Mind, stop: threading.Event) -> Table:
-            question = program.question(query, stop=stop, limits=self._limits)
+            question = program.question(query, stop=stop, limits=_LIMITS)
             return mind.ask(question, frame.sensors, frame.memories_before, stop=stop)
 
         return await self._do(self._asker, program, work)
@@ -79,13 +81,9 @@ class Inquiry:
             QueryError: There is no such predicate or robot, or a function lacks its arguments.
             Superseded: A newer question came before the answer was ready.
         """
-
-        def work(mind: Mind, stop: threading.Event) -> Explanation:
-            sensors, memories = frame.sensors, frame.memories_before
-            explainer = mind.explainer(robot, sensors, memories, stop=stop)
-            return explainer.why(predicate, given, within)
-
-        return await self._do(self._explainer, program, work)
+        return await self._explain(
+            self._explainer, program, robot, frame, lambda each: each.why(predicate, given, within)
+        )
 
     async def proof(
         self,
@@ -107,12 +105,10 @@ class Inquiry:
             Superseded: A newer question came before the answer was ready.
         """
 
-        def work(mind: Mind, stop: threading.Event) -> Proof:
-            sensors, memories = frame.sensors, frame.memories_before
-            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+        def work(explainer: Explainer) -> Proof:
             return explainer.proof(predicate, given, within, depth=depth)
 
-        return await self._do(self._explainer, program, work)
+        return await self._explain(self._explainer, program, robot, frame, work)
 
     async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
         """Return the calls of a function in a robot's reasoning at a frame, as `Mind.calls` does.
@@ -121,12 +117,9 @@ class Inquiry:
             QueryError: There is no such robot or function, or a rule that calls it failed.
             Superseded: A newer survey began before the answer was ready.
         """
-
-        def work(mind: Mind, stop: threading.Event) -> Table:
-            sensors, memories = frame.sensors, frame.memories_before
-            return mind.explainer(robot, sensors, memories, stop=stop).calls(predicate)
-
-        return await self._do(self._surveyor, program, work)
+        return await self._explain(
+            self._surveyor, program, robot, frame, lambda each: each.calls(predicate)
+        )
 
     async def nearest(
         self, program: Program, robot: str, frame: Frame, predicate: str
@@ -141,12 +134,10 @@ class Inquiry:
             Superseded: A newer question came before the answer was ready.
         """
 
-        def work(mind: Mind, stop: threading.Event) -> list[tuple[int, Suggestion]]:
-            sensors, memories = frame.sensors, frame.memories_before
-            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+        def work(explainer: Explainer) -> list[tuple[int, Suggestion]]:
             return [(rule.line, found) for rule, found in explainer.nearest(predicate)]
 
-        return await self._do(self._explainer, program, work)
+        return await self._explain(self._explainer, program, robot, frame, work)
 
     async def query_plans(self, program: Program, frame: Frame) -> list[QueryPlan]:
         """Return how each of the program's predicates is computed at a frame, slowest first.
@@ -167,21 +158,14 @@ class Inquiry:
 
         return await self._do(self._explainer, program, work)
 
-    async def survey(
-        self, program: Program, frame: Frame, predicates: tuple[str, ...] | None = None
-    ) -> dict[str, Table | QueryError]:
-        """Return the rows of many predicates at a frame, or why one has none.
-
-        By default, these are all predicates that have rows.
+    async def survey(self, program: Program, frame: Frame) -> dict[str, Table | QueryError]:
+        """Return the rows of all predicates that have rows, or why one has none.
 
         Raises:
             Superseded: A newer survey began before this one was finished.
         """
-        wanted = predicates
-        if wanted is None:
-            wanted = tuple(each.name for each in program.predicates if each.has_rows)
-
-        return await self._do(self._surveyor, program, partial(_tables, wanted, frame))
+        names = [each.name for each in program.predicates if each.has_rows]
+        return await self._do(self._surveyor, program, partial(_tables, names, frame))
 
     async def readings(
         self, program: Program, frame: Frame, pins: Sequence[Pin]
@@ -203,13 +187,26 @@ class Inquiry:
         thinkers = (self._asker, self._explainer, self._surveyor, self._watcher)
         await asyncio.gather(*(thinker.close() for thinker in thinkers))
 
+    async def _explain(
+        self,
+        thinker: Thinker,
+        program: Program,
+        robot: str,
+        frame: Frame,
+        work: Callable[[Explainer], T],
+    ) -> T:
+        def explained(mind: Mind, stop: threading.Event) -> T:
+            return work(mind.explainer(robot, frame.sensors, frame.memories_before, stop=stop))
+
+        return await self._do(thinker, program, explained)
+
     async def _do(
         self, thinker: Thinker, program: Program, work: Callable[[Mind, threading.Event], T]
     ) -> T:
         thinker.stop()
         try:
             return await thinker.do(
-                lambda stop: work(thinker.mind(program, self._level, self._limits), stop)
+                lambda stop: work(thinker.mind(program, self._level, _LIMITS), stop)
             )
         except Stopped:
             raise Superseded from None

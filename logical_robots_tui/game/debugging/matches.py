@@ -83,16 +83,9 @@ async def find_matches(
         return known
 
     def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
-        try:
-            table = mind.ask(
-                question, frame.sensors, frame.memories_before, stop=stop, in_order=False
-            )
-        except QueryError as error:
-            return frame, str(error)
-        return frame, bool(matching_rows(question, table, robot).rows)
+        return frame, _answer(question, frame, mind, stop, robot)
 
     is_reliable = True
-
     holds: list[tuple[int, int]] = []
     failed: list[tuple[int, int]] = []
     reason, last, won_at = "", 0, None
@@ -109,6 +102,18 @@ async def find_matches(
     if is_reliable and run.lasts and not failed:  # it may have failed only for lack of time
         _keep(name, found)
     return found
+
+
+def _answer(
+    question: Question, frame: Frame, mind: Mind, stop: threading.Event, robot: str = ""
+) -> bool | str:
+    """Return whether a question holds at a tick, or why it failed."""
+    sensors, memories = frame.sensors, frame.memories_before
+    try:
+        table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+    except QueryError as error:
+        return str(error)
+    return bool(matching_rows(question, table, robot).rows)
 
 
 def _add(stretches: list[tuple[int, int]], tick: int) -> None:
@@ -203,12 +208,7 @@ async def search_ticks(
         answers: list[bool | str] = []
         for before, known in some:
             frame, mind = thinker.replay(program, before, known, game.limits)
-            try:
-                sensors, memories = frame.sensors, frame.memories_before
-                table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-                answers.append(bool(matching_rows(question, table).rows))
-            except QueryError as error:
-                answers.append(str(error))
+            answers.append(_answer(question, frame, mind, stop))
             if stop.is_set():
                 raise Stopped
         return answers

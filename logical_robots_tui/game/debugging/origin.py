@@ -38,7 +38,7 @@ __all__ = [
     "read_path",
 ]
 
-MOST_LINKS = 24
+_MOST_LINKS = 24
 _MOST_READS = 4  # per link that are traced
 
 Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Made, Mapping[str, Value]]]]"
@@ -159,9 +159,7 @@ async def origin_in_game(
         await thinker.close()
 
 
-async def origin_of(
-    source: Source, robot: str, path: Path, tick: int, *, most: int = MOST_LINKS
-) -> Origin:
+async def origin_of(source: Source, robot: str, path: Path, tick: int) -> Origin:
     """Trace a part of a robot's memory after a tick.
 
     Raises:
@@ -173,7 +171,7 @@ async def origin_of(
     complete = True
     while waiting:
         parent, at, whose, part = waiting.pop(0)
-        if len(links) >= most:
+        if len(links) >= _MOST_LINKS:
             complete = False
             break
         try:

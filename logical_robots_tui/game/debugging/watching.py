@@ -33,16 +33,12 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
     variables, the minds in which they are true; for anything else, all rows. `robot` is the one
     whose mind counts; "" means any, as it does where all reason alike.
     """
-    viewers = table.viewers or ("",) * len(table.rows)
-    kept = [
-        (row, viewer)
-        for row, viewer in zip(table.rows, viewers, strict=True)
-        if (not robot or viewer in ("", robot)) and _counts(question, row[0] if row else None)
-    ]
+    table = table.in_mind_of(robot)
+    kept = [n for n, row in enumerate(table.rows) if _counts(question, row[0] if row else None)]
     return replace(
         table,
-        rows=tuple(row for row, _ in kept),
-        viewers=tuple(viewer for _, viewer in kept) if table.viewers else (),
+        rows=tuple(table.rows[n] for n in kept),
+        viewers=tuple(table.viewers[n] for n in kept) if table.viewers else (),
     )
 
 
@@ -155,9 +151,8 @@ def _rows_for(each: Breakpoint, table: Table) -> _Rows:
     if each.robot and "robot_name" in table.columns:
         at = table.columns.index("robot_name")
         rows = [row for row in rows if row[at] == each.robot]
-    elif each.robot and table.viewers:
-        pairs = zip(rows, table.viewers, strict=True)
-        rows = [row for row, viewer in pairs if viewer == each.robot]
+    else:
+        rows = table.in_mind_of(each.robot).rows
     if not each.column:
         return list(rows)
     if each.column not in table.columns:

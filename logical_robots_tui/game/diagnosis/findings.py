@@ -13,8 +13,7 @@ from logical_robots_tui.mind.similar_names import closest
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.game.diagnosis.movement import Stretch
-    from logical_robots_tui.game.diagnosis.observations import Observations
+    from logical_robots_tui.game.diagnosis.observations import Observations, Stretch
     from logical_robots_tui.mind.diagnosis.counting import Tally
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
     from logical_robots_tui.world import Level
