@@ -13,7 +13,6 @@ from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.checking.checks import IGNORED, MAIN, check
-from logical_robots_tui.mind.checking.parameters import lacking
 from logical_robots_tui.mind.clauses.functors import recursions_written_out
 from logical_robots_tui.mind.compiling import package_patches
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
@@ -31,6 +30,7 @@ from logical_robots_tui.mind.compiling.rules import (
     defined,
     head_name,
     heads,
+    lacking,
     nodes,
     prelude_rules,
     reached,
@@ -38,8 +38,7 @@ from logical_robots_tui.mind.compiling.rules import (
     text_of,
     value_of,
 )
-from logical_robots_tui.mind.compiling.spelling import spell_out
-from logical_robots_tui.mind.compiling.whole_rows import written_out
+from logical_robots_tui.mind.compiling.spelling import spell_out, written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.source_text import Prepared, diagnostic_for, prepare

@@ -21,9 +21,14 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.checking.parameters import mentioned_by_make
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import called, head_name, nodes, subject
+from logical_robots_tui.mind.compiling.rules import (
+    called,
+    head_name,
+    mentioned_by_make,
+    nodes,
+    subject,
+)
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
 

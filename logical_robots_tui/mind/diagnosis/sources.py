@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses.scopes import names
-from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     called,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.rules import variable_of
 from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span

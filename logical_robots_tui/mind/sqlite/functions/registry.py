@@ -23,17 +23,15 @@ from logical_robots_tui.mind.sqlite.budget import Work
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
-from logical_robots_tui.mind.sqlite.functions.order import (
-    compared,
-    in_json,
-    in_order,
-    order_of_scalar,
-)
-from logical_robots_tui.mind.sqlite.functions.replaced import REPLACED
+from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
+    compared,
     element,
+    in_json,
+    in_order,
     list_in,
+    order_of_scalar,
     real_as_json,
     value_as_json,
 )
