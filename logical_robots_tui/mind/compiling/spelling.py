@@ -1,4 +1,4 @@
-"""Rewrites of the syntax tree that SQL templates can't express: types, booleans as text, whole rows.
+"""Rewrites of the syntax tree that SQL templates can't express: types, truths as text, whole rows.
 
 SQLite has no row values, and no list of the columns that a call leaves out. So ``P(..r)`` becomes
 ``P(a: r_a, b: r_b), r = {a: r_a, b: r_b}`` where the columns of ``P`` are known.

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.allowed import BUILT_IN, NAMED_QUERY
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
+from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import LONG, Within
 
 if TYPE_CHECKING:

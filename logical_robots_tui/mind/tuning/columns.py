@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.filling import KINDS, RAYS, WHOLE_RAY
+from logical_robots_tui.mind.sqlite.layouts import KINDS, RAYS, WHOLE_RAY
 from logical_robots_tui.mind.tuning import sql
 
 if TYPE_CHECKING:

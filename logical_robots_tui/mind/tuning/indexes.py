@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.filling import KINDS
+from logical_robots_tui.mind.sqlite.layouts import KINDS
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.tuning.materializing import is_looked_up
 

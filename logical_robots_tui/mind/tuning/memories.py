@@ -1,4 +1,4 @@
-"""Fields of memories as columns, and records in their lists as rows, so that none is parsed again."""
+"""Fields of memories as columns, and records in their lists as rows: none is parsed again."""
 
 from __future__ import annotations
 
@@ -7,12 +7,8 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.remembered import (
-    ITEM_FIELDS,
-    ITEMS,
-    MEMORY_FIELDS,
-    spelled_item,
-)
+from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, ITEMS, MEMORY_FIELDS
+from logical_robots_tui.mind.sqlite.remembered import spelled_item
 from logical_robots_tui.mind.tuning import json, sql
 
 if TYPE_CHECKING:

@@ -1,8 +1,8 @@
 """Records as columns, so that numbers are not written as text and parsed again.
 
-These are the records of a result, and the pairs of ArgMin and ArgMax where they pass through a query
-of their own: if an aggregating predicate has several rules, the compiler collects their rows first,
-with ``JSON_OBJECT('arg', a, 'value', v) AS best``.
+These are the records of a result, and the pairs of ArgMin and ArgMax where they pass through a
+query of their own: if an aggregating predicate has several rules, the compiler collects their rows
+first, with ``JSON_OBJECT('arg', a, 'value', v) AS best``.
 """
 
 from __future__ import annotations
