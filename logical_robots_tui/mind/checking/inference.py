@@ -43,13 +43,7 @@ class _TooManyStepsError(Exception):
 
 
 class Inference:
-    """The known shapes of a program's values.
-
-    Args:
-        rules: Syntax trees as written.
-        text: The program.
-        doubtful: Names of predicates about which nothing is known.
-    """
+    """The known shapes of a program's values."""
 
     def __init__(self, rules: list[Rule], text: str, doubtful: frozenset[str]) -> None:
         self._text = text

@@ -59,11 +59,6 @@ _MOST_COLUMNS = 90  # SQLite's limit is 100
 class Builder:
     """Decomposes bodies and collects the queries to be compiled.
 
-    Args:
-        text: The program.
-        source: The same, prepared.
-        known: What is known about the predicates.
-
     Attributes:
         probes: The rules that define the queries' rows, by name.
     """

@@ -71,14 +71,7 @@ def equal(left: Rule, right: Rule) -> Rule:
 
 
 def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str) -> Rule:
-    """Return a rule; its parts are copied, so that no node is shared.
-
-    Args:
-        name: The predicate that it defines.
-        columns: The expressions of its head.
-        body: The parts of its body.
-        text: Its text in error messages.
-    """
+    """Return a rule; its parts are copied, so that no node is shared."""
     found: Rule = {
         "head": {
             "predicate_name": name,
@@ -104,13 +97,7 @@ _OPENS = {"(": ")", "[": "]", "{": "}"}
 
 
 def span_of(tree: Any, text: str, source: Prepared) -> Span:
-    """Return the place of a syntax tree's text.
-
-    Args:
-        tree: The tree, with the places from the parser.
-        text: The program.
-        source: The same, prepared.
-    """
+    """Return the place of a syntax tree's text."""
     places = list(_places(tree, source.text))
     start = min((start for start, _ in places), default=0)
     stop = max((stop for _, stop in places), default=0)

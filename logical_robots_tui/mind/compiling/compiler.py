@@ -68,10 +68,6 @@ _MOST_DIAGNOSTICS = 25
 def compile_text(text: str, report: Report | None = None) -> Program:
     """Compile a program and all its predicates.
 
-    Args:
-        text: Logica text.
-        report: Called with the number of compiled predicates and of all.
-
     Raises:
         ProgramError: The program has errors; holds all that can be found at once.
     """
@@ -123,11 +119,6 @@ def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
 def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgram:
     """Return the package's program for some rules and the prelude.
 
-    Args:
-        rules: Rules as written.
-        text: The program that they come from.
-        source: The same, prepared.
-
     Raises:
         ProgramError: They can't be compiled.
     """
@@ -146,12 +137,6 @@ def statements_of(
     wanted: list[str], rules: list[Rule], text: str, source: Prepared
 ) -> dict[str, str]:
     """Return SQL for the rows of those predicates that can be computed alone.
-
-    Args:
-        wanted: Their names.
-        rules: Rules as written.
-        text: The program that they come from.
-        source: The same, prepared.
 
     Raises:
         ProgramError: The rules can't be compiled.

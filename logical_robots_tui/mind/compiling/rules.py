@@ -215,12 +215,7 @@ def called(tree: Any) -> Iterator[str]:
 
 
 def reached(tree: Any, rules: Mapping[str, Any]) -> set[str]:
-    """Return the names of the predicates that a syntax tree uses, directly or indirectly.
-
-    Args:
-        tree: The tree.
-        rules: The rules of predicates by name.
-    """
+    """Return the names of the predicates that a syntax tree uses, directly or indirectly."""
     found: set[str] = set()
     waiting = [tree]
     while waiting:

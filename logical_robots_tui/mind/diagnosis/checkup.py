@@ -37,13 +37,7 @@ _MOST_PROBES = 400
 
 
 def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int], bool]) -> Checkup:
-    """Prepare a program to be watched.
-
-    Args:
-        text: A program that can be compiled.
-        functions: Names of its predicates that need arguments.
-        is_quick: Whether SQLite can prepare a query with so many parameters in reasonable time.
-    """
+    """Prepare a program to be watched."""
     source, raw = read_rules(text)
     expanded = expand(raw)
     own = heads(raw)
@@ -121,14 +115,7 @@ _DEEPEST = 8
 def written_fields(
     own: Mapping[str, list[Rule]], functions: frozenset[str], text: str, source: Prepared
 ) -> tuple[list[Field], bool]:
-    """Return the fields of `Robot`'s memory records, and whether there may be others.
-
-    Args:
-        own: The rules of the program's own predicates.
-        functions: Names of those that need arguments.
-        text: The program.
-        source: The same, prepared.
-    """
+    """Return the fields of `Robot`'s memory records, and whether there may be others."""
     found: dict[str, Field] = {}
     is_open = False
 
@@ -169,14 +156,7 @@ def written_fields(
 def texts_of(
     rules: Iterable[Rule], own: Container[str], text: str, source: Prepared
 ) -> Iterator[Field]:
-    """Return the texts in some rules that are compared or passed to a predicate.
-
-    Args:
-        rules: The rules.
-        own: Names of the program's own predicates.
-        text: The program.
-        source: The same, prepared.
-    """
+    """Return the texts in some rules that are compared or passed to a predicate."""
     for rule in rules:
         for node in nodes(rule):
             for value in _meant_for_something(node, own, is_fact="body" not in rule):

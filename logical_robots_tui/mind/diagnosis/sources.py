@@ -31,13 +31,7 @@ _DEEPEST = 4
 
 
 class Sources:
-    """Finds where values come from.
-
-    Args:
-        text: The program.
-        source: The same, prepared.
-        own: The rules of the program's own predicates.
-    """
+    """Finds where values come from."""
 
     def __init__(self, text: str, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
         self._text, self._source, self._own = text, source, own

@@ -102,13 +102,6 @@ class At:
 class Watching:
     """Collects the sites of rules and the predicates to be compiled for them.
 
-    Args:
-        text: The program.
-        source: The same, prepared.
-        expanded: The rules of its predicates, with every ``:=`` expanded.
-        functions: Names of predicates that need arguments.
-        rules: The rules as written, by number.
-
     Attributes:
         sites: The watched places.
         probes: For each generated predicate its rule, and the meaning of its rows.

@@ -70,10 +70,6 @@ class Database:
     """A private in-memory SQLite with the tables of a layout.
 
     Use it from one thread at a time.
-
-    Args:
-        limits: Limits for memory, values and results.
-        layout: Its tables.
     """
 
     def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
@@ -170,12 +166,6 @@ class Database:
     ) -> Answer:
         """Return the column names and at most `most` rows of one read-only query.
 
-        Args:
-            sql: One SELECT.
-            parameters: Values of its numbered parameters.
-            most: The most rows to fetch.
-            within: Its budget; by default that of a think.
-
         Raises:
             Stopped: The caller stopped it.
             TooSlowError: It took too many steps, or too long.
@@ -214,11 +204,6 @@ class Database:
 
     def define(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
         """Fill an additional table that queries may read, and create it if necessary.
-
-        Args:
-            table: Its name, an identifier.
-            columns: Names of its columns.
-            rows: All rows, as SQLite values.
 
         Raises:
             TooMuchError: There is not enough memory.

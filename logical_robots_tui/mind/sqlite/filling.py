@@ -38,10 +38,6 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
 def whole_ray(moment: Moment, number: int | None) -> str | None:
     """Return the JSON text of a ray of a moment.
 
-    Args:
-        moment: The moment.
-        number: Its ``id`` in the tables; None if there is no ray.
-
     Raises:
         IndexError, KeyError, TypeError: There is no such ray.
     """

@@ -31,10 +31,6 @@ _MOST_CHARACTERS = 16_000_000  # in all rows: a memory has one for each robot th
 def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """Return the rows that fill ``Memory``.
 
-    Args:
-        moment: The moment.
-        columns: As for `fillings`.
-
     Raises:
         ValueError: A memory is a text that may contain a record, or all rows are too large.
     """
@@ -96,14 +92,7 @@ _NESTED = frozenset({dict, list})
 
 
 def spelled_item(column: str, place: int, field: str, key: str) -> str:
-    """Return the name of a column of ``Item`` with its content.
-
-    Args:
-        column: Its name.
-        place: The place of the list among `MEMORY_FIELDS`.
-        field: The field of memories that is the list.
-        key: The field of its records.
-    """
+    """Return the name of a column of ``Item`` with its content."""
     return f"{column}={place}:{field}.{key}"
 
 

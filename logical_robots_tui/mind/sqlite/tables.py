@@ -34,11 +34,7 @@ class UnfitError(Exception):
 
 
 class PlainTables:
-    """``Sensor`` and ``Memory`` as programs know them, with the rows of one view at a time.
-
-    Args:
-        limits: Limits for memory, values and results.
-    """
+    """``Sensor`` and ``Memory`` as programs know them, with the rows of one view at a time."""
 
     def __init__(self, limits: Limits) -> None:
         self._database = Database(limits, PLAIN_LAYOUT)
@@ -106,11 +102,6 @@ class TunedTables:
     """All rows of a moment, with sensor fields and radar rays as columns.
 
     Only columns that are read are filled.
-
-    Args:
-        limits: Limits for memory, values and results.
-        frozen: Whether nobody ever changes the content of a moment.
-        few: The layout for few robots.
     """
 
     def __init__(

@@ -31,11 +31,7 @@ class Known:
 
     @classmethod
     def closed(cls, read: Mapping[str, Sequence[str]]) -> Known:
-        """Return what the columns are that are read already, with no room for more.
-
-        Args:
-            read: By name of a table its columns, as a tuned query names them.
-        """
+        """Return what the columns are that are read already, with no room for more."""
         fields, items = {}, {}
         for name in read.get("Memory", ()):
             column, _, known = name.partition("=")
@@ -51,12 +47,7 @@ class Known:
 
 
 def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
-    """Take fields of memories from columns of their own.
-
-    Args:
-        tree: A query; changed in place.
-        known: By name of a field its column, for all queries of a program; added to.
-    """
+    """Take fields of memories from columns of their own."""
     for column in list(tree.find_all(exp.Column)):
         guarded = _field_of_memory(column)
         if guarded is None:
@@ -118,12 +109,6 @@ def items_as_rows(
     tree: exp.Expr, fields: Mapping[str, str], known: MutableMapping[str, str]
 ) -> tuple[str, ...]:
     """Read records in lists of memories from a table of such records.
-
-    Args:
-        tree: A query in which fields of memories are columns; changed in place.
-        fields: By name of a field of memories its column of ``Memory``.
-        known: By name of a field of such a record its column of ``Item``, for all queries of a
-            program; added to.
 
     Returns:
         The columns that the query reads, as `fillings` wants them.

@@ -27,9 +27,6 @@ _WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out fo
 def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Let a query give the fields of its records one by one.
 
-    Args:
-        tree: The query; changed in place.
-
     Returns:
         Names of the columns that the query had, each with the names of the fields that stand in
         its place, those of truths marked, or with () if it is as it was; () if no column is

@@ -208,14 +208,7 @@ def _is_json(value: exp.Expr) -> bool:
 
 
 def called(made: exp.Anonymous, name: str, kinds: Sequence[Kind], found: Kind) -> Kind:
-    """Return the type of what a function gives, after the call was written as DuckDB means it.
-
-    Args:
-        made: The call.
-        name: The name of the function in lower case.
-        kinds: The types of the arguments.
-        found: The type of the result.
-    """
+    """Return the type of what a function gives, after the call was written as DuckDB means it."""
     change = _CHANGES.get(name)
     return found if change is None else change(made, kinds, found)
 

@@ -105,9 +105,6 @@ class Explainer:
     def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
         """Return the single changes that would have given a rule a row.
 
-        Args:
-            predicate: One of the program's own.
-
         Returns:
             Pairs of a rule without a row and a change; the smallest change of a rule first.
 
@@ -121,9 +118,6 @@ class Explainer:
 
     def calls(self, function: str) -> Table:
         """Return the calls of a function: arguments and results, each once.
-
-        Args:
-            function: A function of the program's own.
 
         Raises:
             QueryError: There is no such function, or a rule that calls it failed.
@@ -182,18 +176,7 @@ def calls_of(
     derivations: Derivations,
     most: int,
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-    """Return the different calls of a function: columns, and a row for each call and result.
-
-    Args:
-        name: The function.
-        callers: By name of a predicate those of the program that mention it.
-        derivations: Finds rows.
-        most: Most calls.
-
-    Raises:
-        QueryError: A predicate can't be decomposed.
-        FailureError: It takes too long.
-    """
+    """Return the different calls of a function: columns, and a row for each call and result."""
     search = _Search(callers, derivations, most)
     found = search.arguments(name, 0)
     probing = derivations.decompose(name, "")

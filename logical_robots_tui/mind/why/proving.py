@@ -47,11 +47,6 @@ class Prover:
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
         """Return why a predicate has the rows with given values, or none.
 
-        Args:
-            predicate: One of the program's own.
-            given: Values of some of its columns.
-            within: The predicate made with ``:=`` in whose copy of the rules it is asked, or "".
-
         Raises:
             QueryError: It has no such column, lacks an argument, or its rows can't be computed.
             Stopped: The work was stopped.

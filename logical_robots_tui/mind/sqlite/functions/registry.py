@@ -228,12 +228,7 @@ NAMES = frozenset(
 
 
 def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
-    """Register all functions of this module, and mathematical functions if SQLite has none.
-
-    Args:
-        connection: An open connection.
-        work: The work that calls the functions; they fail when it is halted.
-    """
+    """Register all functions of this module, and mathematical functions if SQLite has none."""
     work = work or Work(lambda: None)
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():
