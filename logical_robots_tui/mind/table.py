@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.program import VALUE
@@ -30,6 +30,13 @@ class Table:
     rows: tuple[tuple[Value, ...], ...]
     viewers: tuple[str, ...] = ()
     truncated: bool = False
+
+    def in_mind_of(self, robot: str | None) -> Table:
+        """Return only the rows that hold in a robot's mind, if one is given."""
+        if not robot or not self.viewers:
+            return self
+        kept = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
+        return replace(self, rows=tuple(self.rows[n] for n in kept), viewers=(robot,) * len(kept))
 
 
 def table_of(

@@ -73,11 +73,7 @@ class Rays(NamedTuple):
     sin: NDArray[np.float64]
 
     def some(self, which: NDArray[np.intp]) -> Rays:
-        """Return the rays of some of the robots.
-
-        Args:
-            which: Indices of the robots among these.
-        """
+        """Return the rays of some of the robots."""
         return Rays(
             self.robot[which],
             self.x[which],
@@ -113,12 +109,7 @@ class Circles(NamedTuple):
 
 
 def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
-    """Return the rays that some of the robots cast from their positions.
-
-    Args:
-        robots: All robots, in file order.
-        which: The indices of those that cast.
-    """
+    """Return the rays that some of the robots cast from their positions."""
     some = [robots[place] for place in which]
     x = np.array([robot.x for robot in some])
     y = np.array([robot.y for robot in some])
