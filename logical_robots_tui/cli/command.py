@@ -48,12 +48,15 @@ def new_command(
     summary: str,
     description: str,
     epilog: str = "",
-    wants_json: Callable[[argparse.Namespace], bool] = lambda _options: False,
+    wants_json: Callable[[argparse.Namespace], bool] = lambda options: (
+        "json" in options and options.json
+    ),
 ) -> argparse.ArgumentParser:
     """Declare a command.
 
     `start` does the work and returns the exit status; `summary` is one line for the list of
-    commands, and `description` begins the command's own help.
+    commands, and `description` begins the command's own help. `wants_json` tells whether to report
+    errors as JSON; by default with ``--json``.
     """
     command = commands.add_parser(
         name,

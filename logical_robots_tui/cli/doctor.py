@@ -51,7 +51,6 @@ def declare(commands: Commands) -> None:
         commands,
         "doctor",
         start=start,
-        wants_json=lambda options: bool(options.json),
         summary="check this machine and this terminal",
         description="Print what the game detects on this machine and in this terminal.",
         epilog=EPILOG,

@@ -58,7 +58,6 @@ def declare(commands: Commands) -> None:
         summary="list and export your results, or check an export",
         description="List your results in each level, export them, or check an exported file.",
         epilog=EPILOG,
-        wants_json=lambda options: bool(options.json),
     )
     layout = command.add_mutually_exclusive_group()
     layout.add_argument("--json", action="store_true", help="print JSON, with your programs")

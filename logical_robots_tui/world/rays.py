@@ -74,15 +74,7 @@ class Rays(NamedTuple):
 
     def some(self, which: NDArray[np.intp]) -> Rays:
         """Return the rays of some of the robots."""
-        return Rays(
-            self.robot[which],
-            self.x[which],
-            self.y[which],
-            self.angle[which],
-            self.aside[which],
-            self.cos[which],
-            self.sin[which],
-        )
+        return Rays._make(part[which] for part in self)
 
 
 class Circles(NamedTuple):
@@ -105,7 +97,7 @@ class Circles(NamedTuple):
         far = self.radius + SENSOR_RANGE
         near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
         near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
-        return Circles(self.number[near], self.x[near], self.y[near], self.radius[near])
+        return Circles._make(part[near] for part in self)
 
 
 def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     add_data_dir,
@@ -14,6 +14,7 @@ from logical_robots_tui.cli.command import (
     add_programs,
     add_start,
     harmless,
+    line_of_json,
     named_programs,
     new_command,
     number_from,
@@ -42,6 +43,7 @@ __all__ = [
     "opened",
     "progress_bar",
     "run_shown",
+    "show",
 ]
 
 _SOON = 0.5  # seconds before the progress bar appears
@@ -142,6 +144,11 @@ def compiled(sources: Mapping[str, Source]) -> Program:
     from logical_robots_tui.mind.program import join_teams
 
     return Program.compile(join_teams({team: each.text for team, each in sources.items()}))
+
+
+def show(options: argparse.Namespace, data: Any, lines: Iterable[str]) -> None:
+    """Print a result, as JSON or as text."""
+    print(line_of_json(data) if prefers_json(options) else "\n".join(lines))
 
 
 def check_name(what: str, name: str, known: Iterable[str]) -> None:

@@ -16,7 +16,7 @@ from logical_robots_tui.cli.command import (
     written,
 )
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened, run_shown
+from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened, run_shown, show
 
 if TYPE_CHECKING:
     import argparse
@@ -157,10 +157,7 @@ def _when(options: argparse.Namespace) -> int:
     found = asyncio.run(_search(level, program, question, options))
     if found.failed_in == found.ticks:
         raise QueryError(f"It failed in every tick: {found.reason}")
-    if prefers_json(options):
-        print(line_of_json(_data(options.question, found)))
-    else:
-        print(*_lines(options.question, found), sep="\n")
+    show(options, _data(options.question, found), _lines(options.question, found))
     return FOUND if found.stretches else NOTHING
 
 

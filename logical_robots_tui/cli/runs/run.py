@@ -233,14 +233,14 @@ class Outcome:
         return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
 
     def _table(self) -> list[str]:
-        rows = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
+        rows: list[tuple[str, ...]] = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
         for given, now in zip(self.level.robots, self.frame.after.robots, strict=True):
             heading = f"{math.degrees(now.angle) % 360:.0f} deg"
             battery = "none"
             if given.has_battery:
                 battery = f"{now.battery_level:.1f} of {given.battery_capacity:g}"
             rows.append((now.name, f"{now.x:.1f}", f"{now.y:.1f}", heading, battery))
-        return columns([tuple(row) for row in rows])
+        return columns(rows)
 
     def _robots(self) -> list[dict[str, Any]]:
         return [
