@@ -62,9 +62,7 @@ class CacheFolder:
     def read(self, name: str, largest: int) -> bytes | None:
         """Return the content of an entry, or None if it is missing or unreadable.
 
-        Args:
-            name: Of the entry, without the suffix.
-            largest: The most bytes it may have; a larger entry is removed.
+        An entry of more than `largest` bytes is removed.
         """
         if self.place is None:
             return None
@@ -127,9 +125,7 @@ class CacheFolder:
 def digest_of_code(folders: Iterable[Path], packages: Iterable[str]) -> bytes:
     """Return a digest of the code as it is now.
 
-    Args:
-        folders: All Python files in them are included.
-        packages: Their versions are included, if they are installed.
+    It covers all Python files in the folders, and the versions of the packages that are installed.
     """
     from importlib import metadata  # slow to load, and most processes don't need it
 

@@ -44,9 +44,7 @@ _confined: list[_Confinement] = []
 def confine(own: Path, *readable: Path) -> None:
     """Allow only files in these folders, permanently.
 
-    Args:
-        own: The player's folder.
-        readable: Other folders that may be read.
+    Files in the `readable` folders may be read as well.
     """
     folders = tuple(os.path.realpath(folder) for folder in readable)
     _confined.append(_Confinement(os.path.realpath(own), folders))
@@ -72,10 +70,6 @@ def check_mine(path: str | Path) -> None:
 
 def check_quota(path: Path, size: int) -> None:
     """Refuse to write a file that would exceed the quota.
-
-    Args:
-        path: The file.
-        size: Its size in bytes afterwards.
 
     Raises:
         OSError: The player's folder would hold too many files or bytes.

@@ -6,11 +6,7 @@ __all__ = ["InputError", "LogicalRobotsError", "is_out_of_memory"]
 
 
 class LogicalRobotsError(Exception):
-    """Base of every error that this package raises on purpose.
-
-    Attributes:
-        title: A short title for a message box.
-    """
+    """Base of every error that this package raises on purpose."""
 
     title = "Something went wrong"
 

@@ -15,9 +15,7 @@ __all__ = ["lazy_exports"]
 def lazy_exports(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
     """Return a ``__getattr__`` (PEP 562) for a package that loads its exports on first use.
 
-    Args:
-        package: The package's name.
-        homes: For each exported name, the module within the package that defines it.
+    `homes` names, for each export, the module within the package that defines it.
     """
 
     def load(name: str) -> object:

@@ -48,10 +48,6 @@ def real(path: Path) -> Path:
 def read_ordinary(path: Path, most: int) -> bytes:
     """Return the first bytes of a regular file; refuse anything that could block or never end.
 
-    Args:
-        path: The file.
-        most: The largest number of bytes to return.
-
     Raises:
         OSError: It is not a regular file, or can't be read.
     """

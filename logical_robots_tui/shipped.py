@@ -22,9 +22,6 @@ def shipped_folder(kind: ShippedKind) -> Path:
     """Return the folder of the shipped levels or programs.
 
     It is inside an installed package, and beside the package in a checkout.
-
-    Args:
-        kind: ``levels`` or ``programs``.
     """
     package = Path(__file__).resolve().parent
     inside = package / kind
@@ -32,27 +29,13 @@ def shipped_folder(kind: ShippedKind) -> Path:
 
 
 def shipped_names(kind: ShippedKind, suffix: str, within: str = "") -> list[str]:
-    """Return the sorted names of the shipped files, without their ending.
-
-    Args:
-        kind: ``levels`` or ``programs``.
-        suffix: The ending of the files, such as ``.toml``.
-        within: A folder inside.
-
-    Returns:
-        Names; none if the folder is missing.
-    """
+    """Return the sorted names of the shipped files, without their ending."""
     folder = shipped_folder(kind) / within
     return sorted(path.stem for path in folder.glob(f"*{suffix}"))
 
 
 def did_you_mean(word: str, options: Iterable[str]) -> str:
-    """Return a question that suggests the option closest to a mistyped word, or "".
-
-    Args:
-        word: What was typed.
-        options: The valid words.
-    """
+    """Return a question that suggests the option closest to a mistyped word, or ""."""
     by_folded = {option.casefold(): option for option in options}
     close = difflib.get_close_matches(word.casefold(), by_folded, n=1, cutoff=0.6)
     return f'Did you mean "{by_folded[close[0]]}"?' if close else ""

@@ -82,16 +82,22 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.option.all or named:
         return
     tests = {item: item.nodeid.split("[")[0] for item in items}
-    cases = Counter(tests[item] for item in items if item.get_closest_marker("sampled"))
+    slow = {item for item in items if item.get_closest_marker("slow")}
+    cases = Counter(
+        test
+        for item, test in tests.items()
+        if item not in slow and item.get_closest_marker("sampled")
+    )
     seen: Counter[str] = Counter()
     left_out = []
     for item, test in tests.items():
-        sampled = item.get_closest_marker("sampled") is not None
-        share = min(SHARE, cases[test])  # at least one case
-        is_passed_over = sampled and seen[test] % share != config.option.tenth % share
-        if is_passed_over or item.get_closest_marker("slow"):
+        if item in slow:
             left_out.append(item)
-        seen[test] += sampled
+        elif item.get_closest_marker("sampled"):
+            share = min(SHARE, cases[test])  # at least one case
+            if seen[test] % share != config.option.tenth % share:
+                left_out.append(item)
+            seen[test] += 1
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         gone = set(left_out)

@@ -36,7 +36,6 @@ def declare(commands: Commands) -> None:
         commands,
         "check",
         start=start,
-        wants_json=lambda options: bool(options.json),
         summary="check a program for errors without running it",
         description="Check programs for errors without running them.",
         epilog=EPILOG,

@@ -48,18 +48,15 @@ def new_command(
     summary: str,
     description: str,
     epilog: str = "",
-    wants_json: Callable[[argparse.Namespace], bool] = lambda _options: False,
+    wants_json: Callable[[argparse.Namespace], bool] = lambda options: (
+        "json" in options and options.json
+    ),
 ) -> argparse.ArgumentParser:
     """Declare a command.
 
-    Args:
-        commands: Where to add it.
-        name: The command's name.
-        start: Does the work and returns the exit status.
-        summary: One line for the list of commands.
-        description: The first lines of the command's own help.
-        epilog: Examples and exit status, already formatted.
-        wants_json: Whether to report errors as JSON.
+    `start` does the work and returns the exit status; `summary` is one line for the list of
+    commands, and `description` begins the command's own help. `wants_json` tells whether to report
+    errors as JSON; by default with ``--json``.
     """
     command = commands.add_parser(
         name,
@@ -75,11 +72,7 @@ def new_command(
 def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Commands:
     """Declare a command that consists of commands, and return where to add those.
 
-    Args:
-        commands: Where to add it.
-        name: The command's name.
-        summary: One line for the list of commands; as a sentence, the first line of its own help.
-        epilog: Examples, already formatted.
+    The summary, as a sentence, is also the first line of its own help.
     """
     command = commands.add_parser(
         name,
@@ -180,9 +173,7 @@ def add_no_solutions(command: argparse.ArgumentParser) -> None:
 def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
     """Return the folder for a player's files.
 
-    Args:
-        data_dir: The folder given on the command line, or None for the system's default.
-        player: The player's name, where many players share an account.
+    By default it is the system's; each named player has a folder in it.
     """
     if data_dir is None:
         from platformdirs import user_data_path
@@ -194,8 +185,7 @@ def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
 def own_programs(options: argparse.Namespace) -> Path:
     """Return the folder with the player's own programs, and hide solutions if that is wanted.
 
-    Args:
-        options: Of a command with `add_data_dir` and `add_no_solutions`.
+    The command must have `add_data_dir` and `add_no_solutions`.
     """
     folder = folder_of(options.data_dir)
     if options.no_solutions:

@@ -37,14 +37,7 @@ exit status: 0 the game can be played here, 1 there are problems, marked with !
 
 @dataclass(frozen=True)
 class Finding:
-    """One result of the check.
-
-    Attributes:
-        part: The section, such as ``terminal``.
-        name: What was checked.
-        value: What was found.
-        problem: What is wrong with it, or "".
-    """
+    """One result of the check."""
 
     part: str
     name: str
@@ -58,7 +51,6 @@ def declare(commands: Commands) -> None:
         commands,
         "doctor",
         start=start,
-        wants_json=lambda options: bool(options.json),
         summary="check this machine and this terminal",
         description="Print what the game detects on this machine and in this terminal.",
         epilog=EPILOG,

@@ -35,12 +35,7 @@ BUG = 70  # EX_SOFTWARE in sysexits.h
 
 
 class ProgramFileError(LogicalRobotsError):
-    """A program that was read from a file can't be compiled.
-
-    Attributes:
-        place: The file.
-        diagnostics: The errors, in text order.
-    """
+    """A program that was read from a file can't be compiled."""
 
     title = "This program can't run yet"
 
@@ -53,9 +48,7 @@ class ProgramFileError(LogicalRobotsError):
 def report(error: LogicalRobotsError, *, as_json: bool) -> int:
     """Report a player's mistake on standard error and return the exit status.
 
-    Args:
-        error: The mistake.
-        as_json: Also print it as a JSON object on standard output.
+    With `as_json` it is also printed as a JSON object on standard output.
     """
     if as_json:
         print(json.dumps({"error": _as_data(error)}, indent=2))

@@ -62,7 +62,6 @@ def _declare_check(commands: Commands) -> None:
         commands,
         "check",
         start=_check,
-        wants_json=lambda options: bool(options.json),
         summary="check a level for likely mistakes",
         description="Check levels for likely mistakes: unreachable goals, gaps in the rim, things\n"
         "inside walls, unknown names, and names used twice.",

@@ -28,7 +28,7 @@ _HOMES = {
     "run": "runs.run",
     "trace": "runs.trace",
     "query": "runs.query",
-    "when": "runs.when",
+    "when": "runs.query",
     "why": "runs.why",
     "origin": "runs.origin",
     "diagnose": "runs.diagnose",
@@ -91,9 +91,6 @@ Levels and programs are names from these lists, or file paths.
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit status.
 
-    Args:
-        arguments: The command-line arguments; by default those in ``sys.argv``.
-
     Raises:
         SystemExit: By argparse, for ``--help``, ``--version`` and mistyped arguments.
     """
@@ -138,8 +135,7 @@ def _start(options: argparse.Namespace) -> int:
 def parser(command: str = "") -> argparse.ArgumentParser:
     """Return the argument parser; parsed options hold the command's ``start`` function.
 
-    Args:
-        command: If this is a command, only its module is loaded, which is faster.
+    If a command is given, only its module is loaded, which is faster.
     """
     top = argparse.ArgumentParser(
         prog=PROGRAM,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
+from logical_robots_tui.cli.runs.common import compiled
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
@@ -26,10 +27,10 @@ from logical_robots_tui.game.continuing import (
     programs_to_begin_with,
 )
 from logical_robots_tui.game.frame import events_between
+from logical_robots_tui.game.robustness import named_start_of
 from logical_robots_tui.game.source import hide_solutions, target
 from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
-from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.mind.program import join_teams
+from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
 __all__ = ["play_in_lines"]
@@ -66,19 +68,12 @@ def play_in_lines(
     teams: Mapping[str, str],
     data_dir: Path,
     *,
-    start: int = 0,
-    solutions: bool = True,
+    start: int,
+    solutions: bool,
 ) -> int:
     """Play in lines of text until the player leaves; return the exit status.
 
-    Args:
-        level_name: A level's name or path; by default the level played last.
-        programs: A program's name or path for each team; by default the player's last program for
-            that level.
-        teams: Further programs by team.
-        data_dir: The folder with the player's programs and progress.
-        start: The number of a shifted start; 0 is the given one.
-        solutions: Whether the solution of a level can be read before it is won.
+    By default this is the level played last, with the player's last program for it.
 
     Raises:
         InputError: The level or the program can't be read.
@@ -90,27 +85,20 @@ def play_in_lines(
     own = data_dir / "programs"
     try:
         level = load_level(level_name) if level_name else level_to_begin_with(progress)
-        if start:
-            from logical_robots_tui.game.robustness import named_start_of
-
-            level = named_start_of(level, start)
+        level = named_start_of(level, start)
         sources, kept = programs_to_begin_with(progress, level, programs, teams, own)
         mine = next(iter(sources))
         if kept is not None and kept != sources[mine].text:
             sources[mine] = sources[mine]._replace(text=kept)
             _say("Loaded your last program for this level.")
         try:
-            compiled = _compiled(sources)
+            program = compiled(sources)
         except ProgramError as error:
-            raise ProgramFileError(sources[error.team or mine].name, error) from error
-        game = _TextGame(level, sources, compiled, progress, own)
+            raise ProgramFileError(sources[error.team].name, error) from error
+        game = _TextGame(level, sources, program, progress, own)
         return asyncio.run(game.play())
     finally:
         progress.close()
-
-
-def _compiled(sources: Mapping[str, Source]) -> Program:
-    return Program.compile(join_teams({team: source.text for team, source in sources.items()}))
 
 
 class _TextGame:
@@ -222,7 +210,7 @@ class _TextGame:
             return
         try:
             self._sources[self._mine] = load_program(self._source.path)
-            program = _compiled(self._sources)
+            program = compiled(self._sources)
         except InputError as error:
             _say(str(error))
         except ProgramError as error:

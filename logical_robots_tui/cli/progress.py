@@ -8,7 +8,9 @@ import json
 import math
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
+
+import msgspec
 
 from logical_robots_tui.cli.command import (
     add_data_dir,
@@ -18,13 +20,16 @@ from logical_robots_tui.cli.command import (
     harmless,
     new_command,
 )
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import read_ordinary
+from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.progress import Bests, LevelRecord, Measures, Progress
+    from logical_robots_tui.progress import Bests, LevelRecord
 
 __all__ = ["declare"]
 
@@ -53,7 +58,6 @@ def declare(commands: Commands) -> None:
         summary="list and export your results, or check an export",
         description="List your results in each level, export them, or check an exported file.",
         epilog=EPILOG,
-        wants_json=lambda options: bool(options.json),
     )
     layout = command.add_mutually_exclusive_group()
     layout.add_argument("--json", action="store_true", help="print JSON, with your programs")
@@ -71,8 +75,6 @@ def start(options: argparse.Namespace) -> int:
     """Print the results, or check those of a file."""
     if options.check is not None:
         return _check(options.check, as_json=options.json)
-    from logical_robots_tui.progress import FILE_NAME, Progress
-
     file = folder_of(options.data_dir) / FILE_NAME
     progress = Progress(file, lambda message: print(harmless(message), file=sys.stderr))
     try:
@@ -122,11 +124,6 @@ def _row(record: LevelRecord) -> tuple[str, ...]:
 
 def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:
     """Return a level's results, with each program that achieves one of the best."""
-    best = [
-        version
-        for version in progress.versions(level)
-        if version.measures is not None and _is_best(version.measures, record.bests)
-    ]
     return {
         "level": level,
         "state": record.state,
@@ -134,8 +131,8 @@ def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, A
         "best": record.bests._asdict(),
         "victories": [
             {"program": version.text, **version.measures._asdict()}
-            for version in best
-            if version.measures is not None
+            for version in progress.versions(level)
+            if version.measures is not None and _is_best(version.measures, record.bests)
         ],
     }
 
@@ -149,46 +146,90 @@ def _is_best(found: Measures, bests: Bests) -> bool:
 # -- checking ----------------------------------------------------------------------------------
 
 
-class Verdict(NamedTuple):
-    """What playing a program again has shown.
+_MOST_BYTES = 20_000_000
 
-    Attributes:
-        level: The name of the level.
-        claimed: The measures in the file.
-        found: The measures when played again; None if it does not win, or can't be played.
-        problem: Why the claim is not confirmed, or "".
-    """
+_Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 
+
+class _Victory(msgspec.Struct):
+    program: str
+    ticks: _Count
+    rules: _Count
+    distance: Annotated[float, msgspec.Meta(ge=0)]
+    wins: _Count | None = None
+    starts: _Count = 0
+    goals: tuple[str, ...] = ()
+
+
+class _Level(msgspec.Struct):
     level: str
-    claimed: Measures
-    found: Measures | None
-    problem: str
+    victories: list[_Victory]
+
+
+class _Export(msgspec.Struct):
+    format: int
+    levels: list[_Level]
+
+
+def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
+    """Read an exported file, and return level, program and measures of each victory.
+
+    Raises:
+        InputError: It can't be read, or is not such a file; with the key that is wrong.
+    """
+    try:
+        content = read_ordinary(file, _MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"Can't be read: {error.strerror or error}.", place=str(file)) from error
+    if len(content) > _MOST_BYTES:
+        raise InputError(f"The file has more than {_MOST_BYTES:,} bytes.", place=str(file))
+    try:
+        export = msgspec.json.decode(content, type=_Export)
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise InputError(
+            f"This is not an exported progress file: {error}",
+            place=str(file),
+            hint="logical-robots progress --json writes one.",
+        ) from error
+    if export.format != FORMAT:
+        raise InputError(
+            f"The file has format {export.format}; this version of the game reads {FORMAT}.",
+            place=f"{file}: format",
+        )
+    return (
+        (each.level, won.program, Measures(*(getattr(won, name) for name in Measures._fields)))
+        for each in export.levels
+        for won in each.victories
+    )
 
 
 def _check(file: Path, *, as_json: bool) -> int:
-    from logical_robots_tui.cli.claims import read_claims
-
-    claims = read_claims(file, FORMAT)
-    verdicts = []
+    claims = _read_claims(file)
+    results: list[dict[str, Any]] = []
     played: dict[tuple[str, str], Measures | str] = {}
     if not as_json:
         print(f"{'LEVEL':24}  {'TICKS':>6}  {'RULES':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
     for level, text, claimed in claims:
-        found = played.get((level, text))
-        if found is None:
-            found = played[level, text] = asyncio.run(_played_again(level, text))
-        if isinstance(found, str):
-            verdict = Verdict(level, claimed, None, found)
-        else:
-            verdict = Verdict(level, claimed, found, "; ".join(_differences(claimed, found)))
-        verdicts.append(verdict)
+        if (level, text) not in played:
+            played[level, text] = asyncio.run(_played_again(level, text))
+        outcome = played[level, text]
+        found = None if isinstance(outcome, str) else outcome
+        problem = str(outcome) if found is None else "; ".join(_differences(claimed, found))
+        results.append(
+            {
+                "level": level,
+                "confirmed": not problem,
+                "problem": problem,
+                "claimed": claimed._asdict(),
+                "found": found and found._asdict(),
+            }
+        )
         if not as_json:
-            print(_line(verdict), flush=True)
-    confirmed = all(not verdict.problem for verdict in verdicts)
+            print(_line(level, found or claimed, problem), flush=True)
+    confirmed = all(result["confirmed"] for result in results)
     if as_json:
-        results = [_verdict_as_data(verdict) for verdict in verdicts]
         print(json.dumps(finite({"confirmed": confirmed, "results": results}), indent=2))
-    elif not verdicts:
+    elif not results:
         print("The file holds no victories.")
     return CONFIRMED if confirmed else NOT_CONFIRMED
 
@@ -199,7 +240,7 @@ async def _played_again(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import list_levels, load_level
-    from logical_robots_tui.world.levels.daily import Daily
+    from logical_robots_tui.world.levels.labyrinths import Daily
 
     if level not in list_levels() and Daily.named(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
@@ -227,19 +268,7 @@ def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
             yield f'"{goal}" claimed, not reached'
 
 
-def _line(verdict: Verdict) -> str:
-    shown = verdict.found or verdict.claimed
+def _line(level: str, shown: Measures, problem: str) -> str:
     robust = "" if shown.wins is None else f"{shown.wins} of {shown.starts}"
-    name = harmless(verdict.level)
     numbers = f"{shown.ticks:6}  {shown.rules:5}  {shown.distance:8,.0f}  {robust:>8}"
-    return f"{name:24}  {numbers}  {harmless(verdict.problem) or 'confirmed'}"
-
-
-def _verdict_as_data(verdict: Verdict) -> dict[str, Any]:
-    return {
-        "level": verdict.level,
-        "confirmed": not verdict.problem,
-        "problem": verdict.problem,
-        "claimed": verdict.claimed._asdict(),
-        "found": None if verdict.found is None else verdict.found._asdict(),
-    }
+    return f"{harmless(level):24}  {numbers}  {harmless(problem) or 'confirmed'}"

@@ -67,10 +67,7 @@ _HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compil
 def restrict(own: Path) -> None:
     """Confine this process and its children to a folder and to `LIMITS`, permanently.
 
-    The folder becomes the home directory.
-
-    Args:
-        own: The player's folder; created if it is missing.
+    The folder becomes the home directory. It is created if it is missing.
 
     Raises:
         InputError: It can't be created or used, or the player has too many games open.

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.editing.records import all_things, words_of
-from logical_robots_tui.editing.things import KINDS, Ref, reread
+from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
+from logical_robots_tui.editing.things import Ref, reread
 from logical_robots_tui.editing.walls import Regions
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.levels.fields import Fields
@@ -40,11 +40,7 @@ _MOST_NAMES = 3  # most names listed in one finding
 class Finding:
     """A likely mistake.
 
-    Attributes:
-        text: The mistake, in a sentence.
-        x: Its position in map units, or None if it has none.
-        y: The same.
-        forbids: Whether it prevents the level from being loaded.
+    Its position is in map units, or None. One that `forbids` prevents the level from being loaded.
     """
 
     text: str
@@ -216,9 +212,6 @@ class Reach:
 
     Obstacles are walls, and solid areas that nothing switches off. Collisions treat a robot as a
     point, but where its body doesn't fit it gets through only by luck.
-
-    Args:
-        level: The level.
     """
 
     def __init__(self, level: Level) -> None:

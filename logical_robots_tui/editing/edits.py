@@ -2,51 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from logical_robots_tui.world.level import Level
+from logical_robots_tui.world.level import COMPARED
 from logical_robots_tui.world.walls import PackedBits, changed_box
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Delta", "Edits"]
+    from logical_robots_tui.world.level import Level
 
-_LISTS = ("robots", "beacons", "areas")
-_APART = {*_LISTS, "walls", "name", "source"}
-_VALUES = tuple(field.name for field in fields(Level) if field.name not in _APART)
+__all__ = ["Delta", "Edits"]
 
 
 class Delta(NamedTuple):
     """The change from one level to another, in both directions.
 
     Attributes:
-        values: (attribute, before, after) of simple attributes that differ.
-        lists: The differences of robots, beacons and areas.
+        values: (attribute, before, after) of attributes that differ, except the walls.
         walls: The difference of the walls.
     """
 
     values: tuple[tuple[str, Any, Any], ...]
-    lists: tuple[_Splice, ...]
     walls: _Flips | _Redrawn | None
 
     @classmethod
     def between(cls, before: Level, after: Level) -> Delta:
         """Return the difference, ignoring names and sources of the levels."""
-        pairs = [(name, getattr(before, name), getattr(after, name)) for name in _VALUES]
-        lists = [_Splice.between(n, getattr(before, n), getattr(after, n)) for n in _LISTS]
-        return cls(
-            tuple((name, old, new) for name, old, new in pairs if old != new),
-            tuple(splice for splice in lists if splice.old or splice.new),
-            _walls_between(before.walls, after.walls),
-        )
+        pairs = [(name, getattr(before, name), getattr(after, name)) for name in COMPARED]
+        differing = tuple((name, old, new) for name, old, new in pairs if old != new)
+        return cls(differing, _walls_between(before.walls, after.walls))
 
     @property
     def empty(self) -> bool:
         """Whether there is no difference."""
-        return not (self.values or self.lists or self.walls)
+        return not (self.values or self.walls)
 
     def apply(self, level: Level) -> Level:
         """Return the new level, given the old one."""
@@ -58,32 +50,9 @@ class Delta(NamedTuple):
 
     def _change(self, level: Level, *, forward: bool) -> Level:
         changes = {name: new if forward else old for name, old, new in self.values}
-        for splice in self.lists:
-            changes[splice.name] = splice.change(getattr(level, splice.name), forward=forward)
         if self.walls is not None:
             changes["walls"] = self.walls.change(level.walls, forward=forward)
         return replace(level, **changes)
-
-
-class _Splice(NamedTuple):
-    """Replaces a slice of a list."""
-
-    name: str
-    start: int
-    old: tuple[Any, ...]
-    new: tuple[Any, ...]
-
-    @classmethod
-    def between(cls, name: str, old: tuple[Any, ...], new: tuple[Any, ...]) -> _Splice:
-        most = min(len(old), len(new))
-        start = next((i for i in range(most) if old[i] != new[i]), most)
-        most -= start
-        end = next((i for i in range(most) if old[-1 - i] != new[-1 - i]), most)
-        return cls(name, start, old[start : len(old) - end], new[start : len(new) - end])
-
-    def change(self, items: tuple[Any, ...], *, forward: bool) -> tuple[Any, ...]:
-        there, wanted = (self.old, self.new) if forward else (self.new, self.old)
-        return (*items[: self.start], *wanted, *items[self.start + len(there) :])
 
 
 class _Flips(NamedTuple):
@@ -133,9 +102,6 @@ class Edits:
 
     Undo and redo are unlimited: for each step only the difference is stored. For the newest step
     the previous level is kept until the next step begins, so that a stroke can extend it.
-
-    Args:
-        level: The initial level.
     """
 
     def __init__(self, level: Level) -> None:

@@ -27,12 +27,8 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
     """Write a level to a file, in the format given by its ending.
 
     An existing file of this game is changed only where the levels differ, and left untouched if
-    they are equal. The write is atomic.
-
-    Args:
-        level: The level.
-        path: The file; missing folders are created.
-        anew: Whether to overwrite an existing file completely.
+    they are equal. The write is atomic. With `anew` an existing file is overwritten completely.
+    Missing folders are created.
 
     Returns:
         The level with the name and source of the file.

@@ -1,18 +1,30 @@
-"""Writing a whole level file, native or in the web format, laid out as if by hand."""
+"""Writing levels: as the records of a level file, and as its text in either format.
+
+The inverse of reading them in `world/levels/`; laid out as if by hand.
+"""
 
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 import tomlkit
 
-from logical_robots_tui.editing.records import Record, Thing, record_of, words_of, written_number
-from logical_robots_tui.editing.things import KINDS, Kind
-from logical_robots_tui.world.level import Robot, Visibility
+from logical_robots_tui.world.level import (
+    AREA_COLOR,
+    ROBOT_COLOR,
+    Area,
+    Beacon,
+    Robot,
+    Score,
+    Team,
+    Visibility,
+)
 from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
+from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER
 from logical_robots_tui.world.levels.native import oddities
 
 if TYPE_CHECKING:
@@ -20,7 +32,160 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["block_text", "lost_in_web", "needs_leniency", "toml_text", "write_native", "write_web"]
+__all__ = [
+    "KINDS",
+    "Kind",
+    "Record",
+    "Thing",
+    "all_things",
+    "block_text",
+    "kind_of",
+    "lost_in_web",
+    "needs_leniency",
+    "record_of",
+    "toml_text",
+    "words_of",
+    "write_native",
+    "write_web",
+]
+
+Kind: TypeAlias = Literal["robots", "beacons", "areas"]
+
+KINDS: tuple[Kind, ...] = ("robots", "beacons", "areas")
+
+Thing = Robot | Beacon | Area
+"""An object in a labyrinth."""
+
+Record = dict[str, object]
+"""Keys and values of a TOML table, in the order in which they are written."""
+
+
+def all_things(level: Level) -> Iterator[Thing]:
+    """Yield all objects in a labyrinth."""
+    yield from level.robots
+    yield from level.beacons
+    yield from level.areas
+
+
+def kind_of(some: Thing) -> Kind:
+    """Return the list of a level to which an object belongs."""
+    return (
+        "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
+    )
+
+
+def record_of(thing: Thing) -> Record:
+    """Return the record of a robot, beacon or area, without default values."""
+    if isinstance(thing, Robot):
+        return _robot(thing)
+    if isinstance(thing, Beacon):
+        return _beacon(thing)
+    return _area(thing)
+
+
+def words_of(level: Level) -> Record:
+    """Return the record of what a level says besides the labyrinth and the objects in it."""
+    record: Record = {
+        "title": level.title,
+        "idea": level.idea,
+        "starter": level.starter,
+        "solution": level.solution,
+        "visibility": {"memory": level.visibility.memory, "sensor": level.visibility.sensor},
+        "shared_names": list(level.shared_names),
+        "second_goals": [goal.words for goal in level.second_goals],
+        "briefing": level.briefing,
+        "hints": list(level.hints),
+        "lesson": level.lesson,
+        "further": level.further,
+        "divided_charge": level.divided_charge,
+        "match": {"ticks": level.match_ticks} if level.match_ticks else {},
+        "teams": [_told(team) for team in level.teams],
+        "scores": [_told(score) for score in level.scores],
+    }
+    if level.visibility == Visibility():
+        del record["visibility"]
+    return {key: value for key, value in record.items() if value or key == "title"}
+
+
+def _told(part: Team | Score) -> Record:
+    """Return the attributes that say something."""
+    record = {name: value for name, value in asdict(part).items() if value != ""}
+    if isinstance(part, Score):
+        record["points"] = _number(part.points)
+    return record
+
+
+def _robot(robot: Robot) -> Record:
+    record: Record = {
+        "name": robot.name,
+        "x": _number(robot.x),
+        "y": _number(robot.y),
+    }
+    record |= _heading(robot.angle)
+    if robot.color != ROBOT_COLOR:
+        record["color"] = robot.color
+    battery: Record = {"capacity": _number(robot.battery_capacity)}
+    if robot.battery_consumption_rate:
+        battery["consumption"] = _number(robot.battery_consumption_rate)
+    if robot.can_charge:
+        battery["charges_others"] = True
+    if not robot.has_battery:
+        battery["used"] = False
+    if battery != {"capacity": 0, "used": False}:
+        record["battery"] = battery
+    if robot.team:
+        record["team"] = robot.team
+    return record
+
+
+def _beacon(beacon: Beacon) -> Record:
+    record: Record = {
+        "name": beacon.name,
+        "x": _number(beacon.x),
+        "y": _number(beacon.y),
+    }
+    if beacon.charging_station:
+        record["charging_station"] = True
+    return record
+
+
+def _area(area: Area) -> Record:
+    record: Record = {
+        "name": area.name,
+        "x": _number(area.x),
+        "y": _number(area.y),
+        "radius": _number(area.radius),
+        "color": area.color,
+        "solid": area.impenetrable,
+        "goal_for": list(area.victory_robots),
+        "on_beacon": area.on_beacon,
+        "off_beacon": area.off_beacon,
+        "sticky": area.sticky_switch,
+    }
+    if area.color == AREA_COLOR:
+        del record["color"]
+    needed = ("name", "x", "y", "radius")
+    return {key: value for key, value in record.items() if value or key in needed}
+
+
+def _number(value: float) -> float | int:
+    """Return a number in its simplest form."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _heading(angle: float) -> Record:
+    """Return a heading in degrees if they are exact, otherwise in radians."""
+    if angle == 0:
+        return {}
+    degrees = math.degrees(angle)
+    for digits in range(15):
+        written = round(degrees, digits)
+        if abs(written) <= MOST_OF_A_NUMBER and math.radians(written) == angle:
+            return {"heading": _number(written)}
+    return {"angle": angle}
+
+
+# -- text --------------------------------------------------------------------------------------
 
 _LONG_TEXTS = ("briefing", "lesson", "further")
 
@@ -33,13 +198,8 @@ def write_native(level: Level) -> str:
     cell = coarsest_cell(level.walls)
     drawing = "\n".join(draw_rows(level.walls, cell))
     lines += ["", f"cell = {cell}", f"walls = '''\n{drawing}\n'''"]
-    return "\n".join([*lines, "", "\n".join(_blocks(level))])
-
-
-def _blocks(level: Level) -> Iterator[str]:
-    for kind in KINDS:
-        for some in getattr(level, kind):
-            yield block_text(kind, record_of(some))
+    blocks = [block_text(kind_of(some), record_of(some)) for some in all_things(level)]
+    return "\n".join([*lines, "", "\n".join(blocks)])
 
 
 def block_text(kind: Kind, record: Record) -> str:
@@ -102,7 +262,7 @@ def lost_in_web(level: Level) -> list[str]:
 
 def _record(thing: Thing) -> Record:
     """Return the record of a thing, whose keys are the names of its attributes."""
-    record: Record = {name: written_number(value) for name, value in asdict(thing).items()}
+    record: Record = {name: _number(value) for name, value in asdict(thing).items()}
     record.pop("team", None)
     if isinstance(thing, Robot) and not (
         thing.has_battery or thing.battery_capacity or thing.battery_consumption_rate

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from logical_robots_tui.editing.records import all_things, words_of
+from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
 from logical_robots_tui.world.level import LevelError
 from logical_robots_tui.world.levels.fields import Fields
 from logical_robots_tui.world.levels.limits import MOST_OF_A_NUMBER
@@ -22,12 +22,7 @@ __all__ = ["resize", "set_words"]
 def set_words(level: Level, **values: Any) -> Level:
     """Set texts, what programs may see, or names that are meant to be shared.
 
-    Args:
-        level: The level.
-        **values: By the names of the attributes of ``Level``: ``title``, ``idea``, ``briefing``,
-            ``hints``, ``lesson``, ``further``, ``starter``, ``solution``, ``visibility``,
-            ``shared_names``, ``second_goals``, ``teams``,
-            ``match_ticks``, ``scores``, ``divided_charge``.
+    The values are named like the attributes of ``Level``.
 
     Raises:
         LevelError: A text is too long or can't be shown, or a value is invalid.
@@ -69,14 +64,16 @@ def resize(
     new_columns, old_columns = _overlap(width, level.width, left)
     walls[new_rows, new_columns] = level.walls[old_rows, old_columns]
     walls.flags.writeable = False
+    moved: dict[str, Any] = {
+        kind: tuple(replace(one, x=one.x + left, y=one.y + top) for one in getattr(level, kind))
+        for kind in KINDS
+    }
     return replace(
         level,
         width=width,
         height=height,
         walls=walls,
-        robots=tuple(replace(robot, x=robot.x + left, y=robot.y + top) for robot in level.robots),
-        beacons=tuple(replace(one, x=one.x + left, y=one.y + top) for one in level.beacons),
-        areas=tuple(replace(area, x=area.x + left, y=area.y + top) for area in level.areas),
+        **moved,
     )
 
 

@@ -14,13 +14,18 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
 from logical_robots_tui.editing.level_text import (
+    KINDS,
+    Kind,
+    Record,
+    Thing,
     block_text,
+    kind_of,
     needs_leniency,
+    record_of,
     toml_text,
+    words_of,
     write_native,
 )
-from logical_robots_tui.editing.records import Record, Thing, record_of, words_of
-from logical_robots_tui.editing.things import KINDS, Kind, kind_of
 from logical_robots_tui.world.level import LevelError, alike
 from logical_robots_tui.world.levels.drawing import (
     coarsest_cell,
@@ -45,10 +50,6 @@ def rewritten(text: str, level: Level) -> str:
 
     Comments, the order of keys and everything that is the same in both levels are preserved. A file
     whose layout doesn't allow this is rewritten completely.
-
-    Args:
-        text: The file's current text.
-        level: The new level.
 
     Raises:
         LevelError: The text is not a level.
@@ -154,11 +155,7 @@ def _as_record(value: object) -> Record:
 def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:
     """Return the changed head of a file.
 
-    Args:
-        head: The current head.
-        before: The level in the file.
-        level: The new level.
-        inline: The kinds of objects that are listed inline instead of in blocks, and differ.
+    `inline` names the kinds of objects that are listed inline instead of in blocks, and differ.
     """
     same_walls = before.walls.shape == level.walls.shape and (before.walls == level.walls).all()
     old, new = words_of(before), words_of(level)
@@ -222,12 +219,7 @@ class Block:
 class Blocks:
     """A file split into blocks.
 
-    Attributes:
-        head: The text before the first block.
-        blocks: In file order.
-
-    Args:
-        text: The file's text, with line feeds between lines.
+    The lines of the text end with line feeds.
 
     Raises:
         ValueError: The file has another layout, in which pieces are not valid on their own.
@@ -263,9 +255,7 @@ class Blocks:
     def replace(self, kind: Kind, wanted: Sequence[Block]) -> None:
         """Replace the blocks of a kind; existing blocks keep their places.
 
-        Args:
-            kind: The kind of the blocks.
-            wanted: The new blocks; existing ones among them must be in their old order.
+        Existing blocks among the wanted ones must be in their old order.
         """
         kept = {id(block) for block in wanted}
         self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.editing.records import Thing, record_of
+from logical_robots_tui.editing.level_text import Kind, Thing, kind_of, record_of
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.levels.fields import Fields, check_robot_names
 from logical_robots_tui.world.levels.limits import LONGEST_NAME, MOST_OF_A_KIND
@@ -22,24 +22,18 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
 
 __all__ = [
-    "KINDS",
-    "Kind",
     "Poses",
     "Ref",
     "add",
     "as_it_stands",
     "change",
     "duplicate",
-    "kind_of",
     "ref_at",
     "remove",
     "reread",
     "thing",
 ]
 
-Kind: TypeAlias = Literal["robots", "beacons", "areas"]
-
-KINDS: tuple[Kind, ...] = ("robots", "beacons", "areas")
 _SMALLER = ROBOT_RADIUS - BEACON_RADIUS  # handicap of beacons in map units when picking an object
 _READ: dict[Kind, Callable[[Fields], Thing]] = {
     "robots": read_robot,
@@ -50,12 +44,7 @@ _READ: dict[Kind, Callable[[Fields], Thing]] = {
 
 @dataclass(frozen=True, slots=True, order=True)
 class Ref:
-    """A reference to one object of a level.
-
-    Attributes:
-        kind: The list of the level that contains it.
-        index: Its index in that list.
-    """
+    """A reference to one object of a level."""
 
     kind: Kind
     index: int
@@ -94,12 +83,8 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
     """Set properties of an object, such as its position, heading, name or colour.
 
     Renaming a robot updates the areas that are a goal for it; renaming the last beacon of a name
-    updates the areas that it switches, and renaming the last area of a name its score.
-
-    Args:
-        level: The level.
-        ref: The object.
-        **values: By the names of the attributes of ``Robot``, ``Beacon`` or ``Area``.
+    updates the areas that it switches, and renaming the last area of a name its score. The values
+    are named like the attributes of ``Robot``, ``Beacon`` or ``Area``.
 
     Raises:
         LevelError: A value is invalid or out of range, or another robot has that name.
@@ -144,11 +129,7 @@ def remove(level: Level, ref: Ref) -> Level:
 def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
     """Return the object at a point: the nearest robot or beacon, otherwise the smallest area.
 
-    Args:
-        level: The level.
-        x: Map units.
-        y: Map units.
-        reach: Tolerance for robots and beacons in map units.
+    Everything is in map units; `reach` is the tolerance for robots and beacons.
     """
 
     def away(some: Thing) -> float:
@@ -167,13 +148,6 @@ def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
         if away(area) < area.radius
     ]
     return min(around)[1] if around else None
-
-
-def kind_of(some: Thing) -> Kind:
-    """Return the list of a level to which an object belongs."""
-    return (
-        "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
-    )
 
 
 def _list(level: Level, kind: Kind) -> tuple[Thing, ...]:
@@ -271,9 +245,7 @@ class Poses:
     def note(self, robot: Robot, now: Robot) -> None:
         """Remember a robot's place before it is moved.
 
-        Args:
-            robot: The robot in the level.
-            now: Its current state.
+        `robot` is as in the level, and `now` as it stands.
         """
         self._stood[robot.name, _pose(robot)] = _pose(now)
 

@@ -25,12 +25,8 @@ def paint(
 ) -> Level:
     """Draw a round brush from point to point; two points are a line.
 
-    Args:
-        level: The level.
-        points: Map units (x, y), at least one; anything outside the map is ignored.
-        width: Width of the brush in squares of the grid.
-        grid: Size of a square in map units.
-        wall: Whether to paint walls, or to erase them.
+    Points are in map units, at least one, and may be outside the map; the width is in squares of
+    the grid. Without `wall`, walls are erased.
 
     Raises:
         LevelError: A width, grid or point is out of range.
@@ -49,13 +45,8 @@ def paint_rectangle(
 ) -> Level:
     """Draw a rectangle.
 
-    Args:
-        level: The level.
-        corner: One corner (x, y) in map units.
-        opposite: The opposite corner (x, y) in map units.
-        border: Width of the border in squares of the grid; 0 fills the rectangle.
-        grid: Size of a square in map units.
-        wall: Whether to paint walls, or to erase them.
+    Corners are in map units, and the border in squares of the grid; 0 fills the rectangle. Without
+    `wall`, walls are erased.
 
     Raises:
         LevelError: A border, grid or corner is out of range.
@@ -66,13 +57,7 @@ def paint_rectangle(
 def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
     """Turn the region around a point into wall, or the walls around it into floor.
 
-    Units are connected if they share a side.
-
-    Args:
-        level: The level.
-        x: Map units; outside the map nothing changes.
-        y: Map units.
-        wall: Whether to fill floor with wall, or to remove walls.
+    Units are connected if they share a side. Outside the map nothing changes.
     """
     if not (0 <= x < level.width and 0 <= y < level.height):
         return level

@@ -37,12 +37,7 @@ __all__ = [
 
 
 class Advance(NamedTuple):
-    """The next tick.
-
-    Attributes:
-        frame: The tick.
-        hits: The breakpoints that it hit.
-    """
+    """The next tick."""
 
     frame: Frame
     hits: tuple[Hit, ...]
@@ -51,9 +46,7 @@ class Advance(NamedTuple):
 class Known(NamedTuple):
     """A tick stored in history.
 
-    Attributes:
-        level: The level in which the robots sensed.
-        moment: The state after the tick.
+    The level is the one in which the robots sensed.
     """
 
     level: Level
@@ -74,17 +67,9 @@ def advance(
 ) -> list[Advance]:
     """Return the ticks after a past one, up to their end or a breakpoint. Blocks.
 
-    Args:
-        worlds: The worlds to compute them in.
-        level: The level to compute them in.
-        mind: The mind that thinks, and evaluates breakpoints.
-        past: The tick before.
-        known: The next ticks if they are stored; no others are computed then.
-        watch: The breakpoints to stop at.
-        stop: Set this from another thread to abort.
-        seconds: No tick is started after this time.
-        most: The largest number of ticks; by default as many as time allows.
-        decide: Given a tick and its decisions, returns those that the robots follow.
+    If the next ticks are stored, these are replayed and no others computed. No tick is started
+    after `seconds`. `decide` is given a tick and its decisions, and returns those that the robots
+    follow.
 
     Raises:
         Stopped: `stop` was set.
@@ -145,12 +130,7 @@ def _next_frame(
 
 
 def start_frame(level: Level, world: World | None = None) -> Frame:
-    """Return frame 0 of a level: nobody has thought yet, and no program is needed.
-
-    Args:
-        level: The level.
-        world: A new world of the level, if there is one already.
-    """
+    """Return frame 0 of a level: nobody has thought yet, and no program is needed."""
     world = world or World(level)
     return fresh_frame(world, world.save(), {robot.name: "" for robot in level.robots})
 
@@ -158,21 +138,14 @@ def start_frame(level: Level, world: World | None = None) -> Frame:
 def fresh_frame(world: World, state: WorldState, memories: Mapping[str, Value]) -> Frame:
     """Return a frame without decisions.
 
-    Args:
-        world: The world to sense in; it is in this state afterwards.
-        state: The state of the world.
-        memories: Each robot's memory, by robot name.
+    The world in which the robots sense is in this state afterwards.
     """
     world.restore(state)
     return Frame(state.tick, state, state, tuple(world.look()), memories, (), memories, 0.0)
 
 
 class Worlds:
-    """Holds one world; a world for a similar level is created from it quickly.
-
-    Args:
-        level: The first level.
-    """
+    """Holds one world; a world for a similar level is created from it quickly."""
 
     def __init__(self, level: Level) -> None:
         self._world = World(level)
@@ -189,11 +162,7 @@ def after_change(
 ) -> tuple[WorldState, dict[str, Value]]:
     """Return the world and the memories at the end of a tick after a change of the level.
 
-    Args:
-        frame: The tick.
-        before: The old level.
-        after: The new level.
-        poses: New poses of robots, by their name in the new level.
+    The poses are by the robots' names in the new level.
 
     Raises:
         ValueError: A pose is for an unknown robot.

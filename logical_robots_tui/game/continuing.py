@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.source import Source
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
-    from logical_robots_tui.world.levels.daily import DailySize
+    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 __all__ = [
     "Place",
@@ -68,17 +68,14 @@ def note_level(progress: Progress, level: Level) -> None:
 def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
     """Return the labyrinth of a day, which one of our programs has been shown to win.
 
-    Args:
-        progress: Where to look up and keep that it was shown.
-        day: The day.
-        size: How large.
+    The record of progress keeps that this was shown.
 
     Raises:
         InputError: This machine is too busy to show it, or no labyrinth of the day can be won.
     """
     from logical_robots_tui.game.robustness import LateError, play_through
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.world.levels.daily import Daily
+    from logical_robots_tui.world.levels.labyrinths import Daily
 
     program: Program | None = None
     for number in range(1, _MOST_DAILIES + 1):
@@ -109,13 +106,8 @@ def programs_to_begin_with(
     """Return the programs to open in a level, and the player's last text of the first of them.
 
     The player's team is the first one: one that is named, or else the first one of the level.
-
-    Args:
-        progress: The player's progress.
-        level: The level.
-        names: Programs by the order of the teams, each a path or a name; () for the usual ones.
-        by_team: Further ones by team.
-        own: Folder of the player's programs.
+    `names` are by the order of the teams, `by_team` says whose each is; without any the usual ones
+    are taken.
 
     Returns:
         The programs by team, in a level without teams of "", and the text if it is to continue.
@@ -187,10 +179,7 @@ class Place(NamedTuple):
 def place_of(game: Game, level: Level, source: Source) -> Place | None:
     """Return the position of a game.
 
-    Args:
-        game: The game.
-        level: The level as saved in its file.
-        source: The source of the program.
+    The level is the one in its file.
 
     Returns:
         None at the start, where there is nothing to return to, and if the level was edited on the

@@ -60,10 +60,8 @@ class Drafts:
     The next session adopts the drafts of a session that has ended, and keeps them apart from its
     own until they are taken or put away. Drafts of a live session are left alone. Drafts that the
     disk does not allow to be moved or removed stay in place and are offered again next time. All
-    methods may be called from any thread and from a signal handler.
-
-    Args:
-        folder: The folder of the drafts of all sessions; created when needed.
+    methods may be called from any thread and from a signal handler. The folder is that of the
+    drafts of all sessions, and is created when needed.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -86,9 +84,8 @@ class Drafts:
     def keep(self, draft: Draft, turn: int | None = None) -> None:
         """Write a draft, replacing an older one.
 
-        Args:
-            draft: The draft.
-            turn: When it was made, by default now; ignored after a later draft or drop.
+        A draft of an earlier turn than the last draft or drop is ignored; by default the turn is
+        the next.
 
         Raises:
             OSError: It can't be written.
@@ -139,9 +136,7 @@ class Drafts:
     def drop(self, key: Key, turn: int | None = None) -> None:
         """Delete a draft that was saved or equals its file again.
 
-        Args:
-            key: The key of the draft.
-            turn: When that was, by default now; ignored after a later draft.
+        This is ignored if it is of an earlier turn than the last draft; by default it is the next.
         """
         with self._guard:
             if not self._is_turn_of(key, turn):

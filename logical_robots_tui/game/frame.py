@@ -93,11 +93,6 @@ def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
     """Yield a sentence for each event between two consecutive ticks.
 
     Names and messages are as given by the level and the program.
-
-    Args:
-        level: The level.
-        past: The tick before.
-        frame: The tick.
     """
     for before, now in zip(past.after.robots, frame.after.robots, strict=True):
         yield from _of_robot(before, now)
@@ -163,14 +158,7 @@ def _of_area(old: AreaState, area: AreaState) -> Iterator[str]:
 
 
 class Goal(NamedTuple):
-    """One goal area and the robots in it.
-
-    Attributes:
-        area_name: Name of the area.
-        active: Whether it counts at this tick.
-        wanted: Names of the robots that must all be inside at once.
-        inside: Names of those that are inside.
-    """
+    """One goal area and the robots in it."""
 
     area_name: str
     active: bool

@@ -208,10 +208,6 @@ class Game:
     def change_level(self, level: Level, poses: Mapping[str, Pose] | None = None) -> Frame:
         """Change the level from the end of the current tick on; earlier ticks are unaffected.
 
-        Args:
-            level: The level.
-            poses: New poses of robots, by name.
-
         Raises:
             ValueError: A pose is for an unknown robot.
         """
@@ -286,10 +282,6 @@ class Game:
         self, *, tick: int | None = None, condition: Callable[[Frame], bool] | None = None
     ) -> Frame:
         """Step flat out until a tick, a breakpoint or a condition is met, or the game ends.
-
-        Args:
-            tick: Stop when this tick is finished.
-            condition: Stop when it is true for the frame just finished.
 
         Raises:
             Superseded: The game was restarted, rewound or reprogrammed in the meantime.

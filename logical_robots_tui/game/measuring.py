@@ -37,13 +37,7 @@ class MeasuringError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """The progress of measuring.
-
-    Attributes:
-        tried: The number of shifted starts tried.
-        wins: The number of them that were won.
-        of_all: The number of starts to try.
-    """
+    """The progress of measuring."""
 
     tried: int = 0
     wins: int = 0
@@ -63,11 +57,8 @@ async def measure(
 ) -> Measures | None:
     """Measure a program; cancelling the call ends the process at once.
 
-    Args:
-        level: The level that was won.
-        program: The program that won it.
-        known: Its measures from the original start, or None to play that too.
-        report: Called on the event loop after each start.
+    If its measures from the original start are not known, that start is played, too. `report` is
+    called on the event loop after each start.
 
     Returns:
         All measures; None if the program does not win from the original start.
@@ -89,14 +80,7 @@ async def measure(
 
 
 class _Work:
-    """A measuring process; one thread talks to it, any thread can end it.
-
-    Args:
-        request: The pickled request.
-
-    Attributes:
-        is_over: Whether the result is no longer needed.
-    """
+    """A measuring process; one thread talks to it, any thread can end it."""
 
     def __init__(self, request: bytes) -> None:
         self._request = request

@@ -21,11 +21,8 @@ __all__ = ["TeamMind", "mind_for"]
 def mind_for(program: Program, level: Level, limits: Limits | None = None) -> Mind:
     """Return what thinks for all robots of a level; its input and output must not be changed.
 
-    Args:
-        program: The robots' program. In a level with teams, one that is not made of the teams'
-            programs plays every team, each with a mind of its own.
-        level: The level.
-        limits: Limits on thinking.
+    In a level with teams, a program that is not made of the teams' programs plays every team, each
+    with a mind of its own.
     """
     if level.teams:
         names = [team.name for team in level.teams]
@@ -39,12 +36,6 @@ class TeamMind(Mind):
     """The mind of a team, which answers for that team only; the other teams think beside it.
 
     Each team has all of the limits for itself: what one computes costs the others nothing.
-
-    Args:
-        program: The programs of the teams.
-        level: The level.
-        limits: Limits on each team.
-        team: The team.
     """
 
     def __init__(self, program: Program, level: Level, limits: Limits | None, team: str) -> None:

@@ -263,11 +263,8 @@ async def gather(
 ) -> Replay:
     """Return the replay of all ticks that a history holds, in turn with other tasks.
 
-    Args:
-        history: The history; it must hold a tick that a program decided.
-        write: Returns the text of a level's file.
-        name: Returns a program's name.
-        with_programs: Whether the programs' texts are to be in it.
+    The history must hold a tick that a program decided. `write` returns the text of a level's file,
+    `name` a program's name.
 
     Raises:
         Superseded: The course was changed in the meantime.
@@ -326,9 +323,6 @@ def _hash_of(state: WorldState) -> bytes:
 class Verifier:
     """Lets the robots of a game do what a replay says, and compares that with what they would do.
 
-    Args:
-        replay: The replay.
-
     Attributes:
         difference: The first tick that is different now, and why; None as long as there is none.
     """
@@ -368,11 +362,7 @@ async def play_into(
 ) -> Verifier:
     """Compute all ticks of a replay in a game, and leave it at the last one.
 
-    Args:
-        game: The game; its course is that of the replay afterwards.
-        replay: The replay.
-        programs: Its programs, compiled.
-        use: Uses a program from the next tick on.
+    `use` uses a program from the next tick on.
 
     Raises:
         Superseded: The game was restarted, rewound or reprogrammed in the meantime.

@@ -49,11 +49,7 @@ class LateError(Exception):
 class Played:
     """The result of playing a level.
 
-    Attributes:
-        won_at: The tick of victory, or None.
-        distance: Map units driven by all robots together.
-        ticks: The last tick.
-        is_blocked: Whether a robot was blocked in any tick.
+    The distance is in map units, of all robots together.
     """
 
     won_at: int | None
@@ -63,15 +59,7 @@ class Played:
 
 
 class Thought(NamedTuple):
-    """What a mind thought in a tick, and what the world became by it.
-
-    Attributes:
-        mind: The mind, for further questions about the moment.
-        rows: What the robots sensed.
-        memories: What they remembered.
-        decisions: What they decided.
-        state: The world after the tick.
-    """
+    """What a mind thought in a tick, and what the world became by it."""
 
     mind: Mind
     rows: Sequence[SensorRow]
@@ -127,13 +115,8 @@ def play_through(
 ) -> Played:
     """Play a level until it is won, without a history. Blocks.
 
-    Args:
-        level: The level.
-        program: The robots' program.
-        patience: Ticks after which it counts as not won.
-        limits: Bounds on thinking.
-        is_over: Called after each tick; ends the run by returning True.
-        stop: Set this from another thread to abort.
+    After `patience` ticks it counts as not won. `is_over` is called after each tick, and ends the
+    run by returning True.
 
     Raises:
         Stopped: `stop` was set.
@@ -173,13 +156,8 @@ def try_starts(
 ) -> int:
     """Play a level from shifted starts. Blocks.
 
-    Args:
-        level: The level.
-        program: The robots' program.
-        patience: Ticks after which a start counts as not won.
-        starts: The number of starts; the first ones are always the same.
-        stop: Set this from another thread to abort.
-        report: Called after each start with the numbers of tried and won starts.
+    The first starts are always the same. `report` is called after each one, with the numbers of
+    tried and won starts.
 
     Returns:
         The number of starts that were won.

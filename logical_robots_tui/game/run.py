@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import platform
 import sqlite3
 from dataclasses import asdict
@@ -45,11 +44,6 @@ class Run:
     Ticks that this process or an earlier one has computed are not computed again; only the sensors
     are. `close` writes the computed ticks to disk.
 
-    Args:
-        level: The level.
-        program: The robots' program.
-        limits: Bounds on thinking.
-
     Attributes:
         key: Digest of everything on which the ticks depend.
     """
@@ -84,29 +78,14 @@ class Run:
     async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
         """Return the frame of a tick.
 
-        Args:
-            tick: The tick; 0 is the start.
-            told: Called with the last computed tick as work proceeds.
+        `told` is called with the last computed tick as work proceeds.
         """
-        await self._reach(tick, told)
+        while self._recording.last < tick:
+            until = perf_counter() + _SECONDS
+            await self._thinker.do(partial(self._reached, tick, until=until))
+            told(self._recording.last)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
-
-    async def moments(self, first: int, last: int) -> list[Moment]:
-        """Return the states after some ticks: world, memories and decisions, without sensors.
-
-        Args:
-            first: The first tick, from 0.
-            last: The last one.
-        """
-        while True:
-            await self._reach(last, lambda _tick: None)
-            try:
-                return await self._thinker.do(
-                    lambda stop: [self._moment(tick, stop) for tick in range(first, last + 1)]
-                )
-            except DamagedError:
-                self._forget()
 
     async def each(
         self,
@@ -118,11 +97,8 @@ class Run:
     ) -> AsyncGenerator[T]:
         """Yield the result of a piece of work for each of some ticks, in order.
 
-        Args:
-            first: The first tick, from 0.
-            last: The last one.
-            work: Called in a thread with the frame, a mind, and the event that stops it.
-            to_victory: Whether to end at the tick of victory, if it comes earlier.
+        `work` is called in a thread with the frame, a mind, and the event that stops it. With
+        `to_victory`, the tick of victory is the last.
 
         Raises:
             Stopped: Another piece of work was started.
@@ -134,13 +110,6 @@ class Run:
             for done in found:
                 yield done
             tick += len(found)
-
-    async def _reach(self, tick: int, told: Callable[[int], object]) -> None:
-        """Compute the missing ticks up to this one."""
-        while self._recording.last < tick:
-            until = perf_counter() + _SECONDS
-            await self._thinker.do(partial(self._reached, tick, until=until))
-            told(self._recording.last)
 
     async def close(self) -> None:
         """Save the computed ticks, and free the mind."""
@@ -175,24 +144,14 @@ class Run:
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         """Return the frame of a tick, or None if it can't be computed in time."""
         try:
-            if self._recording.is_in_gap(max(tick - 1, 0)):
+            if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
                 self._recording.return_to_gap()
-            self._go_on_to(tick, stop, until)
+            while self._recording.last < tick and perf_counter() < until:
+                self._go_on(stop)
             return self._known(tick) if tick <= self._recording.last else None
         except DamagedError:
             self._forget()
             return None
-
-    def _moment(self, tick: int, stop: threading.Event) -> Moment:
-        self._go_on_to(tick, stop, math.inf)
-        return self._recording.moment(tick)
-
-    def _go_on_to(self, tick: int, stop: threading.Event, until: float) -> None:
-        """Compute the ticks up to one, if there is time for all of them until then."""
-        if self._recording.is_in_gap(tick):
-            self._recording.return_to_gap()
-        while self._recording.last < tick and perf_counter() < until:
-            self._go_on(stop)
 
     def _forget(self) -> None:
         """Start over, because the file is not a recording of this run."""
@@ -222,13 +181,7 @@ class Run:
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:
-    """Return the digest of everything on which the ticks of a run depend, including the code.
-
-    Args:
-        level: The level.
-        program: The robots' program.
-        limits: Bounds on thinking.
-    """
+    """Return the digest of everything on which the ticks of a run depend, including the code."""
     told = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),

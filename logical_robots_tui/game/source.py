@@ -125,8 +125,7 @@ def _solved_levels() -> Mapping[str, str]:
 def reference_names(solution: str) -> list[str]:
     """Return the names of the programs that a level's results are compared with.
 
-    Args:
-        solution: The level's solution, which is the first; "" for none.
+    The level's solution is the first; "" is none.
     """
     if not solution:
         return []
@@ -145,10 +144,7 @@ def load_program(
 ) -> Source:
     """Read a program by path, or by name from the player's own and the shipped ones.
 
-    Args:
-        path_or_name: A path, or a name from `list_programs`.
-        own: Folder with the player's own programs.
-        pipes: Whether it may be a pipe or a device, which may block.
+    With `pipes` it may be a pipe or a device, which may block.
 
     Raises:
         InputError: There is no such program, it is hidden, or it is not a text of at most 1 MB.
@@ -182,13 +178,8 @@ def programs_for(
 ) -> dict[str, Source]:
     """Return the program of each team of a level, or of "" if it has no teams.
 
-    Args:
-        level: The level. It says who plays the teams that are not named; if none is, the first
-            team is the player's and begins with the starter.
-        names: Programs by the order of the teams, each a path or a name.
-        by_team: Further ones by team.
-        own: Folder with the player's own programs.
-        pipes: Whether they may be pipes or devices, which may block.
+    `names` are by the order of the teams. The level says who plays the teams that are not named; if
+    none is, the first team is the player's and begins with the starter.
 
     Raises:
         InputError: A program can't be read, or the level has no such team.
@@ -294,12 +285,7 @@ def target(
 ) -> Path:
     """Return the file for a name; a name with a slash is a path.
 
-    Args:
-        name: What was typed.
-        own: The folder of the player's files.
-        folder: ``programs`` or ``levels``.
-        suffixes: The allowed endings.
-        usual: The ending that is added to a name without one.
+    `suffixes` are the allowed endings, and `usual` the one that is added to a name without one.
 
     Raises:
         InputError: The name can't be used for a player's file.
@@ -347,11 +333,8 @@ def _from_root(path: Path) -> Path:
 async def compile_program(text: str, report: Report | None = None) -> Program:
     """Compile Logica text without blocking the event loop.
 
-    Cancelling the call ends the compilation.
-
-    Args:
-        text: The program.
-        report: Called on the event loop with the numbers of compiled predicates and of all.
+    Cancelling the call ends the compilation. `report` is called on the event loop with the numbers
+    of compiled predicates and of all.
 
     Raises:
         ProgramError: The program is wrong; the error holds diagnostics with line, column and hint.
@@ -380,10 +363,6 @@ async def mistake_in_question(program: Program, query: str) -> str:
     """Return what is wrong with a question about a program, in words, or "".
 
     Cancelling the call ends the compilation.
-
-    Args:
-        program: The program.
-        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
     """
     stop = threading.Event()
     try:

@@ -139,9 +139,7 @@ class Victory(NamedTuple):
 def victory_of(game: Game, level: Level) -> Victory | None:
     """Return the victory at the current tick of a game, or None.
 
-    Args:
-        game: The game.
-        level: Its level as in its file.
+    The level is as in its file.
     """
     tick, program, history = game.frame.tick, game.program, game.history
     if game.won_at != tick:
@@ -165,12 +163,7 @@ def measures_of(
 ) -> Measures:
     """Return the measures of a victory from the given start.
 
-    Args:
-        level: The level.
-        program: The program that decided all ticks.
-        ticks: The tick of victory.
-        distance: Map units driven by all robots together.
-        is_blocked: Whether a robot was blocked in any tick.
+    The distance is in map units, of all robots together.
     """
     rules = count_rules(program.own.text)
     mentions = sum(used.count("Memory") for used in program.uses.values())
@@ -202,12 +195,7 @@ def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
 
 
 def result_line(level: Level, measures: Measures) -> str:
-    """Return a result as a line of text to share.
-
-    Args:
-        level: Where it was achieved.
-        measures: How good it is.
-    """
+    """Return a result as a line of text to share."""
     ticks, rules = counted(measures.ticks, "tick"), counted(measures.rules, "rule")
     line = f"Logical Robots · {level.title} · {ticks} · {rules}"
     line += f" · {measures.distance:,.0f} units driven"

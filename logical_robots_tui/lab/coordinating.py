@@ -96,11 +96,7 @@ def starts_due(
 ) -> tuple[list[int], list[int]]:
     """Return the starts of a cell that have a result, and those that are left to run.
 
-    Args:
-        manifest: What is to be done.
-        cell: A program in a level.
-        program: Digest of the text to run.
-        outcomes: The outcomes of what was run, by job.
+    `program` is the digest of the text to run.
     """
     first = outcomes.get(manifest.job(cell, 0, program))
     if first == "does not compile" or (first not in (None, "won") and manifest.given_first):
@@ -113,13 +109,7 @@ def starts_due(
 
 
 class Coordinator:
-    """Hands out what is left to run, and is the only one that writes the ledger.
-
-    Args:
-        folder: The folder.
-        manifest: What is to be done.
-        ledger: The ledger.
-    """
+    """Hands out what is left to run, and is the only one that writes the ledger."""
 
     def __init__(self, folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
         self._folder, self._manifest, self._ledger = folder, manifest, ledger
@@ -146,10 +136,7 @@ class Coordinator:
     ) -> None:
         """Have everything run that is left. Blocks.
 
-        Args:
-            engine: What runs it; stays open.
-            is_stopped: Whether to hand out nothing more.
-            show: Called often, to show how far the work is.
+        `show` is called often, to show how far the work is.
 
         Raises:
             InputError: An input is damaged, a worker has another engine, or the disk is full.

@@ -27,15 +27,7 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 class Done(NamedTuple):
-    """A run with its result.
-
-    Attributes:
-        cell: The program in a level.
-        program: Digest of the text that was run.
-        start: The number of the start.
-        job: What was run.
-        result: What came of it.
-    """
+    """A run with its result."""
 
     cell: Cell
     program: str

@@ -132,10 +132,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     def job(self, cell: Cell, start: int, program: str = "") -> str:
         """Return the digest of what a run depends on, except the engine.
 
-        Args:
-            cell: The program in a level.
-            start: The number of the start.
-            program: Digest of the text to run, by default the cell's.
+        `program` is the digest of the text to run, by default the cell's.
         """
         asked = [(each.name, each.query, each.every) for each in self.asked]
         what = (cell.level, program or cell.program, start, cell.ticks, asked, self.steps)
@@ -152,14 +149,7 @@ def digest(text: str) -> str:
 
 
 class Folder:
-    """A folder with results.
-
-    Args:
-        path: The folder.
-
-    Attributes:
-        path: The same.
-    """
+    """A folder with results."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

@@ -70,10 +70,7 @@ Results: TypeAlias = "dict[str, Result]"
 class Ledger:
     """The results of runs by content of what was run. One process writes it.
 
-    Args:
-        file: The SQLite file; made if it is missing.
-        engine: Fingerprint of the engine whose results count.
-        mixed: Whether results of other engines count as well.
+    The results of one engine count, or of all if `mixed`. The file is made if it is missing.
 
     Raises:
         LedgerError: It is damaged or from a newer version, or holds results of another engine.

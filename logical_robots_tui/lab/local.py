@@ -34,9 +34,6 @@ class LocalEngine:
     """Worker processes, made when they are needed and made anew when they die.
 
     Each is a pool of its own, so that a death is blamed on the one task that the worker had.
-
-    Args:
-        workers: The number of processes.
     """
 
     def __init__(self, workers: int) -> None:
@@ -53,12 +50,7 @@ class LocalEngine:
         return sum(worker.task is None for worker in self._workers)
 
     def submit(self, key: object, task: Task) -> None:
-        """Give a task to a free worker.
-
-        Args:
-            key: Names the task when it comes back.
-            task: The task.
-        """
+        """Give a task to a free worker."""
         next(worker for worker in self._workers if worker.task is None).start(key, task)
 
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:

@@ -188,11 +188,8 @@ T = TypeVar("T", Experiment, Assignment, Tournament)
 class Specification:
     """A specification's text, and what is found to be wrong with it.
 
-    Args:
-        file: The TOML file.
-
     Attributes:
-        file: The same.
+        file: The TOML file.
         folder: Other files are named as seen from here.
         text: Its text.
         data: As parsed.

@@ -50,9 +50,7 @@ def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
 def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
     """Return a level, shipped or in a file, and its text.
 
-    Args:
-        name: A level's name, or a path as seen from the folder.
-        folder: Where paths begin.
+    Paths begin at the folder.
 
     Raises:
         InputError: There is no such level, or it can't be used.
@@ -248,9 +246,7 @@ def _literal(value: Scalar) -> str:
 def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
     """Return the text of a level with other values of some fields.
 
-    Args:
-        text: The level in either format.
-        fields: Keys such as ``robots.*.battery.capacity``, and their values.
+    Keys are such as ``robots.*.battery.capacity``.
 
     Raises:
         InputError: The level has no such key.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.program import VALUE
@@ -31,6 +31,13 @@ class Table:
     viewers: tuple[str, ...] = ()
     truncated: bool = False
 
+    def in_mind_of(self, robot: str | None) -> Table:
+        """Return only the rows that hold in a robot's mind, if one is given."""
+        if not robot or not self.viewers:
+            return self
+        kept = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
+        return replace(self, rows=tuple(self.rows[n] for n in kept), viewers=(robot,) * len(kept))
+
 
 def table_of(
     answers: Iterable[tuple[str, Sequence[str], Sequence[tuple[Value, ...]]]],
@@ -38,13 +45,7 @@ def table_of(
     *,
     separate: bool,
 ) -> Table:
-    """Return several answers as one table.
-
-    Args:
-        answers: For each, its viewers, column names and rows.
-        most: The most rows to show.
-        separate: Whether robots think separately.
-    """
+    """Return several answers as one table."""
     columns: Sequence[str] = ()
     rows: list[tuple[Value, ...]] = []
     viewers: list[str] = []

@@ -65,11 +65,9 @@ AND number NOT IN (SELECT * FROM (
 class Progress:
     """A player's progress by level name.
 
-    Methods block, never raise disk errors, and may be called from any thread.
-
-    Args:
-        file: The database file, or None to keep progress only while the game runs.
-        tell: Called with a sentence for the player about each problem, once.
+    Methods block, never raise disk errors, and may be called from any thread. Without a file,
+    progress is kept only while the game runs. `tell` is called once about each problem, with a
+    sentence for the player.
     """
 
     def __init__(self, file: Path | None, tell: Callable[[str], None] = lambda _message: None):

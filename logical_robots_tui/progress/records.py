@@ -33,16 +33,7 @@ class Measures(NamedTuple):
 
 
 class Bests(NamedTuple):
-    """The best of each measure, possibly of different programs; None if not measured yet.
-
-    Attributes:
-        ticks: Fewest ticks.
-        rules: Fewest rules.
-        distance: Fewest map units.
-        wins: Most wins from shifted starts.
-        starts: How many starts were tried for `wins`.
-        goals: The second goals that any of them reaches, in words.
-    """
+    """The best of each measure, possibly of different programs; None if not measured yet."""
 
     ticks: int | None = None
     rules: int | None = None
@@ -53,14 +44,7 @@ class Bests(NamedTuple):
 
 
 class LevelRecord(NamedTuple):
-    """A player's work on one level.
-
-    Attributes:
-        state: How far the player is.
-        hints: The number of revealed hints.
-        bests: The best results.
-        versions: The number of stored versions of the player's program.
-    """
+    """A player's work on one level."""
 
     state: State = "new"
     hints: int = 0
@@ -71,12 +55,7 @@ class LevelRecord(NamedTuple):
 class Version(NamedTuple):
     """A program that a player has used in a level.
 
-    Attributes:
-        number: Its number in the database.
-        text: Logica text.
-        kept: When it was last used, with time zone.
-        won: Whether it has won.
-        measures: Its measures, if known, or None.
+    `kept` is when it was last used, with time zone.
     """
 
     number: int

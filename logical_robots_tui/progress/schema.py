@@ -73,9 +73,8 @@ def prepare(
 ) -> None:
     """Check a file and migrate it to the current version in one transaction.
 
-    Args:
-        connection: A connection in autocommit mode.
-        migrations: The migrations; the file's ``user_version`` is the number of applied ones.
+    A file's ``user_version`` is the number of migrations applied to it. The connection is in
+    autocommit mode.
 
     Raises:
         DamagedError: It is not ours, or parts of it are missing or broken.

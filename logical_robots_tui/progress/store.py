@@ -42,11 +42,8 @@ _REASONS = {
 class Store:
     """A database file, or an in-memory database if no file can be used.
 
-    Methods block, never raise disk errors, and may be called from any thread.
-
-    Args:
-        file: The file, created at the first write; None for no file.
-        tell: Called with a sentence for the player about each problem, once.
+    Methods block, never raise disk errors, and may be called from any thread. The file is created
+    at the first write. `tell` is called once about each problem, with a sentence for the player.
     """
 
     def __init__(self, file: Path | None, tell: Callable[[str], None]) -> None:

@@ -35,13 +35,8 @@ def changed_state(
 
     Robots keep their position and charge; new ones are at their start. Areas keep their state,
     unless what switches them changed. Visitors of areas are recomputed. Teams keep what they have,
-    unless what is scored changed. At tick 0, robots are at their start in the changed level.
-
-    Args:
-        state: State of a world of the old level, at the end of a tick.
-        before: The old level.
-        after: The new level.
-        poses: New poses of robots, by their name in the new level.
+    unless what is scored changed. At tick 0, robots are at their start in the changed level. The
+    poses are by the robots' names in the new level.
 
     Raises:
         ValueError: A pose is for an unknown robot.

@@ -60,14 +60,7 @@ class Pairs(NamedTuple):
 
     def some(self, which: NDArray[np.intp]) -> Pairs:
         """Return some of them, by index."""
-        return Pairs(
-            self.robot[which],
-            self.circle[which],
-            self.dx[which],
-            self.dy[which],
-            self.squared[which],
-            self.radius[which],
-        )
+        return Pairs._make(part[which] for part in self)
 
 
 class Chords(NamedTuple):

@@ -58,13 +58,8 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
     """Turn and move a robot for one tick.
 
     The turn comes first and always succeeds. The move is cancelled if it ends in a wall; there are
-    no walls outside the map.
-
-    Args:
-        mover: Changed in place.
-        left: Wanted power of the left engine, finite.
-        right: Wanted power of the right engine, finite.
-        level: The level with the walls.
+    no walls outside the map. The wanted power of the engines is finite; the mover is changed in
+    place.
     """
     left, right = _clamped(left), _clamped(right)
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
@@ -81,11 +76,8 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
     """Move a robot that is inside a solid area to just outside its edge, one area after another.
 
-    The new position is not checked for walls.
-
-    Args:
-        mover: Changed in place.
-        areas: The solid active areas, in file order.
+    The new position is not checked for walls. The areas are the solid active ones, in file order;
+    the mover is changed in place.
     """
     for area in areas:
         dx, dy = mover.x - area.x, mover.y - area.y
@@ -126,11 +118,8 @@ Source: TypeAlias = Beacon | Mover
 def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
     """Return the sources that charge in this tick: stations, then robots with charge to give.
 
-    The list is valid for the whole tick, even if a robot on it runs dry in the meantime.
-
-    Args:
-        level: The level.
-        movers: Its robots in file order, before any of them moved.
+    The list is valid for the whole tick, even if a robot on it runs dry in the meantime. The movers
+    are in file order, before any of them moved.
     """
     stations = [beacon for beacon in level.beacons if beacon.charging_station]
     givers = [
@@ -146,14 +135,8 @@ def run_battery(
 ) -> None:
     """Charge one robot from the sources around it; without any, let it pay for its engines.
 
-    Robots that give charge are drained in place.
-
-    Args:
-        robot: The robot; without a battery nothing happens.
-        mover: The same robot in this tick, changed in place.
-        left: Wanted power of the left engine, finite and not clamped.
-        right: Wanted power of the right engine, finite and not clamped.
-        sources: From ``charging_sources`` in this tick.
+    Robots that give charge are drained in place. The wanted power of the engines is finite and not
+    clamped.
     """
     if not robot.has_battery:
         return
@@ -181,13 +164,8 @@ def run_batteries(
     """Charge all robots at once; each source divides what it gives among those around it.
 
     The order of robots and sources makes no difference. A share that a battery has no room for is
-    lost. A robot that no source charges pays for its engines.
-
-    Args:
-        robots: In file order.
-        movers: The same robots in this tick, before any of them moved; changed in place.
-        engines: Wanted power of left and right engine, finite and not clamped.
-        sources: From ``charging_sources`` in this tick.
+    lost. A robot that no source charges pays for its engines. The wanted power of the engines is
+    finite and not clamped; nobody has moved yet.
     """
     shares: list[list[float]] = [[] for _ in movers]
     given: dict[int, float] = {}
@@ -236,10 +214,7 @@ def starts_active(area: Area) -> bool:
 def switched(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
     """Return whether an area is on after this tick.
 
-    Args:
-        area: The area.
-        active: Whether it was on before.
-        seen: Names of the beacons on any robot's radar in this tick.
+    `seen` are the names of the beacons on any robot's radar in this tick.
     """
     if area.off_beacon and area.off_beacon in seen:
         return False

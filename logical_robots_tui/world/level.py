@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AREA_COLOR",
+    "COMPARED",
     "ROBOT_COLOR",
     "Area",
     "Beacon",
@@ -251,13 +252,14 @@ class Level:
         return next((each.team for each in self.robots if each.name == robot_name), "")
 
 
-_COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
+COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
+"""The attributes by which levels are alike, besides their walls."""
 
 
 def alike(one: Level, other: Level) -> bool:
     """Whether two levels are the same, whatever file they came from."""
     return one is other or (
-        all(getattr(one, name) == getattr(other, name) for name in _COMPARED)
+        all(getattr(one, name) == getattr(other, name) for name in COMPARED)
         and one.walls.shape == other.walls.shape
         and bool((one.walls == other.walls).all())
     )

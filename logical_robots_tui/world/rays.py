@@ -73,20 +73,8 @@ class Rays(NamedTuple):
     sin: NDArray[np.float64]
 
     def some(self, which: NDArray[np.intp]) -> Rays:
-        """Return the rays of some of the robots.
-
-        Args:
-            which: Indices of the robots among these.
-        """
-        return Rays(
-            self.robot[which],
-            self.x[which],
-            self.y[which],
-            self.angle[which],
-            self.aside[which],
-            self.cos[which],
-            self.sin[which],
-        )
+        """Return the rays of some of the robots."""
+        return Rays._make(part[which] for part in self)
 
 
 class Circles(NamedTuple):
@@ -109,16 +97,11 @@ class Circles(NamedTuple):
         far = self.radius + SENSOR_RANGE
         near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
         near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
-        return Circles(self.number[near], self.x[near], self.y[near], self.radius[near])
+        return Circles._make(part[near] for part in self)
 
 
 def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
-    """Return the rays that some of the robots cast from their positions.
-
-    Args:
-        robots: All robots, in file order.
-        which: The indices of those that cast.
-    """
+    """Return the rays that some of the robots cast from their positions."""
     some = [robots[place] for place in which]
     x = np.array([robot.x for robot in some])
     y = np.array([robot.y for robot in some])

@@ -23,10 +23,6 @@ def points(level: Level, state: WorldState) -> dict[str, tuple[float, ...]]:
     """Return what each team has, by its name: points for each part of the score, in file order.
 
     After the last tick of the match they stay the same.
-
-    Args:
-        level: The level.
-        state: A state of a world of this level.
     """
     parts = [
         [score.points * _worth(level, score, tally) for tally in tallies]
@@ -68,15 +64,8 @@ def tallied(
     ``first`` the tick of the arrival, 0 for those who were not first; ``near`` the distance of the
     nearest robot to the edge of the nearest of these areas, in thousandths of a map unit;
     ``beacons`` a bit for each name of a beacon; ``charged`` the robots that can drive on. Areas
-    that are switched off count for nothing.
-
-    Args:
-        level: The level.
-        before: The tallies before the tick.
-        tick: The tick.
-        robots: The robots after it, in file order.
-        areas: The areas after it, in file order.
-        rows: What the robots sensed in it.
+    that are switched off count for nothing. Robots and areas are as after the tick; rows are what
+    the robots sensed in it.
     """
     if tick > level.match_ticks or not before:
         return tuple(before)

@@ -74,10 +74,7 @@ class Senses:
     anything is hit is reported. At the same distance walls take precedence over robots, robots over
     beacons, and beacons over solid areas, each in file order. In a level with teams that order must
     not decide: of several robots, a ray reports the one with its centre nearest to the ray's end.
-
-    Args:
-        level: The level.
-        like: Senses for a level with nearly the same walls, which make these faster to create.
+    `like` are senses for a level with nearly the same walls, which make these faster to create.
     """
 
     def __init__(self, level: Level, *, like: Senses | None = None) -> None:

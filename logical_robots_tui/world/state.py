@@ -36,13 +36,7 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class AreaState:
-    """One area at the end of a tick.
-
-    Attributes:
-        name: The area's name.
-        active: Whether it is switched on.
-        visitors: Names of the robots inside, in file order.
-    """
+    """One area at the end of a tick."""
 
     name: str
     active: bool

@@ -294,12 +294,7 @@ def _carry_over(found: NDArray[np.uint8]) -> None:
 
 
 class PackedBits(NamedTuple):
-    """A compressed two-dimensional bool array.
-
-    Attributes:
-        shape: Of the array.
-        data: Its bytes.
-    """
+    """A compressed two-dimensional bool array."""
 
     shape: tuple[int, int]
     data: bytes

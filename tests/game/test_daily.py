@@ -13,13 +13,13 @@ from logical_robots_tui.game.continuing import daily_level, level_to_begin_with,
 from logical_robots_tui.game.robustness import LateError, Played
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.world import load_level
-from logical_robots_tui.world.levels.daily import DAILY_SIZES, Daily
+from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES, Daily
 from tests.short import LEVEL
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.world.levels.daily import DailySize
+    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 TODAY = date(2026, 11, 22)
 

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from logical_robots_tui.game import Run
-from logical_robots_tui.mind import Program
-from tests.game.playing import COUNTER, hall
+from tests.game.playing import hall
 from tests.game.test_run import TICKS, entry, frames, known
 
 if TYPE_CHECKING:
@@ -173,20 +171,3 @@ async def test_heavy_ticks_are_kept_in_small_pieces(level: Level, folder: Path) 
     assert (len(pieces), moments) == (3, 21)
     assert await known(level, HEAVY) == 20
     assert await frames(level, 20, HEAVY) == expected
-
-
-async def test_what_ticks_left_behind_is_computed_if_it_is_not_known(
-    level: Level, folder: Path
-) -> None:
-    run = Run(level, Program.compile(COUNTER))
-    expected = await run.moments(0, TICKS)
-    assert [m.after.tick for m in expected] == list(range(TICKS + 1))
-    await run.close()
-    key, pieces, moments = content_of(entry(folder))
-    pieces[1][0][5][0][5][0] = "12"
-    written = [zlib.compress(json.dumps(piece).encode()) for piece in pieces]
-    entry(folder).write_bytes(forged(key, written, moments))
-    again = Run(level, Program.compile(COUNTER))
-    found = await again.moments(0, TICKS)
-    await again.close()
-    assert [(m.after, m.memories) for m in found] == [(m.after, m.memories) for m in expected]

@@ -104,7 +104,11 @@ def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     ("level", "program"),
-    [(level, program) for level, programs in reference_table().items() for program in programs],
+    [
+        pytest.param(level, program, marks=[pytest.mark.slow] * (level == "12-swarm"))
+        for level, programs in reference_table().items()
+        for program in programs
+    ],
 )
 def test_no_reference_program_goes_in_circles_on_its_way_to_victory(
     level: str, program: str

@@ -131,7 +131,13 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize("text", EXAMPLES)
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param(text, marks=[pytest.mark.slow] * (text == f"{PROGRAM} tournament"))
+        for text in EXAMPLES
+    ],
+)
 def test_the_examples_of_a_text_do_what_they_say(
     text: str,
     folder: Path,

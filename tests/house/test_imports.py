@@ -62,6 +62,7 @@ def modules_after(statement: str) -> set[str]:
     return set(json.loads(done.stdout))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("part", MUST_NOT_LOAD)
 def test_a_part_loads_nothing_it_must_not_know(part: str) -> None:
     loaded = modules_after(f"import {part}")

@@ -149,6 +149,7 @@ def test_everybody_plays_everybody_from_both_seats_and_the_best_is_first(
     assert "fast" in told.out.split("rank  player")[1].splitlines()[1]
 
 
+@pytest.mark.slow
 def test_a_new_player_plays_only_its_own_matches(tmp_path: Path, command: Command) -> None:
     arena, players = write_arena(tmp_path)
     out = tmp_path / "out"
@@ -168,7 +169,8 @@ def test_a_new_player_plays_only_its_own_matches(tmp_path: Path, command: Comman
     ]
 
 
-@pytest.mark.parametrize("form", ["swiss", pytest.param("all", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("form", ["swiss", "all"])
 def test_a_tournament_that_is_killed_again_and_again_has_the_same_tables(
     tmp_path: Path, command: Command, form: str
 ) -> None:
@@ -194,6 +196,7 @@ def test_a_tournament_that_is_killed_again_and_again_has_the_same_tables(
     assert recorded(often) == total
 
 
+@pytest.mark.slow
 def test_names_change_nothing_but_names(tmp_path: Path, command: Command) -> None:
     found = []
     for number, names in enumerate((("a", "b", "c", "d"), ("c", "a", "d", "b"))):
@@ -232,6 +235,7 @@ def test_a_program_that_thinks_too_long_has_lost_and_costs_the_other_nothing(
     assert "thinking took more than 100,000 steps" in (out / "report.html").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_hostile_players_get_nothing_from_it(tmp_path: Path, command: Command) -> None:
     robot = (
         'Robot(robot_name: "of {}", desire: {{left_engine: -1, right_engine: -1}}, memory: "");\n'

@@ -26,7 +26,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
 NAMES = list_arenas()
-SEATS = [(name, seat) for name in NAMES for seat in range(len(load_level(name).teams))]
+FOUR_TEAMS = "14-four-doors"
+SEATS = [
+    pytest.param(name, seat, marks=[pytest.mark.slow] * (name == FOUR_TEAMS and seat > 1))
+    for name in NAMES
+    for seat in range(len(load_level(name).teams))
+]
 STARTS = range(1, 11)
 
 each_arena = pytest.mark.parametrize("name", NAMES)
@@ -131,6 +136,7 @@ def test_an_arena_looks_the_same_from_every_seat(name: str, start: int) -> None:
     assert sorted(robot.name for robot in seats[0]) == [robot.name for robot in seats[0]]
 
 
+@pytest.mark.sampled
 @each_arena
 @pytest.mark.parametrize("start", [0, 1])
 def test_equal_programs_have_equal_scores(name: str, start: int) -> None:
@@ -138,6 +144,7 @@ def test_equal_programs_have_equal_scores(name: str, start: int) -> None:
     assert len(set(found)) == 1
 
 
+@pytest.mark.sampled
 @each_arena
 def test_the_solution_has_an_equal_match_against_itself(name: str) -> None:
     level = load_level(name)

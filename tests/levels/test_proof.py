@@ -36,9 +36,16 @@ THOUGHTS_TO_THE_END = 600_000  # of a swarm; the others end at the most ticks th
 LONGEST_RUN = 120.0  # seconds
 
 RECORDS = {"fastest": "ticks", "shortest": "rules", "careful": "distance"}
+CROWD = "12-swarm"
 SIGHT = ("own", "seen", "all")
 
-each_reference = pytest.mark.parametrize(("name", "program"), REFERENCES)
+each_reference = pytest.mark.parametrize(
+    ("name", "program"),
+    [
+        pytest.param(level, program, marks=[pytest.mark.slow] * (level == CROWD))
+        for level, program in REFERENCES
+    ],
+)
 each_level = pytest.mark.parametrize("name", LEVELS)
 each_pair = pytest.mark.parametrize(("name", "lower"), PAIRS)
 

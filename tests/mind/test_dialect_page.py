@@ -63,7 +63,10 @@ def test_a_statement_of_the_page_holds(
     assert remembered(expression, memory) == value
 
 
-@pytest.mark.parametrize(("asked", "depth"), [("", 32), ("@Recursive(Far, 1000);", 1000)])
+@pytest.mark.parametrize(
+    ("asked", "depth"),
+    [("", 32), pytest.param("@Recursive(Far, 1000);", 1000, marks=pytest.mark.slow)],
+)
 def test_recursion_goes_as_deep_as_the_page_says(asked: str, depth: int) -> None:
     assert "at most 32 steps after the first one, or as many as `@Recursive(P, depth)` says" in PAGE
     assert "(at most 1,000)" in PAGE

@@ -173,6 +173,7 @@ def test_the_memory_of_a_mind_is_bounded_and_the_next_program_thinks() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("plain", [False, True])
 def test_a_thought_out_of_memory_leaves_the_next_ones_as_they_were(plain: bool) -> None:
     program = Program.compile(

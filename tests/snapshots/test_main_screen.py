@@ -49,10 +49,12 @@ def game(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
         yield terminal
 
 
+@pytest.mark.sampled
 def test_at_the_start(game: Terminal, pytestconfig: pytest.Config) -> None:
     assert_looks_like("start", game, pytestconfig)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("look", LOOKS)
 def test_in_other_colours(look: str, tmp_path: Path, pytestconfig: pytest.Config) -> None:
     with opened(tmp_path, (80, 24), look) as game:
@@ -67,6 +69,7 @@ def test_in_other_colours(look: str, tmp_path: Path, pytestconfig: pytest.Config
         assert_looks_like(f"editor-{look}", game, pytestconfig)
 
 
+@pytest.mark.sampled
 def test_the_level_editor(game: Terminal, pytestconfig: pytest.Config) -> None:
     game.send("M")
     game.wait_for("editing")
@@ -81,6 +84,7 @@ def test_a_wide_inspector(tmp_path: Path, pytestconfig: pytest.Config) -> None:
         assert_looks_like("inspector", game, pytestconfig)
 
 
+@pytest.mark.sampled
 def test_after_some_steps(game: Terminal, pytestconfig: pytest.Config) -> None:
     for tick in range(1, STEPS + 1):
         game.send("n")

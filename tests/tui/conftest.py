@@ -7,10 +7,12 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from textual import events
+from textual._compositor import Compositor
+from textual.css.stylesheet import Stylesheet
 
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
@@ -24,6 +26,7 @@ from tests.waiting import PATIENCE, a_moment
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
+    from textual.css.model import RuleSet
     from textual.pilot import Pilot
 
     from logical_robots_tui.tui.app.main_screen import MainScreen
@@ -180,8 +183,8 @@ class Opened:
     async def ready(self) -> None:
         """Wait until the first program is compiled and everything is loaded."""
         await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
-        # Which the game loads at its leisure.
-        await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
+        if not inspector_pane._LOADING_DELAY:
+            await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
 
     async def write(self, text: str) -> None:
         """Put a text into the editor as a paste and apply it."""
@@ -207,9 +210,45 @@ class Opened:
 
 
 @pytest.fixture(autouse=True)
-def _pages_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No test waits until the inspector loads its pages at leisure."""
-    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0)
+def _pages_at_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The inspector loads its pages at once for tests of them, and for others when one is used."""
+    is_about_them = "inspector" in request.path.parts or request.config.option.all
+    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0 if is_about_them else 3600.0)
+
+
+@pytest.fixture(autouse=True)
+def _less_of_textual_s_own_work(
+    pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a quick run style sheets are parsed once, and nothing is drawn until a test looks.
+
+    Opening and drawing are most of what these tests would do. With ``--all`` all of it is done,
+    and `tests/snapshots` and `tests/e2e` always look at what a terminal shows.
+    """
+    if not pytestconfig.option.all:
+        monkeypatch.setattr(Stylesheet, "_parse_rules", _parsed_once)
+        monkeypatch.setattr(Compositor, "render_update", _drawn_later)
+
+
+_parse_rules, _render_update = Stylesheet._parse_rules, Compositor.render_update
+_parsed: dict[tuple[object, ...], list[RuleSet]] = {}
+
+
+def _parsed_once(self: Stylesheet, *css: Any, **options: Any) -> list[RuleSet]:
+    key = (*css, *options.items(), *self._variables.items())
+    if key not in _parsed:
+        _parsed[key] = _parse_rules(self, *css, **options)
+    return _parsed[key]
+
+
+def _drawn_later(self: Compositor, *_: object, **__: object) -> None:
+    self._dirty_regions.clear()
+
+
+@pytest.fixture
+def drawn_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw all changes, for a test of how that is done."""
+    monkeypatch.setattr(Compositor, "render_update", _render_update)
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from logical_robots_tui.cli.play import SIZES
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.levels.daily import DAILY_SIZES, Daily
+from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES, Daily
 
 DAYS = [date(2026, 11, 1) + timedelta(days) for days in range(100)]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     add_data_dir,
@@ -14,6 +14,7 @@ from logical_robots_tui.cli.command import (
     add_programs,
     add_start,
     harmless,
+    line_of_json,
     named_programs,
     new_command,
     number_from,
@@ -25,16 +26,25 @@ from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import AsyncIterator, Callable, Iterable, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
 
     from rich.progress import Progress
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.game import Frame, Run
+    from logical_robots_tui.game import Frame, Run, Source
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["check_name", "frame_at", "new_run_command", "opened", "progress_bar", "run_shown"]
+__all__ = [
+    "check_name",
+    "compiled",
+    "frame_at",
+    "new_run_command",
+    "opened",
+    "progress_bar",
+    "run_shown",
+    "show",
+]
 
 _SOON = 0.5  # seconds before the progress bar appears
 
@@ -55,18 +65,9 @@ def new_run_command(
 ) -> argparse.ArgumentParser:
     """Declare a command that takes a level and a program, which `opened` loads.
 
-    Args:
-        commands: Where to add it.
-        name: The command's name.
-        start: Does the work and returns the exit status.
-        summary: One line for the list of commands.
-        description: The first lines of the command's own help.
-        epilog: Examples and exit status, already formatted.
-        first_tick: The lowest value of ``--tick``, or None for no such option.
-        ticks: Default and help of ``--ticks``, or None for no such option.
-        robot: Help of ``--robot``, or "" for no such option.
-        needs_robot: Whether ``--robot`` is required.
-        only_json: Whether all output is JSON.
+    `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``, `robot`
+    the help of ``--robot``; there is no such option by default. `only_json` says that all output is
+    JSON.
     """
     command = new_command(
         commands,
@@ -111,8 +112,7 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     """
     from logical_robots_tui.game.robustness import named_start_of
     from logical_robots_tui.game.source import programs_for
-    from logical_robots_tui.mind import Program, ProgramError
-    from logical_robots_tui.mind.program import join_teams
+    from logical_robots_tui.mind import ProgramError
     from logical_robots_tui.world import load_level
 
     level = named_start_of(load_level(options.level), options.start_number)
@@ -122,7 +122,7 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     own = own_programs(options)
     sources = programs_for(level, options.programs, dict(options.teams), own, pipes=True)
     try:
-        program = Program.compile(join_teams({team: each.text for team, each in sources.items()}))
+        program = compiled(sources)
     except ProgramError as error:
         path, typed = str(sources[error.team].path), named_programs(options)
         raise ProgramFileError(
@@ -134,13 +134,25 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     return level, program.for_team(level.team_of(robot or ""))
 
 
+def compiled(sources: Mapping[str, Source]) -> Program:
+    """Compile the programs of all teams as one.
+
+    Raises:
+        ProgramError: One has errors; it says which.
+    """
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind.program import join_teams
+
+    return Program.compile(join_teams({team: each.text for team, each in sources.items()}))
+
+
+def show(options: argparse.Namespace, data: Any, lines: Iterable[str]) -> None:
+    """Print a result, as JSON or as text."""
+    print(line_of_json(data) if prefers_json(options) else "\n".join(lines))
+
+
 def check_name(what: str, name: str, known: Iterable[str]) -> None:
     """Check that a name exists.
-
-    Args:
-        what: What it names: robot or predicate.
-        name: The name as typed.
-        known: All names of that kind.
 
     Raises:
         InputError: It does not exist; the hint lists the known names.
@@ -162,11 +174,6 @@ async def run_shown(
 
     Ticks that an earlier process has computed are not computed again.
 
-    Args:
-        level: The level.
-        program: The robots' program.
-        ticks: The last tick that will be needed.
-
     Yields:
         The run, and a callback to call with each finished tick.
     """
@@ -181,13 +188,7 @@ async def run_shown(
 
 
 async def frame_at(level: Level, program: Program, tick: int) -> Frame:
-    """Return the frame of a tick; a victory before it does not end the run.
-
-    Args:
-        level: The level.
-        program: The robots' program.
-        tick: The tick; 0 is the start.
-    """
+    """Return the frame of a tick; a victory before it does not end the run."""
     async with run_shown(level, program, tick) as (run, show):
         return await run.frame(tick, show)
 
@@ -199,10 +200,7 @@ _REDRAW_EVERY = 0.1  # seconds
 def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[[int], None]]:
     """Show the progress of a run on a terminal; the bar disappears at the end.
 
-    Args:
-        title: The label.
-        ticks: The last tick.
-        after: Seconds before the bar appears.
+    It appears `after` some seconds.
 
     Yields:
         A callback to call with each finished tick; it redraws a few times a second only.

@@ -8,8 +8,8 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import harmless, line_of_json, prefers_json
-from logical_robots_tui.cli.runs.common import new_run_command, opened
+from logical_robots_tui.cli.command import harmless
+from logical_robots_tui.cli.runs.common import new_run_command, opened, show
 
 if TYPE_CHECKING:
     import argparse
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
@@ -55,10 +55,7 @@ def start(options: argparse.Namespace) -> int:
     """Run the program and print the findings."""
     level, program = opened(options)
     found = asyncio.run(_diagnose(level, program, options.ticks))
-    if prefers_json(options):
-        print(line_of_json(_data(found)))
-    else:
-        print(*_lines(found), sep="\n")
+    show(options, _data(found), _lines(found))
     return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING
 
 
@@ -69,7 +66,7 @@ async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
     game = Game(level, program, history=ticks)
     try:
         await game.run_until(tick=ticks)
-        return await diagnose(game, report=_report if sys.stderr.isatty() else _ignore)
+        return await diagnose(game, report=_report)
     finally:
         if sys.stderr.isatty():
             print("\r\033[K", end="", file=sys.stderr, flush=True)
@@ -77,12 +74,8 @@ async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
 
 
 def _report(done: int, of_all: int) -> None:
-    if not done % 20:
+    if sys.stderr.isatty() and not done % 20:
         print(f"\r{done} of {of_all} ticks", end="", file=sys.stderr, flush=True)
-
-
-def _ignore(_done: int, _all: int) -> None:
-    pass
 
 
 def _lines(found: Diagnosis) -> Iterator[str]:

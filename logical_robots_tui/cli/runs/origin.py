@@ -6,8 +6,8 @@ import argparse
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import harmless, line_of_json, prefers_json, written
-from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown
+from logical_robots_tui.cli.command import harmless, written
+from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,11 +64,8 @@ def start(options: argparse.Namespace) -> int:
     """Trace the value and print its origin."""
     level, program = opened(options)
     origin = asyncio.run(_search(level, program, options))
-    if prefers_json(options):
-        data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
-        print(line_of_json(data))
-    else:
-        print(*_lines(origin), sep="\n")
+    data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
+    show(options, data, _lines(origin))
     return 0
 
 

@@ -1,27 +1,39 @@
-"""``logical-robots query``: answer a query about one tick of a run."""
+"""``logical-robots query`` and ``when``: questions about one tick of a run, or about all."""
 
 from __future__ import annotations
 
 import asyncio
 import sys
-from typing import TYPE_CHECKING
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import columns, line_of_json, prefers_json, written
-from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened
+from logical_robots_tui.cli.command import (
+    UNRELIABLE,
+    columns,
+    harmless,
+    line_of_json,
+    prefers_json,
+    written,
+)
+from logical_robots_tui.cli.failure import ProgramFileError
+from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened, run_shown, show
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.mind import Program, Table
+    from logical_robots_tui.game import Matches
+    from logical_robots_tui.mind import Program, Question, Table
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]
 
 FOUND, NOTHING = 0, 1
+DEFAULT_TICKS = 5000
 WIDEST = 60  # characters of a value in a table
 
-EPILOG = """\
+_QUERY_EPILOG = """\
 examples:
   logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot
   logical-robots query 06-breadcrumbs breadcrumbs --tick 110 \\
@@ -34,57 +46,91 @@ examples:
 exit status: 0 rows found, 1 no rows, 2 bad level, program or query
 """
 
+_WHEN_EPILOG = """\
+examples:
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+    'Fresh(robot_name: "Crow")'
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 --robot Crow \\
+    'Sensor(sensor:), sensor.forward_distance < 30'
+  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+    'Drive("Crow").left_engine > 1'
+
+A question is anything that query accepts. It holds in the ticks in which it has
+rows; an expression holds where it is not null, false or 0. The run ends at
+victory, or after N ticks.
+
+exit status: 0 found, 1 it never holds, 2 bad level, program or question
+"""
+
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
-    command = new_run_command(
+    """Add the commands to the list."""
+    query = new_run_command(
         commands,
         "query",
-        start=start,
+        start=_query,
         summary="query one tick of a run",
         description="Run a program to a tick, then answer a query in Logica about that tick.",
-        epilog=EPILOG,
+        epilog=_QUERY_EPILOG,
         first_tick=0,
         robot="only rows in this robot's mind",
     )
-    command.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
+    query.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
+    when = new_run_command(
+        commands,
+        "when",
+        start=_when,
+        summary="find the ticks of a run in which something holds",
+        description="Ask a question in Logica at every tick of a run, and print where it holds.",
+        epilog=_WHEN_EPILOG,
+        ticks=(DEFAULT_TICKS, "stop after this many ticks"),
+        robot="only rows in this robot's mind",
+    )
+    when.add_argument(
+        "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
+    )
 
 
-def start(options: argparse.Namespace) -> int:
-    """Print the answer."""
-    from logical_robots_tui.cli.failure import ProgramFileError
+@contextmanager
+def _mistakes_in(what: str) -> Iterator[None]:
+    """Report what the compiler finds wrong with a query or question."""
     from logical_robots_tui.mind import ProgramError
 
-    level, program = opened(options)
     try:
-        table = asyncio.run(_ask(level, program, options.query, options.tick))
+        yield
     except ProgramError as error:
-        raise ProgramFileError("query", error) from error
-    viewers = table.viewers or ("",) * len(table.rows)
-    found = [
-        (viewer, row)
-        for viewer, row in zip(viewers, table.rows, strict=True)
-        if options.robot is None or not viewer or viewer == options.robot
-    ]
+        raise ProgramFileError(what, error) from error
+
+
+# -- one tick ----------------------------------------------------------------------------------
+
+
+def _query(options: argparse.Namespace) -> int:
+    level, program = opened(options)
+    with _mistakes_in("query"):
+        table = asyncio.run(_ask(level, program, options.query, options.tick))
+    has_minds = bool(table.viewers)
+    table = table.in_mind_of(options.robot)
     if prefers_json(options):
         data = {
             "tick": options.tick,
             "columns": table.columns,
-            "rows": [row for _, row in found],
-            "minds": [viewer for viewer, _ in found] if table.viewers else None,
+            "rows": table.rows,
+            "minds": table.viewers if has_minds else None,
             "truncated": table.truncated,
         }
         print(line_of_json(data))
-    elif found:
-        head = ("IN THE MIND OF", *table.columns) if table.viewers else table.columns
-        lines = [
-            ((viewer,) if table.viewers else ()) + tuple(written(value, WIDEST) for value in row)
-            for viewer, row in found
-        ]
-        print(*columns([head, *lines]), sep="\n")
+    elif table.rows:
+        rows = [tuple(written(value, WIDEST) for value in row) for row in table.rows]
+        head = table.columns
+        if has_minds:
+            head = ("IN THE MIND OF", *head)
+            rows = [(viewer, *row) for viewer, row in zip(table.viewers, rows, strict=True)]
+        print(*columns([head, *rows]), sep="\n")
     else:
         print("No rows.", file=sys.stderr)
-    return FOUND if found else NOTHING
+    return FOUND if table.rows else NOTHING
 
 
 async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
@@ -97,3 +143,75 @@ async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
         return await inquiry.ask(program, query, frame)
     finally:
         await inquiry.close()
+
+
+# -- all ticks ---------------------------------------------------------------------------------
+
+
+def _when(options: argparse.Namespace) -> int:
+    from logical_robots_tui.mind import QueryError
+
+    level, program = opened(options)
+    with _mistakes_in("question"):
+        question = program.question(options.question)
+    found = asyncio.run(_search(level, program, question, options))
+    if found.failed_in == found.ticks:
+        raise QueryError(f"It failed in every tick: {found.reason}")
+    show(options, _data(options.question, found), _lines(options.question, found))
+    return FOUND if found.stretches else NOTHING
+
+
+async def _search(
+    level: Level, program: Program, question: Question, options: argparse.Namespace
+) -> Matches:
+    """Ask at every tick up to victory or the tick limit."""
+    from logical_robots_tui.game import find_matches
+
+    async with run_shown(level, program, options.ticks) as (run, show):
+        return await find_matches(run, question, options.ticks, options.robot or "", show)
+
+
+def _lines(question: str, found: Matches) -> list[str]:
+    """Format the matches as text."""
+    end = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
+    end += ", up to victory" if found.won_at is not None else ""
+    lines = []
+    if stretches := found.stretches:
+        first, last = stretches[0][0], stretches[-1][1]
+        lines += [
+            f"{harmless(question)}",
+            f"holds in {found.holds_in} of {end}: first in tick {first}, last in tick {last}.",
+            "",
+            *columns([("FROM", "TO", "TICKS"), *(_row(*each) for each in stretches)]),
+        ]
+    else:
+        lines.append(f"{harmless(question)} never holds in {end}.")
+    if found.failed:
+        (first, last), *more = found.failed
+        where = f"tick {first}" if first == last else f"ticks {first} to {last}"
+        others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
+        lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
+    if not found.is_reliable:
+        lines += ["", UNRELIABLE]
+    return lines
+
+
+def _row(first: int, last: int) -> tuple[str, str, str]:
+    return str(first), str(last), str(last - first + 1)
+
+
+def _data(question: str, found: Matches) -> dict[str, Any]:
+    """Return the matches as data for scripts."""
+    stretches = found.stretches
+    return {
+        "question": question,
+        "ticks": found.ticks,
+        "won_at": found.won_at,
+        "first": stretches[0][0] if stretches else None,
+        "last": stretches[-1][1] if stretches else None,
+        "holds_in": found.holds_in,
+        "stretches": stretches,
+        "failed_in": found.failed,
+        "failure": found.reason or None,
+        "reliable": found.is_reliable,
+    }

@@ -177,7 +177,6 @@ def _declare_verify(commands: Commands) -> None:
         summary="compute a replay again and compare",
         description="Compute a replay again and compare.",
         epilog=_VERIFY_EPILOG,
-        wants_json=lambda options: bool(options.json),
     )
     command.add_argument("replay", type=Path, metavar="FILE", help="a replay")
     command.add_argument("--json", action="store_true", help="print JSON")
@@ -240,7 +239,6 @@ def _declare_show(commands: Commands) -> None:
         summary="print what is in a replay, or draw where the robots drove",
         description="Print what is in a replay, or draw where the robots drove.",
         epilog=_SHOW_EPILOG,
-        wants_json=lambda options: bool(options.json),
     )
     command.add_argument("replay", type=Path, metavar="FILE", help="a replay")
     form = command.add_mutually_exclusive_group()

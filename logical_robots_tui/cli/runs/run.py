@@ -80,15 +80,7 @@ async def play_out(
     ticks: int,
     show: Callable[[int], object] = lambda _tick: None,
 ) -> Outcome:
-    """Run until the level is won or the tick limit is reached.
-
-    Args:
-        level: The level.
-        program: The robots' program.
-        program_name: Its name in the outcome.
-        ticks: The tick limit.
-        show: Called with each finished tick.
-    """
+    """Run until the level is won or the tick limit is reached."""
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.victory import victory_of
 
@@ -141,16 +133,7 @@ class Tally:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of a run.
-
-    Attributes:
-        level: The level.
-        program_name: The program's name as typed.
-        frame: The last frame.
-        tally: The statistics.
-        seconds: How long it took.
-        reached: The second goals that were reached, in words.
-    """
+    """The result of a run."""
 
     level: Level
     program_name: str
@@ -167,8 +150,7 @@ class Outcome:
     def as_json(self, *, times: bool = False) -> str:
         """Return the result as a JSON object.
 
-        Args:
-            times: Whether to include times, which differ from run to run.
+        Times are left out by default, because they differ from run to run.
         """
         from logical_robots_tui.game import goals
         from logical_robots_tui.world.scoring import points
@@ -251,14 +233,14 @@ class Outcome:
         return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
 
     def _table(self) -> list[str]:
-        rows = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
+        rows: list[tuple[str, ...]] = [("ROBOT", "X", "Y", "HEADING", "BATTERY")]
         for given, now in zip(self.level.robots, self.frame.after.robots, strict=True):
             heading = f"{math.degrees(now.angle) % 360:.0f} deg"
             battery = "none"
             if given.has_battery:
                 battery = f"{now.battery_level:.1f} of {given.battery_capacity:g}"
             rows.append((now.name, f"{now.x:.1f}", f"{now.y:.1f}", heading, battery))
-        return columns([tuple(row) for row in rows])
+        return columns(rows)
 
     def _robots(self) -> list[dict[str, Any]]:
         return [

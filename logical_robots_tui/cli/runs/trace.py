@@ -155,17 +155,10 @@ def _data(level: Level, frame: Frame, robot: str | None, tables: _Tables) -> dic
 def _rows(table: Table | QueryError, robot: str | None) -> dict[str, Any]:
     if isinstance(table, Exception):
         return {"error": str(table)}
-    chosen = [
-        number
-        for number in range(len(table.rows))
-        if robot is None or not table.viewers or table.viewers[number] == robot
-    ]
-    data: dict[str, Any] = {
-        "columns": table.columns,
-        "rows": [table.rows[number] for number in chosen],
-    }
+    mine = table.in_mind_of(robot)
+    data: dict[str, Any] = {"columns": mine.columns, "rows": mine.rows}
     if table.viewers:
-        data["minds"] = [table.viewers[number] for number in chosen]
+        data["minds"] = mine.viewers
     if table.truncated:
         data["truncated"] = True
     return data

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     harmless,
-    line_of_json,
     number_from,
-    prefers_json,
     written,
 )
-from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, opened
+from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, opened, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -97,17 +95,13 @@ def start(options: argparse.Namespace) -> int:
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
     explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, options))
-    if prefers_json(options):
-        data = {
-            **_data(explanation, options.tick),
-            "tree": [*map(_node, nodes)],
-            "nearest": [_suggestion(*each) for each in nearest],
-        }
-        print(line_of_json(data))
-    else:
-        print(*_lines(explanation, nodes, options), *_nearest(nearest), sep="\n")
-        if not complete:
-            print("", "This is not complete; a larger --depth shows more.", sep="\n")
+    data = {
+        **_data(explanation, options.tick),
+        "tree": [*map(_node, nodes)],
+        "nearest": [_suggestion(*each) for each in nearest],
+    }
+    more = () if complete else ("", "This is not complete; a larger --depth shows more.")
+    show(options, data, (*_lines(explanation, nodes, options), *_nearest(nearest), *more))
     return GAVE if explanation.rows else GAVE_NOT
 
 

@@ -83,13 +83,7 @@ class Breakpoint(NamedTuple):
 
 
 class Hit(NamedTuple):
-    """A breakpoint that was hit.
-
-    Attributes:
-        breakpoint: The breakpoint.
-        tick: The tick.
-        values: The robots concerned and the values, in words.
-    """
+    """A breakpoint that was hit."""
 
     breakpoint: Breakpoint
     tick: int

@@ -45,11 +45,8 @@ class Comparison:
 async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | None:
     """Prove a decision in both courses and find the first difference between the proofs.
 
-    The robot is the first one that decides differently. Cancelling the call ends the work.
-
-    Args:
-        game: The game; its current course is called "here".
-        divergence: Where its courses diverge.
+    The robot is the first one that decides differently. Cancelling the call ends the work. The
+    game's current course is called "here".
 
     Returns:
         The comparison, or None if all robots decide the same.

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Explanation, Mind, Program, Proof, QueryPlan
+    from logical_robots_tui.mind.why.explainer import Explainer
     from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
@@ -28,20 +29,17 @@ __all__ = ["Inquiry"]
 
 T = TypeVar("T")
 
+_LIMITS = Limits()
+
 
 class Inquiry:
     """Answers questions about frames of a level, while the game may continue.
 
     Questions have no side effects. A newer question of the same kind cancels an older one.
-
-    Args:
-        level: The level of the frames.
-        limits: Limits on compiling and thinking.
     """
 
-    def __init__(self, level: Level, limits: Limits | None = None) -> None:
+    def __init__(self, level: Level) -> None:
         self._level = level
-        self._limits = limits or Limits()
         self._asker = Thinker("ask")
         self._explainer = Thinker("explain")
         self._surveyor = Thinker("survey")
@@ -50,10 +48,7 @@ class Inquiry:
     async def ask(self, program: Program, query: str, frame: Frame) -> Table:
         """Evaluate any query at a frame.
 
-        Args:
-            program: The program.
-            query: A call, an expression, conditions, or whole rules of which the last is evaluated.
-            frame: The tick.
+        A query is a call, an expression, conditions, or whole rules of which the last is evaluated.
 
         Raises:
             ProgramError: The query is wrong; the diagnostics refer to its lines and columns.
@@ -62,7 +57,7 @@ class Inquiry:
         """
 
         def work(mind: Mind, stop: threading.Event) -> Table:
-            question = program.question(query, stop=stop, limits=self._limits)
+            question = program.question(query, stop=stop, limits=_LIMITS)
             return mind.ask(question, frame.sensors, frame.memories_before, stop=stop)
 
         return await self._do(self._asker, program, work)
@@ -79,25 +74,16 @@ class Inquiry:
     ) -> Explanation:
         """Explain why a predicate has its rows, or none, in a robot's reasoning at a frame.
 
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: One of the program's own predicates.
-            given: Values of some of its columns; only rows with these values are explained.
-            within: A predicate made with ``:=`` whose rules contain the call, or "".
+        Only rows with the given values in some of the columns are explained. `within` is a
+        predicate made with ``:=`` whose rules contain the call.
 
         Raises:
             QueryError: There is no such predicate or robot, or a function lacks its arguments.
             Superseded: A newer question came before the answer was ready.
         """
-
-        def work(mind: Mind, stop: threading.Event) -> Explanation:
-            sensors, memories = frame.sensors, frame.memories_before
-            explainer = mind.explainer(robot, sensors, memories, stop=stop)
-            return explainer.why(predicate, given, within)
-
-        return await self._do(self._explainer, program, work)
+        return await self._explain(
+            self._explainer, program, robot, frame, lambda each: each.why(predicate, given, within)
+        )
 
     async def proof(
         self,
@@ -112,57 +98,33 @@ class Inquiry:
     ) -> Proof:
         """Return the whole proof of a row in a robot's reasoning at a frame, as `Mind.proof` does.
 
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: One of the program's own predicates.
-            given: Values of some of its columns; the first row with these values is proved.
-            within: A predicate made with ``:=`` whose rules contain the call, or "".
-            depth: How many predicates deep.
+        The first row with the given values is proved, `depth` predicates deep.
 
         Raises:
             QueryError: As `why` does.
             Superseded: A newer question came before the answer was ready.
         """
 
-        def work(mind: Mind, stop: threading.Event) -> Proof:
-            sensors, memories = frame.sensors, frame.memories_before
-            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+        def work(explainer: Explainer) -> Proof:
             return explainer.proof(predicate, given, within, depth=depth)
 
-        return await self._do(self._explainer, program, work)
+        return await self._explain(self._explainer, program, robot, frame, work)
 
     async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
         """Return the calls of a function in a robot's reasoning at a frame, as `Mind.calls` does.
-
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: A function defined by the program.
 
         Raises:
             QueryError: There is no such robot or function, or a rule that calls it failed.
             Superseded: A newer survey began before the answer was ready.
         """
-
-        def work(mind: Mind, stop: threading.Event) -> Table:
-            sensors, memories = frame.sensors, frame.memories_before
-            return mind.explainer(robot, sensors, memories, stop=stop).calls(predicate)
-
-        return await self._do(self._surveyor, program, work)
+        return await self._explain(
+            self._surveyor, program, robot, frame, lambda each: each.calls(predicate)
+        )
 
     async def nearest(
         self, program: Program, robot: str, frame: Frame, predicate: str
     ) -> list[tuple[int, Suggestion]]:
         """Return the single changes that would have produced a row, for each rule without one.
-
-        Args:
-            program: The program.
-            robot: Name of the robot.
-            frame: The tick.
-            predicate: One of the program's own predicates.
 
         Returns:
             Lines of rules, each with a change; the smallest change of a rule first.
@@ -172,19 +134,13 @@ class Inquiry:
             Superseded: A newer question came before the answer was ready.
         """
 
-        def work(mind: Mind, stop: threading.Event) -> list[tuple[int, Suggestion]]:
-            sensors, memories = frame.sensors, frame.memories_before
-            explainer = mind.explainer(robot, sensors, memories, stop=stop)
+        def work(explainer: Explainer) -> list[tuple[int, Suggestion]]:
             return [(rule.line, found) for rule, found in explainer.nearest(predicate)]
 
-        return await self._do(self._explainer, program, work)
+        return await self._explain(self._explainer, program, robot, frame, work)
 
     async def query_plans(self, program: Program, frame: Frame) -> list[QueryPlan]:
         """Return how each of the program's predicates is computed at a frame, slowest first.
-
-        Args:
-            program: The program.
-            frame: The tick.
 
         Raises:
             Superseded: A newer question came before the answer was ready.
@@ -202,34 +158,19 @@ class Inquiry:
 
         return await self._do(self._explainer, program, work)
 
-    async def survey(
-        self, program: Program, frame: Frame, predicates: tuple[str, ...] | None = None
-    ) -> dict[str, Table | QueryError]:
-        """Return the rows of many predicates at a frame, or why one has none.
-
-        Args:
-            program: The program.
-            frame: The tick.
-            predicates: Their names; by default all predicates that have rows.
+    async def survey(self, program: Program, frame: Frame) -> dict[str, Table | QueryError]:
+        """Return the rows of all predicates that have rows, or why one has none.
 
         Raises:
             Superseded: A newer survey began before this one was finished.
         """
-        wanted = predicates
-        if wanted is None:
-            wanted = tuple(each.name for each in program.predicates if each.has_rows)
-
-        return await self._do(self._surveyor, program, partial(_tables, wanted, frame))
+        names = [each.name for each in program.predicates if each.has_rows]
+        return await self._do(self._surveyor, program, partial(_tables, names, frame))
 
     async def readings(
         self, program: Program, frame: Frame, pins: Sequence[Pin]
     ) -> dict[Pin, Reading]:
         """Return the values of pins at a frame.
-
-        Args:
-            program: The program.
-            frame: The tick.
-            pins: The pins.
 
         Raises:
             Superseded: Other pins or another tick were requested before this was finished.
@@ -246,13 +187,26 @@ class Inquiry:
         thinkers = (self._asker, self._explainer, self._surveyor, self._watcher)
         await asyncio.gather(*(thinker.close() for thinker in thinkers))
 
+    async def _explain(
+        self,
+        thinker: Thinker,
+        program: Program,
+        robot: str,
+        frame: Frame,
+        work: Callable[[Explainer], T],
+    ) -> T:
+        def explained(mind: Mind, stop: threading.Event) -> T:
+            return work(mind.explainer(robot, frame.sensors, frame.memories_before, stop=stop))
+
+        return await self._do(thinker, program, explained)
+
     async def _do(
         self, thinker: Thinker, program: Program, work: Callable[[Mind, threading.Event], T]
     ) -> T:
         thinker.stop()
         try:
             return await thinker.do(
-                lambda stop: work(thinker.mind(program, self._level, self._limits), stop)
+                lambda stop: work(thinker.mind(program, self._level, _LIMITS), stop)
             )
         except Stopped:
             raise Superseded from None

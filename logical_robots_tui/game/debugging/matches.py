@@ -75,12 +75,7 @@ async def find_matches(
 ) -> Matches:
     """Evaluate a question at every tick of a run up to victory, or load the cached answer.
 
-    Args:
-        run: The run.
-        question: A question compiled for the program of the run.
-        ticks: The last tick to evaluate, if the run is not won before.
-        robot: The robot whose mind counts; "" means any.
-        told: Called with each tick.
+    `robot` is the one whose mind counts, by default any. `told` is called with each tick.
     """
     about = (run.key, question.text, question.sql, robot, ticks)
     name = hashlib.sha256(json.dumps(about).encode()).hexdigest()
@@ -88,16 +83,9 @@ async def find_matches(
         return known
 
     def ask(frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Frame, bool | str]:
-        try:
-            table = mind.ask(
-                question, frame.sensors, frame.memories_before, stop=stop, in_order=False
-            )
-        except QueryError as error:
-            return frame, str(error)
-        return frame, bool(matching_rows(question, table, robot).rows)
+        return frame, _answer(question, frame, mind, stop, robot)
 
     is_reliable = True
-
     holds: list[tuple[int, int]] = []
     failed: list[tuple[int, int]] = []
     reason, last, won_at = "", 0, None
@@ -114,6 +102,18 @@ async def find_matches(
     if is_reliable and run.lasts and not failed:  # it may have failed only for lack of time
         _keep(name, found)
     return found
+
+
+def _answer(
+    question: Question, frame: Frame, mind: Mind, stop: threading.Event, robot: str = ""
+) -> bool | str:
+    """Return whether a question holds at a tick, or why it failed."""
+    sensors, memories = frame.sensors, frame.memories_before
+    try:
+        table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+    except QueryError as error:
+        return str(error)
+    return bool(matching_rows(question, table, robot).rows)
 
 
 def _add(stretches: list[tuple[int, int]], tick: int) -> None:
@@ -192,13 +192,9 @@ async def search_ticks(
     """Find the nearest tick after or before the current one in which a question holds.
 
     If it holds in the current tick, the adjacent ticks in which it holds too are skipped. Robots
-    sense and reason off the event loop; cancelling the call ends the search.
-
-    Args:
-        game: The game; the search starts at its current tick and uses its program.
-        query: A call, an expression, conditions, or whole rules of which the last is evaluated.
-        way: 1 to search later ticks, -1 to search earlier ones.
-        told: Called with the last tick searched; an exception that it raises ends the search.
+    sense and reason off the event loop; cancelling the call ends the search. `way` is 1 for later
+    ticks and -1 for earlier ones. `told` is called with the last tick searched, and can end the
+    search with an exception.
 
     Raises:
         ProgramError: The query is wrong.
@@ -212,12 +208,7 @@ async def search_ticks(
         answers: list[bool | str] = []
         for before, known in some:
             frame, mind = thinker.replay(program, before, known, game.limits)
-            try:
-                sensors, memories = frame.sensors, frame.memories_before
-                table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-                answers.append(bool(matching_rows(question, table).rows))
-            except QueryError as error:
-                answers.append(str(error))
+            answers.append(_answer(question, frame, mind, stop))
             if stop.is_set():
                 raise Stopped
         return answers

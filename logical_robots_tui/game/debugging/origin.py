@@ -38,7 +38,7 @@ __all__ = [
     "read_path",
 ]
 
-MOST_LINKS = 24
+_MOST_LINKS = 24
 _MOST_READS = 4  # per link that are traced
 
 Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Made, Mapping[str, Value]]]]"
@@ -94,12 +94,7 @@ async def origin_in_run(
 ) -> Origin:
     """Trace a part of a robot's memory after a tick of a run.
 
-    Args:
-        run: The run.
-        robot: Name of the robot.
-        path: The part: field names and list indices.
-        tick: The tick, from 1.
-        told: Called with the number of ticks examined so far.
+    `told` is called with the number of ticks examined so far.
 
     Raises:
         QueryError: There is no such robot or part, or its origin can't be determined.
@@ -126,14 +121,8 @@ async def origin_in_game(
 ) -> Origin:
     """Trace a part of a robot's memory after a tick of a game.
 
-    Each tick is examined with the program that decided it. Cancelling the call ends the work.
-
-    Args:
-        game: The game.
-        robot: Name of the robot.
-        path: The part: field names and list indices.
-        tick: The tick, by default the current one; 0 is the start.
-        told: Called with each tick that is examined.
+    Each tick is examined with the program that decided it. Cancelling the call ends the work. The
+    tick is by default the current one. `told` is called with each tick that is examined.
 
     Raises:
         QueryError: There is no such robot or part, or its origin can't be determined.
@@ -170,17 +159,8 @@ async def origin_in_game(
         await thinker.close()
 
 
-async def origin_of(
-    source: Source, robot: str, path: Path, tick: int, *, most: int = MOST_LINKS
-) -> Origin:
+async def origin_of(source: Source, robot: str, path: Path, tick: int) -> Origin:
     """Trace a part of a robot's memory after a tick.
-
-    Args:
-        source: Returns how a part of a memory was made in a tick.
-        robot: Name of the robot.
-        path: The part: field names and list indices.
-        tick: The tick, from 1.
-        most: The largest number of links.
 
     Raises:
         QueryError: There is no such robot or part, or its origin can't be determined.
@@ -191,7 +171,7 @@ async def origin_of(
     complete = True
     while waiting:
         parent, at, whose, part = waiting.pop(0)
-        if len(links) >= most:
+        if len(links) >= _MOST_LINKS:
             complete = False
             break
         try:

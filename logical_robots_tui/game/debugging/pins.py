@@ -70,12 +70,7 @@ class Pin(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """The value of a pin at a tick.
-
-    Attributes:
-        value: The value, or the number of rows.
-        problem: Why there is no value, one sentence, or "".
-    """
+    """The value of a pin at a tick."""
 
     value: Value = None
     problem: str = ""
@@ -93,12 +88,7 @@ class Reading(NamedTuple):
 
 
 def written_path(path: Path, what: str = "memory") -> str:
-    """Return the path of a part as text, such as ``memory.seen[0]``.
-
-    Args:
-        path: The path.
-        what: The whole value.
-    """
+    """Return the path of a part as text, such as ``memory.seen[0]``."""
     return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
@@ -111,14 +101,8 @@ def pin_of_cell(
 ) -> Pin | None:
     """Return the pin of one value in a table, which finds its row again at other ticks.
 
-    The row is identified by its robot, and by as many other columns as needed.
-
-    Args:
-        predicate: The predicate.
-        columns: Names of the columns, including `MIND` where it matters.
-        rows: The rows.
-        row: Index of the row.
-        column: The column of the value.
+    The row is identified by its robot, and by as many other columns as needed. Columns include
+    `MIND` where it matters.
 
     Returns:
         The pin, or None if only the value itself distinguishes the row from others.

@@ -52,14 +52,7 @@ class ProofDifference:
 def first_difference(
     here: Proof, there: Proof, here_text: str, there_text: str
 ) -> ProofDifference | None:
-    """Return the first difference between two proofs of a predicate, or None.
-
-    Args:
-        here: One proof.
-        there: The other one.
-        here_text: The program of the first proof.
-        there_text: The program of the other one.
-    """
+    """Return the first difference between two proofs of a predicate, or None."""
     mine, other = here.explanation, there.explanation
     asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
     texts = _in_one_line(here_text), _in_one_line(there_text)
@@ -73,10 +66,7 @@ def condition_of(
 ) -> tuple[Node, Side] | None:
     """Return the condition because of which a row comes from different rules in two proofs.
 
-    Args:
-        differing: A difference of kind ``rule``.
-        here: The explanation of the row in the program of the first proof, if known.
-        there: The same for the other one.
+    The difference is of kind ``rule``; an explanation that is unknown is None.
 
     Returns:
         The condition that holds on one side only, and on which side; None if it is unknown.
@@ -89,13 +79,7 @@ def condition_of(
 
 
 class _Walk:
-    """Traverses two proofs in parallel.
-
-    Args:
-        here: The program of the first one, in one line.
-        there: The program of the other one.
-        values: Whether to compare values.
-    """
+    """Traverses two proofs in parallel."""
 
     def __init__(self, here: str, there: str, *, values: bool) -> None:
         self._here, self._there, self._values = here, there, values

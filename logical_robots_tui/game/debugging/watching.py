@@ -30,23 +30,15 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
     """Return the rows of an answer for which a question holds.
 
     For an expression these are the values that are not null, false or 0; for conditions without
-    variables, the minds in which they are true; for anything else, all rows.
-
-    Args:
-        question: The question.
-        table: Its answer at a tick.
-        robot: The robot whose mind counts; "" means any, as it does where all reason alike.
+    variables, the minds in which they are true; for anything else, all rows. `robot` is the one
+    whose mind counts; "" means any, as it does where all reason alike.
     """
-    viewers = table.viewers or ("",) * len(table.rows)
-    kept = [
-        (row, viewer)
-        for row, viewer in zip(table.rows, viewers, strict=True)
-        if (not robot or viewer in ("", robot)) and _counts(question, row[0] if row else None)
-    ]
+    table = table.in_mind_of(robot)
+    kept = [n for n, row in enumerate(table.rows) if _counts(question, row[0] if row else None)]
     return replace(
         table,
-        rows=tuple(row for row, _ in kept),
-        viewers=tuple(viewer for _, viewer in kept) if table.viewers else (),
+        rows=tuple(table.rows[n] for n in kept),
+        viewers=tuple(table.viewers[n] for n in kept) if table.viewers else (),
     )
 
 
@@ -58,9 +50,6 @@ def _counts(question: Question, value: object) -> bool:
 
 class Watch:
     """Compares each tick with the previous one.
-
-    Args:
-        breakpoints: The breakpoints to check.
 
     Attributes:
         problems: Why a breakpoint could not be checked in the latest tick, by breakpoint.
@@ -75,11 +64,7 @@ class Watch:
     def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
         """Return the breakpoints that a tick hits.
 
-        Args:
-            past: The tick before.
-            frame: The tick.
-            mind: The mind to evaluate them; the same one each time.
-            stop: Set this from another thread to abort.
+        The mind must be the same one each time.
 
         Raises:
             Stopped: `stop` was set.
@@ -166,9 +151,8 @@ def _rows_for(each: Breakpoint, table: Table) -> _Rows:
     if each.robot and "robot_name" in table.columns:
         at = table.columns.index("robot_name")
         rows = [row for row in rows if row[at] == each.robot]
-    elif each.robot and table.viewers:
-        pairs = zip(rows, table.viewers, strict=True)
-        rows = [row for row, viewer in pairs if viewer == each.robot]
+    else:
+        rows = table.in_mind_of(each.robot).rows
     if not each.column:
         return list(rows)
     if each.column not in table.columns:

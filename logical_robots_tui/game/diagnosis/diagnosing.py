@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosis.observations import Observations
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import Moment
-    from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
+    from logical_robots_tui.mind.diagnosis.telling import Finding
 
 __all__ = ["Diagnosis", "diagnose", "extent"]
 
@@ -63,20 +63,16 @@ async def diagnose(
     game: Game,
     *,
     report: Callable[[int, int], None] = lambda _done, _all: None,
-    limits: Limits | None = None,
 ) -> Diagnosis:
     """Diagnose the current program over a game's history. Cancel the call to stop.
 
-    Args:
-        game: The game; it may continue in the meantime.
-        report: Called with the amount of work done and the total.
-        limits: Limits on compiling and thinking.
+    `report` is called with the amount of work done and the total.
 
     Raises:
         QueryError: The program is too complex.
         Superseded: Another future began in the meantime.
     """
-    return await _Diagnosing(game, report, limits or Limits()).diagnose()
+    return await _Diagnosing(game, report).diagnose()
 
 
 def extent(found: Diagnosis) -> str:
@@ -97,8 +93,8 @@ def extent(found: Diagnosis) -> str:
 class _Diagnosing:
     """One diagnosis."""
 
-    def __init__(self, game: Game, report: Callable[[int, int], None], limits: Limits) -> None:
-        self._game, self._report, self._limits = game, report, limits
+    def __init__(self, game: Game, report: Callable[[int, int], None]) -> None:
+        self._game, self._report, self._limits = game, report, Limits()
         self._program = game.program
         self._thinker = Thinker("diagnose")
         self._turns = game.history.turns

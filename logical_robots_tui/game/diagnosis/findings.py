@@ -6,15 +6,13 @@ from collections import Counter
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.diagnosis.finding import Finding
-from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
+from logical_robots_tui.mind.diagnosis.telling import Finding, rule_findings, shortened
 from logical_robots_tui.mind.similar_names import closest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from logical_robots_tui.game.diagnosis.movement import Stretch
-    from logical_robots_tui.game.diagnosis.observations import Observations
+    from logical_robots_tui.game.diagnosis.observations import Observations, Stretch
     from logical_robots_tui.mind.diagnosis.counting import Tally
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
     from logical_robots_tui.world import Level
@@ -36,11 +34,7 @@ def findings_of(
 ) -> list[Finding]:
     """Return all findings, the most significant first.
 
-    Args:
-        tally: The counts over the whole run.
-        observed: What else was observed in it.
-        closer: By robot and first tick, the counts in that robot's reasoning at that tick.
-        level: The level.
+    `closer` has, by robot and first tick, the counts in that robot's reasoning at that tick.
     """
     found = [
         *_of_notices(observed, closer),

@@ -1,24 +1,26 @@
-"""Observations of a run: notices, movement and memories."""
+"""Observations of a run: notices, memories, and robots that made no progress."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
-from logical_robots_tui.game.diagnosis.movement import stretches
+from logical_robots_tui.game.history.rounds import last_rounds
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
-    from logical_robots_tui.game.diagnosis.movement import Stretch
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind.decision import NoticeKind
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import RobotState
 
-__all__ = ["Loss", "Observations", "observe"]
+__all__ = ["Loss", "Observations", "Stretch", "observe"]
+
+_LONG = 150
+"""Ticks for which a robot must be blocked or stand still to be reported."""
 
 _AT_ONCE = 200  # ticks before yielding to others
 _MOST_TEXTS = 10_000
@@ -27,17 +29,25 @@ _MOST_STRETCHES = 4  # of each kind, because in a crowd many robots do the same
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """A field that a robot's memory lost.
-
-    Attributes:
-        robot: Name of the robot.
-        field: Name of the field.
-        tick: The tick whose new memory lacks it.
-    """
+    """A field that a robot's memory lost."""
 
     robot: str
     field: str
     tick: int
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Ticks in which a robot made no progress.
+
+    `period` is in ticks per round, or 0.
+    """
+
+    kind: Literal["blocked", "still", "circle", "unfinished"]
+    robot: str
+    first: int
+    last: int
+    period: int = 0
 
 
 @dataclass(slots=True)
@@ -77,13 +87,7 @@ class Observations:
 
 
 async def observe(history: History, first: int, last: int) -> Observations:
-    """Observe the ticks of a history.
-
-    Args:
-        history: The history.
-        first: The first tick, from 1.
-        last: The last one.
-    """
+    """Observe the ticks of a history."""
     found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
@@ -108,7 +112,7 @@ async def observe(history: History, first: int, last: int) -> Observations:
     kinds: Counter[str] = Counter()
     for name, path in paths.items():
         is_home = name in visitors.get(at_home.get(name, ""), ())
-        for stretch in stretches(path, first) if len(path) > last - first and not is_home else ():
+        for stretch in _stretches(path, first) if len(path) > last - first and not is_home else ():
             kinds[stretch.kind] += 1
             if kinds[stretch.kind] <= _MOST_STRETCHES:
                 found.stretches.append(stretch)
@@ -139,3 +143,36 @@ def _texts(value: Any) -> Iterator[str]:
     elif isinstance(value, list):
         for inner in value:
             yield from _texts(inner)
+
+
+def _stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
+    """Yield the longest stretch of each kind in which a robot made no progress.
+
+    The path is the robot at the end of each tick, from the first one on.
+    """
+    name = path[-1].name if path else ""
+    kinds: tuple[tuple[Literal["blocked", "still"], Callable[[RobotState], bool]], ...] = (
+        ("blocked", lambda robot: robot.blocked),
+        ("still", lambda robot: not (robot.left_engine or robot.right_engine or robot.dead)),
+    )
+    for kind, is_so in kinds:
+        begin, end = _longest([is_so(robot) for robot in path])
+        if end - begin >= _LONG and (kind == "blocked" or end == len(path)):
+            yield Stretch(kind, name, first + begin, first + end - 1)
+            return
+    if (found := last_rounds(path)) is not None:
+        begin, period = found
+        yield Stretch("circle", name, first + begin, first + len(path) - 1, period)
+    elif len(path) > _LONG:
+        yield Stretch("unfinished", name, first + len(path) - _LONG, first + len(path) - 1)
+
+
+def _longest(holds: Sequence[bool]) -> tuple[int, int]:
+    """Return start and end of the longest stretch of True; the last of equally long ones."""
+    best, begin = (0, 0), 0
+    for at, each in enumerate([*holds, False]):
+        if not each:
+            if at - begin >= best[1] - best[0]:
+                best = (begin, at)
+            begin = at + 1
+    return best

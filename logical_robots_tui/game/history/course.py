@@ -36,16 +36,6 @@ class Course:
     """The last ticks of one history of a game, without gaps.
 
     Courses that diverge share their common packs, because packs never change.
-
-    Args:
-        frame: The first frame.
-        level: The level at the first frame.
-        length: How many ticks can be restored.
-
-    Attributes:
-        marks: The events of its ticks.
-        hits: The breakpoints that were hit, by tick.
-        levels: The level at each tick.
     """
 
     def __init__(self, frame: Frame, level: Level, length: int) -> None:
@@ -250,12 +240,7 @@ _NO_WALLS = np.zeros((0, 0), np.bool_)
 
 
 class Levels:
-    """The levels of one course. All except the latest have packed walls.
-
-    Args:
-        tick: The first tick of the course.
-        level: Its first level.
-    """
+    """The levels of one course. All except the latest have packed walls."""
 
     def __init__(self, tick: int, level: Level) -> None:
         self._ticks = [tick]

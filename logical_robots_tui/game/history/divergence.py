@@ -38,9 +38,7 @@ class Difference:
 class Divergence:
     """The first tick in which two courses differ.
 
-    Attributes:
-        tick: The tick.
-        differences: The differences for robots of both courses, decisions first, in file order.
+    Differences are those for robots of both courses, decisions first, in file order.
     """
 
     tick: int
@@ -58,12 +56,7 @@ class Divergence:
 
 
 def find_divergence(here: Moment, there: Moment) -> Divergence | None:
-    """Compare a tick of two courses; return None if it is the same in both.
-
-    Args:
-        here: The moment in the current course.
-        there: The moment in the other one.
-    """
+    """Compare a tick of two courses; return None if it is the same in both."""
     if here.decisions == there.decisions and here.after == there.after:
         return None
     return Divergence(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))

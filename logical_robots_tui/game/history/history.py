@@ -30,13 +30,8 @@ _MOST_BYTES = 100_000_000
 class History:
     """The last ticks of a game, and of the course that was abandoned for another future.
 
-    Of several abandoned courses the longest is kept.
-
-    Args:
-        start: The first frame of the game.
-        level: The level at the start.
-        length: How many ticks of a course can be restored.
-        most_bytes: Memory limit; the other course is dropped first, then the oldest ticks.
+    Of several abandoned courses the longest is kept. Beyond `most_bytes` the other course is
+    dropped first, then the oldest ticks.
 
     Attributes:
         turns: How often the current course was replaced.
@@ -190,12 +185,6 @@ class History:
 
         Those are the ticks that it decided, unless the level was edited; and all of a course that
         ends with it, until the player asks for another future.
-
-        Args:
-            tick: The tick before them.
-            most: The most to return.
-            text: The program's text.
-            is_course_wanted: Whether the player has not asked for another future.
         """
         leads_here = is_course_wanted and self._is_by(text, self.last)
         same = takewhile(
@@ -299,9 +288,6 @@ class Past:
 
     Going back tick by tick requests each one twice, first as the previous tick and then as the
     current one; so the last one is cached.
-
-    Args:
-        history: The history.
 
     Attributes:
         worlds: The worlds in which the robots sense again.

@@ -45,12 +45,7 @@ class Mark(NamedTuple):
 def marks_of(
     frame: Frame, decisions_before: tuple[Decision, ...]
 ) -> Iterator[tuple[MarkKind, int]]:
-    """Return the events of a tick, each with the indices concerned, as bits.
-
-    Args:
-        frame: The tick.
-        decisions_before: The decisions of the previous tick.
-    """
+    """Return the events of a tick, each with the indices concerned, as bits."""
     before, after = frame.before, frame.after
     if after.won_at == frame.tick and frame.tick:
         yield "victory", 1
@@ -77,11 +72,7 @@ def _differing(before: list[object], after: list[object]) -> int:
 
 
 class Marks:
-    """The marks of many ticks, indexed by tick.
-
-    Args:
-        state: A world with the robots and areas that marks refer to.
-    """
+    """The marks of many ticks, indexed by tick."""
 
     def __init__(self, state: WorldState) -> None:
         self._robots: list[str] = []
@@ -93,10 +84,7 @@ class Marks:
     def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
         """Store a mark; fastest for a tick after all others.
 
-        Args:
-            tick: The tick.
-            kind: The kind of event.
-            who: Indices of the robots or areas concerned, as bits.
+        `who` are the indices of the robots or areas concerned, as bits.
         """
         if places := self._places.get(kind):
             who = sum(1 << place for now, place in enumerate(places) if who >> now & 1)
@@ -132,11 +120,7 @@ class Marks:
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
         """Return whether any tick from `first` to `last` has a mark of a kind.
 
-        Args:
-            kind: The kind.
-            first: The first tick.
-            last: The last one.
-            robot: The robot whose memory counts, or None for any.
+        If a robot is given, only the changes of its own memory count.
         """
         ticks = self._ticks[kind]
         begin, end = bisect_left(ticks, first), bisect_right(ticks, last)
@@ -150,11 +134,7 @@ class Marks:
     ) -> int | None:
         """Return the nearest later or earlier tick with a mark, or None.
 
-        Args:
-            tick: The tick to start from; its own marks don't count.
-            steps: The direction.
-            kinds: The kinds of marks that count.
-            robot: A robot whose memory changes count as well.
+        The tick's own marks don't count; if a robot is given, changes of its memory do.
         """
         found = [self._next(kind, tick, steps, ~0) for kind in kinds]
         if robot in self._robots:

@@ -82,9 +82,6 @@ class Packed:
     The values of one robot over all ticks are stored together, so that similar values are adjacent
     and compress well.
 
-    Args:
-        moments: At least one.
-
     Attributes:
         first: Tick of the first of them.
         weight: Approximate bytes of all their objects when unpacked.

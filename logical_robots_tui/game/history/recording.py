@@ -59,12 +59,8 @@ class DamagedError(ValueError):
 class Recording:
     """The state after each tick of a run, from tick 0 on.
 
-    If that takes more than `MAX_HELD_BYTES`, there is a gap of ticks that must be recomputed.
-
-    Args:
-        key: Digest of everything on which the run depends; used as the file name.
-        level: The level.
-        start: The moment of tick 0.
+    If that takes more than `MAX_HELD_BYTES`, there is a gap of ticks that must be recomputed. The
+    key, a digest of everything on which the run depends, names the file.
     """
 
     def __init__(self, key: str, level: Level, start: Moment) -> None:

@@ -36,11 +36,7 @@ class Rounds:
         self._tick = 0
 
     def follow(self, robots: Sequence[RobotState]) -> int:
-        """Return the indices of robots that have just ended their last round, as bits.
-
-        Args:
-            robots: All robots after the next tick.
-        """
+        """Return the indices of robots that have just ended their last round, as bits."""
         found = 0
         self._tick += 1
         for index, robot in enumerate(robots):
@@ -56,8 +52,7 @@ class Rounds:
 def last_rounds(path: Sequence[RobotState]) -> tuple[int, int] | None:
     """Return index and period of the rounds in which a path ends, or None if it ends otherwise.
 
-    Args:
-        path: One robot at the end of each tick.
+    The path is one robot at the end of each tick.
     """
     trace = _Trace()
     for tick, robot in enumerate(path):

@@ -36,9 +36,7 @@ _MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
 def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
     """Return the first round of a tournament, and the texts of level and programs by digest.
 
-    Args:
-        file: The specification.
-        players: A folder with one program or folder per player.
+    The players are a folder with one program or folder per player.
 
     Raises:
         SpecificationError: The specification is wrong; says all that is.
@@ -160,10 +158,7 @@ def next_round(
 ) -> tuple[Manifest, dict[str, str]] | None:
     """Return the manifest with the next round and its inputs; None if there is no other round.
 
-    Args:
-        manifest: A tournament, all of whose matches have been played.
-        ledger: The results.
-        text: Gives the text of an input by its digest.
+    All matches of the manifest must have been played.
     """
     if len(manifest.rounds) >= manifest.most_rounds:
         return None
@@ -179,11 +174,8 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
     """Return the pairs of the next round: neighbours by standing that have not met yet.
 
     The one that is left over, if the number is odd, is the last one that has always played so far.
-    Ties are broken by the programs, not by names.
-
-    Args:
-        manifest: The tournament so far.
-        shares: The average share of each player, by name; none in the first round.
+    Ties are broken by the programs, not by names. `shares` are the average shares of the players by
+    name; none in the first round.
 
     Returns:
         The pairs; None if some player would have to meet another one again.

@@ -103,13 +103,7 @@ def share_of_points(own: float, other: float) -> float:
 
 
 def share_of_match(result: Result, seats: Mapping[str, str], player: str) -> float:
-    """Return a player's share of a match; who forfeits has lost it.
-
-    Args:
-        result: The result of the match.
-        seats: The players by team.
-        player: One of the two.
-    """
+    """Return a player's share of a match; who forfeits has lost it."""
     lost = {seats[team] for team in result.forfeit}
     if lost:
         return 0.5 if len(lost) > 1 else float(player not in lost)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.editing import things
-from logical_robots_tui.editing.things import KINDS, Poses, Ref, as_it_stands
+from logical_robots_tui.editing.level_text import KINDS, Thing
+from logical_robots_tui.editing.things import Poses, Ref, as_it_stands
 from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
 from logical_robots_tui.tui.level_editor.tools import PLACING, Settings, Tool
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.editing.edits import Edits
-    from logical_robots_tui.editing.records import Thing
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.world import Level, WorldState
 

@@ -16,7 +16,7 @@ from logical_robots_tui.wording import counted
 from logical_robots_tui.world import Area, Beacon, Robot
 
 if TYPE_CHECKING:
-    from logical_robots_tui.editing.records import Thing
+    from logical_robots_tui.editing.level_text import Thing
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
 __all__ = ["InfoLine", "ToolLine"]

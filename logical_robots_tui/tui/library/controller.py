@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.recovery.autosave import Autosave
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
-    from logical_robots_tui.world.levels.daily import DailySize
+    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 __all__ = ["LibraryController"]
 
@@ -90,7 +90,7 @@ class LibraryController:
         """Ask for a size, and open today's labyrinth."""
         from logical_robots_tui.game.continuing import daily_level
         from logical_robots_tui.tui.layout.dialogs import Question
-        from logical_robots_tui.world.levels.daily import DAILY_SIZES
+        from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES
 
         today = date.today()
         answers = [(size, size.capitalize()) for size in DAILY_SIZES]

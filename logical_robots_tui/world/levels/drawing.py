@@ -73,10 +73,6 @@ class _Row(NamedTuple):
 def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
     """Read ``cell`` and ``walls`` of a level file.
 
-    Args:
-        top: The whole file.
-        text: The file's text, for line numbers in messages.
-
     Returns:
         A read-only array of shape (height, width) in map units; True is wall.
 
@@ -117,12 +113,7 @@ def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
 
 
 def find_drawing(drawing: str, text: str) -> int | None:
-    r"""Return where in a file's text its drawing starts, or None if it can't be found there.
-
-    Args:
-        drawing: The value of ``walls``.
-        text: The file's text, with ``\n`` between lines.
-    """
+    r"""Return where in a file's text its drawing starts, or None if it can't be found there."""
     for found in re.finditer(r"^[ \t]*walls[ \t]*=[ \t]*('''|\"\"\")\n?", text, re.MULTILINE):
         if text.startswith(drawing + found[1], found.end()):
             return found.end()
@@ -150,10 +141,8 @@ def expresses(walls: NDArray[np.bool_], cell: int) -> bool:
 def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) -> list[str]:
     """Return the lines that draw walls.
 
-    Args:
-        walls: Of shape (height, width) in map units.
-        cell: Map units per character; must express the walls.
-        earlier: Lines that drew the walls before; those that are still right are kept.
+    `cell`, in map units per character, must express the walls. Of the earlier lines, those that are
+    still right are kept.
     """
     cells = walls[::cell, ::cell]
     known = [row for row in map(_row, earlier) if row]

@@ -206,12 +206,7 @@ class Fields(NamedTuple):
 
 
 def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
-    """Refuse a level without robots, or with two robots of the same name.
-
-    Args:
-        top: The whole file.
-        names: Names of its robots in file order.
-    """
+    """Refuse a level without robots, or with two robots of the same name."""
     if not names:
         raise top.error("robots", "The level has no robots.", "It needs at least one.")
     for i, name in enumerate(names):

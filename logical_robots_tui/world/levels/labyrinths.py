@@ -1,15 +1,23 @@
-"""New levels: empty rooms and random labyrinths."""
+"""New levels: empty rooms, random labyrinths, and those of a day, which everybody gets alike.
+
+The labyrinth of a day is made from its name alone, such as ``daily-2026-11-22-small``. A ``-2`` at
+its end asks for the second labyrinth of that day and size, and so on.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from collections import deque
+from dataclasses import replace
+from datetime import date
 from random import Random
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, TypeVar, cast, get_args
+from zlib import crc32
 
 import numpy as np
 
-from logical_robots_tui.world.level import Area, Level, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.limits import MOST_SIDE
 
 if TYPE_CHECKING:
@@ -17,7 +25,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["empty_room", "labyrinth"]
+__all__ = ["DAILY_SIZES", "Daily", "DailySize", "empty_room", "labyrinth"]
 
 _LEAST_CORRIDOR = 20  # map units; a robot is 18 wide
 _LARGEST_GOAL = 40.0
@@ -30,10 +38,7 @@ _Cell = tuple[int, int]
 def empty_room(width: int, height: int, *, wall: int = 10) -> Level:
     """Return a walled room with a robot on the left and a goal on the right.
 
-    Args:
-        width: Map units, including the outer wall.
-        height: Map units, including the outer wall.
-        wall: Thickness of the outer wall in map units.
+    Everything is in map units; the size includes the outer wall.
 
     Raises:
         LevelError: It is too large for a level, or too small for a robot.
@@ -188,3 +193,67 @@ def _level(
         areas=(Area("Goal", goal[0], goal[1], radius, "green", ("Ada",)),),
         briefing="Bring Ada to the goal.",
     )
+
+
+DailySize: TypeAlias = Literal["small", "medium", "large"]
+DAILY_SIZES: tuple[DailySize, ...] = get_args(DailySize)
+
+_CELLS: dict[DailySize, tuple[int, int]] = {"small": (5, 4), "medium": (7, 5), "large": (9, 6)}
+_CORRIDOR, _WALL = 90, 20  # map units
+_NAME = re.compile(rf"daily-(\d{{4}}-\d\d-\d\d)-({'|'.join(DAILY_SIZES)})(?:-([2-9]|[1-9]\d))?")
+
+_BRIEFING = """\
+Bring Ada to the beacon Goal. There are no loops, so all walls hang together.
+Everybody has this labyrinth today. Who needs the fewest ticks, and who the
+fewest rules? The command "Copy my result" makes a line to share.
+"""
+
+
+class Daily(NamedTuple):
+    """A labyrinth of a day.
+
+    The number counts those of that day and size, from 1.
+    """
+
+    day: date
+    size: DailySize
+    number: int = 1
+
+    @classmethod
+    def named(cls, name: str) -> Daily | None:
+        """Return the labyrinth with a name, or None if no labyrinth has it."""
+        if (found := _NAME.fullmatch(name)) is None:
+            return None
+        try:
+            day = date.fromisoformat(found[1])
+        except ValueError:
+            return None
+        return cls(day, cast("DailySize", found[2]), int(found[3] or 1))
+
+    @property
+    def name(self) -> str:
+        """The name of the level."""
+        more = f"-{self.number}" if self.number > 1 else ""
+        return f"daily-{self.day.isoformat()}-{self.size}{more}"
+
+    @property
+    def cells(self) -> int:
+        """The number of its cells."""
+        columns, rows = _CELLS[self.size]
+        return columns * rows
+
+    def level(self, source: str) -> Level:
+        """Return the level."""
+        seed = crc32(self.name.encode())
+        made = labyrinth(*_CELLS[self.size], seed=seed, loops=0, corridor=_CORRIDOR, wall=_WALL)
+        (goal,) = made.areas
+        return replace(
+            made,
+            name=self.name,
+            title=f"Labyrinth of {self.day.isoformat()}, {self.size}",
+            beacons=(Beacon("Goal", goal.x, goal.y),),
+            idea="Everybody has this labyrinth today.",
+            briefing=_BRIEFING.strip(),
+            starter="first-steps-starter",
+            source=source,
+        )

@@ -91,7 +91,7 @@ def _daily(name: str) -> Level | None:
     """Return the labyrinth of a day with that name, or None if it is not such a name."""
     if not name.startswith("daily-"):
         return None
-    from logical_robots_tui.world.levels.daily import Daily
+    from logical_robots_tui.world.levels.labyrinths import Daily
 
     daily = Daily.named(name)
     return daily and daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))

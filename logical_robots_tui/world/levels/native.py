@@ -83,11 +83,6 @@ _AREA_KEYS = (
 def read_native(text: str, name: str, source: str) -> Level:
     """Read a level of this game; refuse anything that looks like a mistake.
 
-    Args:
-        text: The file's text.
-        name: The level's name.
-        source: The file's name, for messages.
-
     Raises:
         LevelError: The text is not a valid level.
     """

@@ -34,11 +34,6 @@ def read_web(text: str, name: str, source: str) -> Level:
     Programs there see every robot's memory and sensor, so the visibility is ``all`` for both.
     Robots may stand outside the map, and areas may name robots and beacons that don't exist.
 
-    Args:
-        text: The file's text.
-        name: The level's name.
-        source: The file's name, for messages.
-
     Raises:
         LevelError: The text is not a valid level.
     """

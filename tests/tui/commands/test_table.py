@@ -279,6 +279,7 @@ async def test_the_help_shows_what_matches_the_typed_words(data_dir: Path) -> No
         await game.until(lambda: game.app.screen is game.main)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
 async def test_the_palette_shows_keys_at_the_right_in_their_colour(
     data_dir: Path, size: tuple[int, int]

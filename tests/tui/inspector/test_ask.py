@@ -186,6 +186,7 @@ async def test_an_answer_that_is_cut_off_says_so_and_how_to_narrow_it_down(data_
         assert not table.missing
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
 async def test_the_line_shows_an_example_and_the_bar_names_its_keys(
     data_dir: Path, size: tuple[int, int]

@@ -239,6 +239,7 @@ async def test_a_predicate_that_is_gone_says_so_and_shows_again_when_it_is_back(
         await game.sees("31 rows")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_notices_are_shown_under_the_robots(data_dir: Path, size: tuple[int, int]) -> None:
     nobody = 'Robot(robot_name: "Solo", desire: {left_engine: 0.1, right_engine: null});\n'

@@ -168,6 +168,7 @@ async def test_the_wheel_zooms(data_dir: Path) -> None:
         await game.until(lambda: view.camera.sight is Sight.WHOLE)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40), (300, 100)])
 async def test_a_click_on_a_robot_shows_its_card(data_dir: Path, size: tuple[int, int]) -> None:
     async with opened(data_dir, size=size) as game:

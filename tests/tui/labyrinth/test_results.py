@@ -64,6 +64,7 @@ def test_second_goals_are_ticked_when_they_are_reached() -> None:
     assert list(goal_lines([], ["never blocked"])) == []
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", SIZES)
 async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int, int]) -> None:
     level = load_level(list_levels()[0])
@@ -93,6 +94,7 @@ def with_goals(short: Path) -> Path:
     return short
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_victory_ticks_the_goals_that_it_reaches(
     data_dir: Path, with_goals: Path, size: tuple[int, int]

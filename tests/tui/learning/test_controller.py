@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from textual.widgets import OptionList, Static
 
-from logical_robots_tui.game import load_program
+from logical_robots_tui.game import load_program, measuring
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints, Reader
@@ -159,11 +159,20 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
 
 
 async def test_what_is_measured_while_the_banner_is_closed_is_told(
-    data_dir: Path, short: Path
+    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    closed, measure = asyncio.Event(), measuring.measure
+
+    async def measured_then(*what: Any) -> Measures | None:
+        await closed.wait()
+        return await measure(*what)
+
+    monkeypatch.setattr(measuring, "measure", measured_then)
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await win(game)
         await game.press("escape")
+        await game.until(lambda: not game.main.labyrinth.banner.display)
+        closed.set()
         await game.sees("of 20 shifted starts")
 
 

@@ -25,6 +25,7 @@ def line(game: Opened) -> str:
     return game.editor.document.get_line(game.editor.cursor_location[0])
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int]) -> None:
     file = shipped_folder("levels") / f"{LEVEL}.toml"

@@ -64,6 +64,7 @@ async def test_a_paste_through_a_terminal_without_bracketed_paste_is_the_same(
         await game.until(lambda: game.editor.text == PAPER)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=["80x24", "120x40"])
 async def test_letters_right_behind_the_key_for_the_editor_are_typed(
     data_dir: Path, size: tuple[int, int]

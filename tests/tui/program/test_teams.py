@@ -72,6 +72,7 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
 
 async def test_a_click_on_a_tab_shows_that_team(data_dir: Path) -> None:
     async with match(data_dir) as game:
+        await game.sees(" blue ")
         (_, start, _, robot) = game.main.program.teams.places[1]
         assert robot == "Bo"
         await game.pilot.click(game.main.program.teams, offset=(start, 0))

@@ -316,6 +316,7 @@ def type_hello(terminal: Terminal) -> None:
     terminal.wait_for("helloFreedomMotion")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
 def test_a_signal_ends_the_game_soon_with_the_text_kept(
     data_dir: Path, number: signal.Signals
@@ -329,6 +330,7 @@ def test_a_signal_ends_the_game_soon_with_the_text_kept(
     assert texts(data_dir) == ["hello" + PAPER]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
 def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(
     data_dir: Path, told: bool

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
 from textual import events
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
@@ -12,9 +13,8 @@ from tests.tui.conftest import opened
 if TYPE_CHECKING:
     from pathlib import Path
 
-    import pytest
 
-
+@pytest.mark.usefixtures("drawn_at_once")
 async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -76,6 +76,7 @@ def test_after_a_flood_a_key_is_answered_and_no_memory_is_lost(what: str, tmp_pa
         assert terminal.process.poll() is None
 
 
+@pytest.mark.slow
 def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Path) -> None:
     game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps"]
     with Terminal([*game, "--data-dir", tmp_path]) as terminal:

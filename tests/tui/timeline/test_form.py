@@ -32,6 +32,7 @@ async def search(game: Opened, question: str) -> None:
     await game.press("enter")
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_the_ticks_in_which_a_question_holds_are_gone_through(
     data_dir: Path, short: Path, size: tuple[int, int]
@@ -118,6 +119,7 @@ async def test_nothing_is_searched_before_there_is_a_program(data_dir: Path, sho
         await game.until(lambda: isinstance(game.app.screen, QuestionPrompt))
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_a_breakpoint_can_be_any_question(
     data_dir: Path, short: Path, size: tuple[int, int]
@@ -148,7 +150,7 @@ async def test_a_breakpoint_can_be_any_question(
 async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         await game.press("slash")
-        await game.until(lambda: game.main.query_one(QueryLine).has_focus)
+        await game.until(lambda: game.inspector.pages.ask.line.has_focus)
         game.main.query_one(QueryLine).value = AT
         await game.press("enter")
         await game.sees("Ask · tick 0 · 0 rows")

@@ -261,6 +261,7 @@ async def test_breakpoints_are_listed_switched_off_and_deleted(data_dir: Path, s
         assert list(game.session.breakpoints) == [Breakpoint("enters", "Door")]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_a_breakpoint_is_made_with_the_names_that_there_are(
     data_dir: Path, short: Path, size: tuple[int, int]

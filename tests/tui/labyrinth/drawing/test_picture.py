@@ -151,6 +151,7 @@ def test_drawing_on_gives_what_drawing_anew_gives(
         assert (picture.cells.style == anew.cells.style).all()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("drawing", Drawing)
 def test_a_run_drawn_frame_by_frame_equals_each_frame_drawn_alone(drawing: Drawing) -> None:
     level = room(
