@@ -7,7 +7,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.widgets import OptionList
 
@@ -29,6 +28,7 @@ from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.layout.pane import Pane
 
 if TYPE_CHECKING:
+    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
@@ -54,9 +54,7 @@ class InspectorPane(Pane):
 
     command_id: ClassVar[str] = "inspector"
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("escape", "stop", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("escape", "stop")]
 
     DEFAULT_CSS = """
     InspectorPane #pages { width: 1fr; height: 1fr; }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.geometry import Region
 from textual.widgets import Static
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
+    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Program, QueryPlan
 
@@ -39,12 +39,12 @@ _ARROWS = 10  # columns for the two joints with their arrows
 class GraphView(LinesView):
     """The neighbours of a predicate."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "choose(-1)", show=False),
-        Binding("down", "choose(1)", show=False),
-        Binding("left", "along(-1)", show=False),
-        Binding("right", "along(1)", show=False),
-        Binding("enter", "open", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("up", "choose(-1)"),
+        ("down", "choose(1)"),
+        ("left", "along(-1)"),
+        ("right", "along(1)"),
+        ("enter", "open"),
     ]
 
     def __init__(self, program: Program, name: str, opened: Callable[[str], object]) -> None:
@@ -186,9 +186,7 @@ class Graph(Dialog[str]):
     Graph #graph { margin: 1 0 0 0; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("q,R", "leave", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("q,R", "leave")]
 
     heading = "Users → predicate → what it uses"
     keys = "↑↓ choose   ← → go along   enter open in the inspector   esc close"

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 
 from textual import on
 from textual.await_complete import AwaitComplete
-from textual.binding import Binding
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen, Screen
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
+    from textual.binding import BindingType
 
 __all__ = ["ClosedOnce", "Dialog", "Find", "LinePrompt", "Listing", "Prompt", "Question", "Search"]
 
@@ -68,9 +68,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     Dialog OptionList:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("escape", "leave", "Close", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("escape", "leave")]
 
     def __init__(self, title: str = "") -> None:
         super().__init__()

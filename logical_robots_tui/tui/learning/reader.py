@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Markdown, Static
@@ -44,7 +44,7 @@ class Reader(Dialog[None]):
     Reader MarkdownParagraph { margin: 0 0 1 0; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+    BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q,t,W,K", "leave", "Close", show=False),
         Binding("space", "page", "Next page", show=False),
     ]
@@ -106,7 +106,7 @@ class Hints(Dialog[None]):
     Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
+    BINDINGS: ClassVar[list[BindingType]] = [
         Binding("h,enter,space", "more", "Next hint", show=False),
         Binding("q", "leave", "Close", show=False),
     ]

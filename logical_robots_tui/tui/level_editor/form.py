@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from textual import on
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.message import Message
@@ -80,9 +80,7 @@ class Choice(Select[str]):
         nothing: The label for no name, or "" if one must be chosen.
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("enter", "submit", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("enter", "submit")]
 
     class Submitted(Message):
         """Enter was pressed while the list was closed."""
@@ -191,9 +189,7 @@ class Form(Dialog[bool]):
     Form #keys { margin: 0; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("f2", "take", show=False, priority=True),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("f2", "take", priority=True)]
 
     keys = "tab next   F2 or enter apply   esc cancel"
     verb: ClassVar[str] = "Apply"

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
 from textual import on
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widgets import Input, OptionList, Static
@@ -85,11 +85,11 @@ class Chooser(Dialog[T], Generic[T]):
     Chooser.-narrow #preview { display: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "go('cursor_up')", show=False, priority=True),
-        Binding("down", "go('cursor_down')", show=False, priority=True),
-        Binding("pageup", "go('page_up')", show=False, priority=True),
-        Binding("pagedown", "go('page_down')", show=False, priority=True),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "go('cursor_up')", priority=True),
+        Binding("down", "go('cursor_down')", priority=True),
+        Binding("pageup", "go('page_up')", priority=True),
+        Binding("pagedown", "go('page_down')", priority=True),
     ]
 
     keys = "enter open   ↑↓ choose   esc close"

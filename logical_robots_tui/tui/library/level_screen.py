@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widgets import Input, Static
 
@@ -61,14 +61,14 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     LevelScreen #keys { margin: 0; padding: 0 1; background: $panel; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "go('left')", show=False, priority=True),
-        Binding("right", "go('right')", show=False, priority=True),
-        Binding("up", "go('up')", show=False, priority=True),
-        Binding("down", "go('down')", show=False, priority=True),
-        Binding("pageup", "go('page_up')", show=False, priority=True),
-        Binding("pagedown", "go('page_down')", show=False, priority=True),
-        Binding("ctrl+n", "new", show=False, priority=True),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "go('left')", priority=True),
+        Binding("right", "go('right')", priority=True),
+        Binding("up", "go('up')", priority=True),
+        Binding("down", "go('down')", priority=True),
+        Binding("pageup", "go('page_up')", priority=True),
+        Binding("pagedown", "go('page_down')", priority=True),
+        Binding("ctrl+n", "new", priority=True),
     ]
 
     keys = "enter play   ←↑↓→ choose   ^N new level   esc close"

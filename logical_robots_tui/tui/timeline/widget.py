@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import groupby, islice
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual import events
+    from textual.binding import BindingType
 
     from logical_robots_tui.game import Mark
     from logical_robots_tui.game.history.history import History
@@ -141,15 +141,15 @@ class Timeline(Widget, can_focus=True):
     Timeline:focus { background: $panel; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "screen.command('back')", show=False),
-        Binding("right", "screen.command('step')", show=False),
-        Binding("pageup", "screen.command('back_ten')", show=False),
-        Binding("pagedown", "screen.command('step_ten')", show=False),
-        Binding("home", "screen.command('first')", show=False),
-        Binding("end", "screen.command('last')", show=False),
-        Binding("up", "screen.command('previous_mark')", show=False),
-        Binding("down", "screen.command('next_mark')", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("left", "screen.command('back')"),
+        ("right", "screen.command('step')"),
+        ("pageup", "screen.command('back_ten')"),
+        ("pagedown", "screen.command('step_ten')"),
+        ("home", "screen.command('first')"),
+        ("end", "screen.command('last')"),
+        ("up", "screen.command('previous_mark')"),
+        ("down", "screen.command('next_mark')"),
     ]
     FOCUS_ON_CLICK: ClassVar[bool] = False
     ALLOW_SELECT: ClassVar[bool] = False

@@ -8,7 +8,6 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from textual import events
+    from textual.binding import BindingType
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
@@ -42,10 +42,7 @@ _CHOSEN = "on $row"
 class RobotsView(LinesView):
     """A line for each robot, and notes below; up, down or a click chooses a robot."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "choose(-1)", show=False),
-        Binding("down", "choose(1)", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("up", "choose(-1)"), ("down", "choose(1)")]
 
     @dataclass
     class Chosen(Message):

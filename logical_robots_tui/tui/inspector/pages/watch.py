@@ -8,7 +8,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 
@@ -29,6 +28,7 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame, Pin, Reading
@@ -52,11 +52,11 @@ _REDRAW = 0.1  # seconds between two redraws while past ticks are read
 class WatchView(CursorView):
     """Two lines for each pin: its value, and a plot of its values in the ticks around."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "change(-1)", show=False),
-        Binding("right", "change(1)", show=False),
-        Binding("enter", "open", show=False),
-        Binding("delete,backspace", "remove", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("left", "change(-1)"),
+        ("right", "change(1)"),
+        ("enter", "open"),
+        ("delete,backspace", "remove"),
     ]
 
     class Changed(Message):

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.text import Text
 from textual import on
-from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static, Tree
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from textual.app import ComposeResult
+    from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
     from logical_robots_tui.game import Path, Pin
@@ -84,10 +84,10 @@ class ValueTree(Dialog[None]):
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("at", "pin", show=False),
-        Binding("less_than_sign", "origin", show=False),
-        Binding("q,X", "leave", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("at", "pin"),
+        ("less_than_sign", "origin"),
+        ("q,X", "leave"),
     ]
 
     keys = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
