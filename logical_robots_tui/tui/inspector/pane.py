@@ -78,8 +78,6 @@ class InspectorPane(Pane):
         self._stale = False
         self._follower: Worker[None] | None = None
 
-    # -- pages ---------------------------------------------------------------------------------
-
     @property
     def pages(self) -> Pages:
         """The pages besides that of the robots, loaded when first used."""
@@ -138,8 +136,6 @@ class InspectorPane(Pane):
         """Whether the selected predicate is a function, which has calls instead of rows."""
         return self.questions.is_function(self._inspected)
 
-    # -- life ----------------------------------------------------------------------------------
-
     def on_mount(self) -> None:
         """Begin with the robots, and load the other pages in the background."""
         in_background(self, self._load_pages, "pages")
@@ -170,8 +166,6 @@ class InspectorPane(Pane):
     async def on_unmount(self) -> None:
         """Stop all queries."""
         await self.questions.close()
-
-    # -- commands ------------------------------------------------------------------------------
 
     def enter(self) -> None:
         """Focus the list."""
@@ -259,8 +253,6 @@ class InspectorPane(Pane):
         if self.page.pending is not None:
             self.page.pending.cancel()
 
-    # -- following the tick --------------------------------------------------------------------
-
     def follow(self) -> None:
         """Show the current tick: at once, or shortly if the game runs."""
         if self._list.predicates != self._session.predicates:
@@ -331,8 +323,6 @@ class InspectorPane(Pane):
     def _enter_page(self, name: str) -> None:
         self._select(name)
         self.screen.set_focus(self.page.view)
-
-    # -- messages ------------------------------------------------------------------------------
 
     @on(OptionList.OptionHighlighted)
     def _choice_moved(self, event: OptionList.OptionHighlighted) -> None:

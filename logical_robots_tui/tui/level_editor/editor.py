@@ -95,8 +95,6 @@ class LevelEditor:
         self.finish()
         self.settings = replace(self.settings, **values)
 
-    # -- strokes -------------------------------------------------------------------------------
-
     def press(self, x: float, y: float, units: float) -> None:
         """Start a stroke with the current tool.
 
@@ -156,8 +154,6 @@ class LevelEditor:
         if stroke is not None and stroke.has_done:
             self.undo()
         return stroke is not None
-
-    # -- changes -------------------------------------------------------------------------------
 
     def do(self, what: str, work: Callable[[Level], Level], *, goes_on: bool = False) -> bool:
         """Change the level; return whether anything changed."""
@@ -263,8 +259,6 @@ class LevelEditor:
         thing = self.thing
         if thing is not None:
             self.cursor = (thing.x, thing.y)
-
-    # -- inside --------------------------------------------------------------------------------
 
     def _changed(self) -> None:
         ref = self.selected

@@ -116,8 +116,6 @@ class EditMode:
         """Whether a file holds the edited level."""
         return self.levels.is_saved
 
-    # -- in and out ----------------------------------------------------------------------------
-
     def enter(self) -> None:
         """Let keys and mouse edit the level; restores unsaved changes."""
         self.is_on, self.is_testing = True, False
@@ -165,8 +163,6 @@ class EditMode:
         if self.is_on:
             self.view.redraw()
 
-    # -- saving and following the game ---------------------------------------------------------
-
     def follow_game(self) -> None:
         """Adopt the level that the game shows now, as one undo step."""
         if not alike(self.levels.shown, self.levels.edited):
@@ -205,8 +201,6 @@ class EditMode:
         self.editor.do("throw away", lambda _: self.levels.saved)
         self._is_unwanted = True
         self.autosave.drop(("level", self._path))
-
-    # -- inside --------------------------------------------------------------------------------
 
     def _bring_back(self) -> None:
         key: Key = "level", self._path

@@ -122,8 +122,6 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         steps = {"left": -1, "right": 1, "up": -across, "down": across}
         self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
 
-    # -- content -------------------------------------------------------------------------------
-
     def _list(self) -> None:
         """Show the names before the first key."""
         shipped, own = list_shipped(), own_levels(self._own)
@@ -218,8 +216,6 @@ class LevelScreen(Dialog["Level | NewLevel"]):
                 goals = goal_lines(card.level.second_goals, bests.goals)
                 told = Content("\n").join([told, *scales, *goals])
         self.query_one("#detail", Static).update(told)
-
-    # -- messages ------------------------------------------------------------------------------
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:

@@ -83,8 +83,6 @@ class ProgressRecorder(SessionListener):
         await asyncio.get_running_loop().run_in_executor(self._writer, self.progress.close)
         self._writer.shutdown(wait=False)
 
-    # -- queries -------------------------------------------------------------------------------
-
     @property
     def trial(self) -> Trial | None:
         """The progress of the robustness test at the current level, or None."""
@@ -105,8 +103,6 @@ class ProgressRecorder(SessionListener):
         """Return the versions for the current level, the last used first."""
         key = self._key
         return await self.ask(lambda progress: progress.versions(key))
-
-    # -- writing -------------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
         """Switch to a level."""
@@ -177,8 +173,6 @@ class ProgressRecorder(SessionListener):
         self._ui.spawn(nothing, f"measure {self._key}", exclusive=True)
         self._changed()
         return True
-
-    # -- inside --------------------------------------------------------------------------------
 
     def _write(self, work: Callable[[Progress], None]) -> None:
         if self._is_closed:

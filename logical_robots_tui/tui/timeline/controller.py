@@ -113,8 +113,6 @@ class TimelineController(SessionListener):
         if found is not None:
             self._session.run_until(found)
 
-    # -- the other future ----------------------------------------------------------------------
-
     def change_course(self) -> None:
         """Switch to the other future."""
         try:
@@ -148,8 +146,6 @@ class TimelineController(SessionListener):
     def _elsewhere(self, tick: int) -> str:
         other = self._history.other if self._history is not None else None
         return " The other future holds it." if other is not None and tick in other else ""
-
-    # -- breakpoints ---------------------------------------------------------------------------
 
     def breakpoints(self) -> None:
         """Show the breakpoints."""

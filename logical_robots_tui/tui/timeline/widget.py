@@ -250,8 +250,6 @@ class Timeline(Widget, can_focus=True):
             words = {"victory": "won", "program": "program changed", "edit": "edited"}[mark.kind]
         return Content.assemble((f"{sign} ", style), (words, INK.text))
 
-    # -- the mouse -----------------------------------------------------------------------------
-
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """Go to the tick under the pointer, and start dragging."""
         event.stop()

@@ -130,8 +130,6 @@ class ProofTree:
             known = self._line(line.node, line.depth, key)
             self.lines[number : self._end(number)] = [known, *self._below(known)]
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _end(self, number: int) -> int:
         """Number of the first line behind a line's descendants."""
         depth = self.lines[number].depth

@@ -220,8 +220,6 @@ class WhyView(CursorView):
         """Return to the question before."""
         self.post_message(self.Back())
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _restore_cursor(self) -> None:
         """Put the cursor back on its line, if that is still there, and paint everything."""
         at = self._tree.number(self._key)
