@@ -99,7 +99,7 @@ class VictoryAnnouncer(SessionListener):
         if not is_held and self._session.won_at is not None:
             self._announce()
 
-    def measured(self, level: Level, found: Measures, *, is_here: bool) -> None:
+    def measured(self, level: Level, found: Measures, is_here: bool) -> None:
         """Show the measures of a victory, unless the banner does."""
         if not (is_here and self._pane.banner.display):
             title = one_line(level.title)

@@ -111,11 +111,6 @@ class EditMode:
         self._checked: Level | None = None
         self.view = view(self)
 
-    @property
-    def is_saved(self) -> bool:
-        """Whether a file holds the edited level."""
-        return self.levels.is_saved
-
     def enter(self) -> None:
         """Let keys and mouse edit the level; restores unsaved changes."""
         self.is_on, self.is_testing = True, False
@@ -218,7 +213,7 @@ class EditMode:
 
     def _unsaved(self) -> tuple[str, str, Level | None]:
         """Return path, title, and the level if it must be kept."""
-        is_wanted = not (self.is_saved or self._is_unwanted)
+        is_wanted = not (self.levels.is_saved or self._is_unwanted)
         return self._path, self.levels.saved.title, self.levels.edited if is_wanted else None
 
     def _edited(self) -> None:

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.progress import LevelRecord, Progress
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
@@ -138,7 +137,9 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self.call_after_refresh(painted.set)
         await painted.wait()  # reading would delay the first picture
         keys = [str(card.file.absolute()) if card.file else card.name for card in self._all]
-        records = await self._recorder.ask(partial(_records, keys))
+        records = await self._recorder.ask(
+            lambda progress: {key: progress.record(key) for key in keys}
+        )
         for index, name in enumerate(card.name for card in self._all):
             card = replace(self._all[index], record=records[keys[index]])
             try:
@@ -253,10 +254,6 @@ def _level_of(card: LevelCard) -> Level:
 
 def _load(name_or_path: str) -> Level:
     return load_level(typed_path(name_or_path) if "/" in name_or_path else name_or_path)
-
-
-def _records(names: list[str], progress: Progress) -> dict[str, LevelRecord]:
-    return {name: progress.record(name) for name in names}
 
 
 def own_levels(folder: Path) -> dict[str, Path]:

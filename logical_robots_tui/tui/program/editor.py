@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.text import Text
@@ -68,12 +69,11 @@ class Editor(TextArea):
     class Leave(Message):
         """The player leaves the editor."""
 
+    @dataclass
     class Copied(Message):
         """A text was copied or cut."""
 
-        def __init__(self, text: str) -> None:
-            super().__init__()
-            self.text = text
+        text: str
 
     def __init__(self) -> None:
         super().__init__(

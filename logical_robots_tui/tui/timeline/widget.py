@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import groupby, islice
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
@@ -154,16 +155,11 @@ class Timeline(Widget, can_focus=True):
     FOCUS_ON_CLICK: ClassVar[bool] = False
     ALLOW_SELECT: ClassVar[bool] = False
 
+    @dataclass
     class Pointed(Message):
-        """The mouse points at a tick.
+        """The mouse points at a column; `tick` is the first one of it."""
 
-        Attributes:
-            tick: The tick; the first one of its column.
-        """
-
-        def __init__(self, tick: int) -> None:
-            super().__init__()
-            self.tick = tick
+        tick: int
 
     def __init__(self) -> None:
         super().__init__(id="timeline")

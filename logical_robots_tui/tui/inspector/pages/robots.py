@@ -14,9 +14,10 @@ from textual.message import Message
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS
+from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
+from logical_robots_tui.world.sensing import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
 
 __all__ = ["RobotsPage", "RobotsView", "radar_strip"]
 
-_FARTHEST = 200
-_OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
 _CHOSEN = "on $row"
 
 
@@ -187,14 +186,14 @@ def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     """The rays from left to right as bars, by distance, coloured by object."""
     return Content.assemble(
         *(
-            ("".join(map(_bar, rays)), _OBJECTS.get(what, INK.nothing))
+            ("".join(map(_bar, rays)), OBJECT_INKS.get(what, INK.nothing))
             for what, rays in groupby(radar, itemgetter("object"))
         )
     )
 
 
 def _bar(ray: Mapping[str, Any]) -> str:
-    free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
+    free = math.sqrt(ray["distance"] / SENSOR_RANGE)  # more of the bar for what is near
     return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
 
 
@@ -264,7 +263,7 @@ def _front(robot: _Robot) -> Content:
     name = "wall" if what == "wall" and label == "wall" else one_line(str(label))
     distance = f"{robot.sensor['forward_distance']:g}"
     text = f"{clip(name, 15 - len(distance))} {distance}"
-    return Content.styled(text, _OBJECTS.get(what, INK.text))
+    return Content.styled(text, OBJECT_INKS.get(what, INK.text))
 
 
 def _engine(robot: _Robot, side: str) -> Content:
