@@ -52,15 +52,10 @@ class GraphView(LinesView):
         self._program, self._opened = program, opened
         self._columns: tuple[Sequence[str], ...] = ((), (name,), ())
         self._at = (_MIDDLE, 0)
-        self._middle = name
+        self.middle = name
         self._tops = (0, 0, 0)
         self._widths = (0, 0, 0)
         self.centre(name)
-
-    @property
-    def middle(self) -> str:
-        """The predicate in the middle."""
-        return self._middle
 
     @property
     def chosen(self) -> str:
@@ -72,7 +67,7 @@ class GraphView(LinesView):
         """Move a predicate to the middle, with the cursor on it."""
         uses = self._program.uses
         users = [user for user, used in uses.items() if name in used]
-        self._middle = name
+        self.middle = name
         self._columns = (users, (name,), uses.get(name, ()))
         self._at = (_MIDDLE, 0)
         self.redraw()
@@ -86,7 +81,7 @@ class GraphView(LinesView):
         place = row - self._tops[column]
         if x >= 0 and 0 <= place < len(self._columns[column]):
             if column == _MIDDLE:
-                self._opened(self._middle)
+                self._opened(self.middle)
             else:
                 self.centre(self._columns[column][place])
 
@@ -148,14 +143,13 @@ class GraphView(LinesView):
         )
 
     def _span(self, column: int) -> range:
-        """The lines that a column fills."""
         top = self._tops[column]
         return range(top, top + len(self._columns[column]))
 
     def _label(self, name: str) -> Content:
         known = self._program.predicate(name)
         mark, colour = MARKS[known.kind] if known is not None else (" ", INK.dim)
-        style = f"bold {INK.title}" if name == self._middle else INK.text
+        style = f"bold {INK.title}" if name == self.middle else INK.text
         shown = clip(one_line(name), self.columns)
         return Content.assemble((f"{mark} ", colour), (shown, style))
 

@@ -103,10 +103,6 @@ class LabyrinthPane(Pane, can_focus=True):
         self.briefing.place()
         self.select(self.view.selected)
 
-    def close_briefing(self) -> None:
-        """Hide the briefing."""
-        self.briefing.close()
-
     def close_overlays(self) -> None:
         """Hide the briefing and the banner."""
         self.briefing.close()

@@ -65,7 +65,7 @@ class VictoryAnnouncer(SessionListener):
         if before and not frame.tick:
             self._brief()
         elif frame.tick and not before:
-            self._pane.close_briefing()
+            self._pane.briefing.close()
         history = self._session.history
         if frame.tick != before + 1 or history is None:
             return
@@ -110,7 +110,7 @@ class VictoryAnnouncer(SessionListener):
         if victory is None:
             return
         who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
-        self._pane.close_briefing()
+        self._pane.briefing.close()
         if victory.refusal:
             self._tell(victory.refusal)
         self._pane.banner.celebrate(victory.tick, who, self._recorder)

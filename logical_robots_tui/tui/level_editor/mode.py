@@ -222,7 +222,6 @@ class EditMode:
         self._noted()
 
     def _noted(self) -> None:
-        """Note that the level has changed."""
         self.autosave.edited()
         self._look_through()
 

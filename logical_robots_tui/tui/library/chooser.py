@@ -147,7 +147,6 @@ class Chooser(Dialog[T], Generic[T]):
         return None if highlighted is None else self._shown[highlighted]
 
     def _list(self, wanted: str | None) -> None:
-        """List the entries that match the filter."""
         text = self._filter.value.strip()
         words = text.casefold().split()
         self._shown = [

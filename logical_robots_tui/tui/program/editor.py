@@ -301,7 +301,6 @@ class Editor(TextArea):
         self.move_cursor(self.document.end)
 
     def _chosen_rows(self) -> tuple[int, int]:
-        """Return the first and last line of the selection."""
         (first, _), (last, column) = sorted(self.selection)
         return first, last - (last > first and column == 0)
 

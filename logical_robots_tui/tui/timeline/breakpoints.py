@@ -68,7 +68,6 @@ class BreakpointList(Dialog[None]):
         return self.query_one(OptionList).highlighted
 
     def _list(self, at: int) -> None:
-        """List all, with the cursor at a place."""
         self._shown = tuple(self._session.breakpoints)
         entries = self.query_one(OptionList)
         entries.clear_options()

@@ -202,7 +202,6 @@ class Timeline(Widget, can_focus=True):
 
     @property
     def _width(self) -> int:
-        """The columns of the track."""
         least, most = _NOTE_WIDTHS
         note = min(max(self.size.width // _NOTE_SHARE, least), most)
         return max(self.size.width - note - 2, 1)

@@ -217,8 +217,8 @@ def _columns(level: Level, width: int) -> list[_Column]:
     longest = max(len(one_line(robot.name)) for robot in level.robots)
     columns = [
         _Column("robot", min(max(longest, 5), 12) + 3, 0, _name),
-        _Column("x", 5, 6, lambda robot: _number(robot.state.x, 0), right=True),
-        _Column("y", 5, 6, lambda robot: _number(robot.state.y, 0), right=True),
+        _Column("x", 5, 6, lambda robot: _number(robot.state.x), right=True),
+        _Column("y", 5, 6, lambda robot: _number(robot.state.y), right=True),
         _Column("head", 5, 4, _heading, right=True),
         _Column("front", 16, 3, _front),
         _Column("radar, left to right", 31, 1, lambda robot: radar_strip(robot.sensor["radar"])),
@@ -287,8 +287,8 @@ def _memory(robot: _Robot, width: int) -> Content:
     return Content.styled(f" {written(robot.memory, width - 1)}", INK.dim)
 
 
-def _number(value: float, digits: int) -> Content:
-    return Content.styled(f"{value:.{digits}f}", INK.text)
+def _number(value: float) -> Content:
+    return Content.styled(f"{value:.0f}", INK.text)
 
 
 def _aligned(content: Content, width: int, right: bool = False) -> Content:

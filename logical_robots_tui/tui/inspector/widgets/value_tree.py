@@ -179,7 +179,6 @@ class ValueTree(Dialog[None]):
 
 
 def _size(value: Value) -> int:
-    """Number of parts of a value."""
     return len(value) if isinstance(value, Mapping | list | tuple) else 0
 
 
@@ -206,7 +205,6 @@ def _items(value: Value) -> Iterator[tuple[str | int, Value]]:
 
 
 def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:
-    """The value if it is a radar."""
     if not isinstance(value, list | tuple) or not value:
         return None
     is_radar = all(_is_ray(each) for each in value)
