@@ -43,11 +43,7 @@ class ClosedOnce(Screen[Result]):
 
 
 class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
-    """A box over the game with a title; closing it without an answer returns None.
-
-    Attributes:
-        keys: What the last line says about keys; "" for no such line.
-    """
+    """A box over the game with a title; closing it without an answer returns None."""
 
     heading: ClassVar[str] = ""
     keys: ClassVar[str] = "esc close"

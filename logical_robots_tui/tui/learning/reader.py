@@ -26,11 +26,7 @@ __all__ = ["Hints", "Reader", "coloured", "markdown"]
 
 
 class Reader(Dialog[None]):
-    """A long text to scroll.
-
-    Args:
-        text: The text as a widget, from `markdown` or `coloured`.
-    """
+    """A long text to scroll."""
 
     DEFAULT_CSS = """
     Reader > #box { height: 90%; max-width: 88; }

@@ -50,9 +50,6 @@ class LevelEditor:
     """A level, the current tool, the cursor and the selection.
 
     An invalid change is reported and has no effect.
-
-    Args:
-        complain: Called with the message of an invalid change.
     """
 
     def __init__(

@@ -37,11 +37,7 @@ class Text(Input):
 
 
 class Number(Input):
-    """A number.
-
-    Args:
-        said: The subject of a message about it.
-    """
+    """A number."""
 
     def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
         super().__init__(f"{value:.10g}", id=name, select_on_focus=False)

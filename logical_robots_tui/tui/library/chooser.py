@@ -43,11 +43,7 @@ _PREVIEW_FROM = 70  # columns
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """The details of an entry.
-
-    Attributes:
-        is_error: Whether the text says why it can't be used.
-    """
+    """The details of an entry."""
 
     headline: str
     preview: str

@@ -46,11 +46,7 @@ _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 
 
 class Editor(TextArea):
-    """Edits the text of a program; escape leaves it.
-
-    Attributes:
-        completes: Whether a dot or a capital letter opens the list of words.
-    """
+    """Edits the text of a program; escape leaves it."""
 
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }

@@ -178,10 +178,7 @@ class CursorView(LinesView):
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         """React to a click.
 
-        Args:
-            x: The column.
-            line: The line within the item, which is now under the cursor.
-            again: Whether the cursor was there before.
+        `x` is a column, `line` one of the item, now under the cursor; `again`: it was before, too.
         """
 
     def action_move(self, down: int) -> None:

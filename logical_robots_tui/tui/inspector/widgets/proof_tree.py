@@ -53,11 +53,7 @@ class ProofLine(NamedTuple):
 
 
 class ProofTree:
-    """Which nodes are expanded.
-
-    Attributes:
-        lines: The nodes whose parents are all expanded, in order.
-    """
+    """Which nodes are expanded."""
 
     def __init__(self) -> None:
         self.lines: list[ProofLine] = []

@@ -47,11 +47,7 @@ _CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
-    """Rows under the names of their columns, with a cursor on a value.
-
-    Attributes:
-        shown: The rows as they are filtered, sorted and transposed.
-    """
+    """Rows under the names of their columns, with a cursor on a value."""
 
     DEFAULT_CSS = """
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }

@@ -55,8 +55,6 @@ class _Part:
 
     Attributes:
         value: The value; of a group, the whole list or record.
-        branch: The branch that it is in.
-        path: The path from there.
         within: The parts in a group; None for a value.
         radar: The rays that it belongs to, or None.
     """
