@@ -350,7 +350,6 @@ class Game:
             raise Superseded from None
 
     def _present_watch(self) -> Watch:
-        """Return the watch for the current program."""
         breakpoints = self.breakpoints.on
         if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
             self._watch, self._watched_by = Watch(breakpoints), self.program

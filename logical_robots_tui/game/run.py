@@ -169,7 +169,6 @@ class Run:
         return self._latest
 
     def _go_on(self, stop: threading.Event) -> None:
-        """Compute the next tick."""
         past = self._known(self._recording.last)
         mind = self._thinker.mind(self.program, self.level, self.limits)
         (step,) = advance(

@@ -164,7 +164,6 @@ def _when(options: argparse.Namespace) -> int:
 async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
 ) -> Matches:
-    """Ask at every tick up to victory or the tick limit."""
     from logical_robots_tui.game import find_matches
 
     async with run_shown(level, program, options.ticks) as (run, show):
@@ -172,7 +171,6 @@ async def _search(
 
 
 def _lines(question: str, found: Matches) -> list[str]:
-    """Format the matches as text."""
     end = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
     end += ", up to victory" if found.won_at is not None else ""
     lines = []
@@ -201,7 +199,6 @@ def _row(first: int, last: int) -> tuple[str, str, str]:
 
 
 def _data(question: str, found: Matches) -> dict[str, Any]:
-    """Return the matches as data for scripts."""
     stretches = found.stretches
     return {
         "question": question,

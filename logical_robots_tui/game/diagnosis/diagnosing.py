@@ -91,8 +91,6 @@ def extent(found: Diagnosis) -> str:
 
 
 class _Diagnosing:
-    """One diagnosis."""
-
     def __init__(self, game: Game, report: Callable[[int, int], None]) -> None:
         self._game, self._report, self._limits = game, report, Limits()
         self._program = game.program

@@ -111,7 +111,6 @@ def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 
 
 def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
-    """Return the duplicate facts."""
     texts = Counter(checkup.rules[n].key for n in facts)
     return [n for n in facts if texts[checkup.rules[n].key] > 1]
 
