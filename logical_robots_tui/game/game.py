@@ -89,8 +89,6 @@ class Game:
         self._is_program_wanted = False
         self.decide: Decide | None = None
 
-    # -- looking -------------------------------------------------------------------------------
-
     @property
     def frame(self) -> Frame:
         """The current frame."""
@@ -154,8 +152,6 @@ class Game:
         if program is not self.program:
             raise Superseded
         return table
-
-    # -- moving --------------------------------------------------------------------------------
 
     async def step(self) -> Frame:
         """Compute the next tick, or replay it from history, and make it the current one.
@@ -308,8 +304,6 @@ class Game:
         self.run_number += 1
         self.pace.wake()
         await asyncio.gather(self._thinker.close(), self._asker.close())
-
-    # -- inside --------------------------------------------------------------------------------
 
     async def _go_on(
         self,

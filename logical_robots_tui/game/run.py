@@ -118,7 +118,7 @@ class Run:
         finally:
             await self._thinker.close()
 
-    # -- inside, in the thread -----------------------------------------------------------------
+    # The rest is called in the thread.
 
     def _some(
         self,

@@ -103,9 +103,6 @@ def _mistakes_in(what: str) -> Iterator[None]:
         raise ProgramFileError(what, error) from error
 
 
-# -- one tick ----------------------------------------------------------------------------------
-
-
 def _query(options: argparse.Namespace) -> int:
     level, program = opened(options)
     with _mistakes_in("query"):
@@ -143,9 +140,6 @@ async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
         return await inquiry.ask(program, query, frame)
     finally:
         await inquiry.close()
-
-
-# -- all ticks ---------------------------------------------------------------------------------
 
 
 def _when(options: argparse.Namespace) -> int:

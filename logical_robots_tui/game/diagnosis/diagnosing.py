@@ -113,8 +113,6 @@ class _Diagnosing:
         finally:
             await self._thinker.close()
 
-    # -- inside --------------------------------------------------------------------------------
-
     async def _look(self, checkup: Checkup, observed: Observations) -> Diagnosis:
         ticks = range(observed.first, observed.last + 1)
         robots = len(self._game.level.robots)

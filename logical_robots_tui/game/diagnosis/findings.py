@@ -47,9 +47,6 @@ def findings_of(
     return sorted(found, key=lambda each: each.severity == "note")
 
 
-# -- notices -----------------------------------------------------------------------------------
-
-
 def _of_notices(
     observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
@@ -134,9 +131,6 @@ def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
     return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
 
 
-# -- memory and texts --------------------------------------------------------------------------
-
-
 def _of_memory(
     checkup: Checkup, observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
@@ -184,9 +178,6 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         hint = f'Did you mean "{close}"?' if close else "Robots and beacons have other names here."
         message = f'Nothing in this level is called "{field.name}".'
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
-
-
-# -- movement ----------------------------------------------------------------------------------
 
 
 def _of_movement(
