@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.mind import Mind
     from logical_robots_tui.mind.program import Predicate, Program, Question
     from logical_robots_tui.mind.table import QueryPlan, Table
-    from logical_robots_tui.mind.why.explanation import Ask, Explanation, Node
-    from logical_robots_tui.mind.why.unfolding import Proof
+    from logical_robots_tui.mind.why.explanation import Ask, Explanation, Node, Proof
 
 __all__ = [
     "Ask",
@@ -59,7 +58,7 @@ __getattr__ = lazy_exports(
         "Predicate": "program",
         "Program": "program",
         "ProgramError": "diagnostics",
-        "Proof": "why.unfolding",
+        "Proof": "why.explanation",
         "QueryError": "diagnostics",
         "Question": "program",
         "Report": "compilation",

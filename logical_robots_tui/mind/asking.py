@@ -50,15 +50,6 @@ class Asking:
 
     Tuned queries compute some things earlier than the program asks for them. When one fails, the
     plain query decides whether that matters and which error to report.
-
-    Args:
-        program: The program.
-        limits: Bounds on memory, on values and on results.
-        plain: Whether to use the plain queries only.
-        frozen: Whether inputs and answers never change, then or later.
-
-    Attributes:
-        plain: The tables for plain queries.
     """
 
     def __init__(

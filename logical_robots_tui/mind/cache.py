@@ -35,12 +35,7 @@ def folder() -> Path | None:
 
 
 def find(request: bytes, kind: type[T]) -> T | None:
-    """Return what this version of the compiler returned for a request, or None.
-
-    Args:
-        request: A request to the compile process, one line of JSON.
-        kind: The dataclass of the result.
-    """
+    """Return what this version of the compiler returned for a request, or None."""
     entries, name = _entries(), _name(request)
     content = entries.read(name, _LARGEST)
     if content is None:

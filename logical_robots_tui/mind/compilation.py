@@ -52,13 +52,6 @@ def compiled(
 ) -> T:
     """Return the compile process's result for a request, possibly from the cache. Blocks.
 
-    Args:
-        request: The request to the compile process.
-        kind: The dataclass of the result.
-        stop: Set it from another thread to cancel; takes effect within 0.1 s.
-        limits: Bounds on time and memory.
-        report: Called with the number of compiled predicates and of all.
-
     Raises:
         ProgramError: The program has errors, is too large, or takes too long to compile.
         Stopped: `stop` was set.
@@ -106,15 +99,7 @@ class _Compiler:
         stop: threading.Event | None,
         report: Report | None,
     ) -> T:
-        """Return the process's result for a request, possibly from memory.
-
-        Args:
-            request: What to compile.
-            kind: The dataclass of the result; its lower-case name is the answer's key.
-            limits: Bounds on time and memory.
-            stop: Set it from another thread to cancel.
-            report: Called with the progress.
-        """
+        """Return the process's result for a request, possibly from memory."""
         line = json.dumps(request).encode()
         key = hashlib.sha256(line).digest()
         deadline = monotonic() + limits.compile_seconds

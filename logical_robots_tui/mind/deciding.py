@@ -41,17 +41,7 @@ def decide(
     size_of: Callable[[Value], int],
     heaviest: int,
 ) -> Decision:
-    """Return the decision from the rows of `Robot` for one robot; the last of several rows counts.
-
-    Args:
-        name: The robot's name.
-        rows: Its rows.
-        memory: Its memory so far.
-        known: Notices so far.
-        limits: Limits for its new memory.
-        size_of: Returns the bytes of a memory.
-        heaviest: The most bytes of objects in its new memory.
-    """
+    """Return the decision from the rows of `Robot` for one robot; the last of several counts."""
     notices = [*known]
     if not rows:
         if not any(n.kind in ("failed", "late") for n in notices):
@@ -134,16 +124,7 @@ def blame(
     view: View,
     within: Within,
 ) -> Notice:
-    """Return a notice about the predicate that failed first, and on whose rows.
-
-    Args:
-        failure: The failure of `Robot`.
-        asking: Answers queries for the predicates.
-        needed: Predicates that `Robot` uses, each after those that it uses.
-        moment: The moment.
-        view: The view that failed.
-        within: The budget of the thought.
-    """
+    """Return a notice about the predicate that failed first, and on whose rows."""
     whose = " and ".join(view.viewers[:3])
     if len(view.viewers) > 3:
         whose += " and others"

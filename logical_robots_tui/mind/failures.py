@@ -39,11 +39,7 @@ class FailureError(Exception):
 
 @contextmanager
 def failures_in_words(within: Within) -> Iterator[None]:
-    """Turn any exception of a query into a `FailureError` for the player.
-
-    Args:
-        within: The budget of the query.
-    """
+    """Turn any exception of a query into a `FailureError` for the player."""
     try:
         yield
     except TooSlowError:

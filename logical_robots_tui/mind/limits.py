@@ -94,12 +94,7 @@ _ROW, _COLUMN = 400, 64  # a row, and the same as a record of its columns
 
 
 def weight_of(value: Value, most: int) -> int:
-    """Return the bytes of a value as objects, or any number above `most`.
-
-    Args:
-        value: Any value.
-        most: Where to stop counting.
-    """
+    """Return the bytes of a value as objects, or any number above `most`."""
     weight = 0
     left: list[Value] = [value]
     while left and weight <= most:

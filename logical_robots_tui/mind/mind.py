@@ -235,13 +235,6 @@ class Mind:
     ) -> Iterator[tuple[str, list[dict[str, Value]] | None]]:
         """Return the rows of several predicates in each robot's mind at a moment.
 
-        Args:
-            predicates: Their names.
-            rows: As for `think`.
-            memories: As for `think`.
-            viewers: Names of the robots in whose minds to ask, by default all.
-            stop: Set it from another thread to cancel.
-
         Yields:
             The rows of each predicate, one entry per view; None if it fails or has more rows
             than the limits allow.
@@ -297,12 +290,6 @@ class Mind:
         stop: threading.Event | None = None,
     ) -> QueryPlan:
         """Return how a predicate is computed at one moment, and how long it takes.
-
-        Args:
-            predicate: One of the program's own predicates.
-            rows: As for `think`.
-            memories: As for `think`.
-            stop: Set it from another thread to cancel.
 
         Raises:
             QueryError: It has no rows of its own, or it failed.

@@ -122,11 +122,7 @@ class Tuned:
         return replace(self, sql=one, together=together, together_alike=alike, crowd=())
 
     def for_all(self, *, alike: bool) -> tuple[str, int]:
-        """Return the query for all viewers, or "", and its number of parameters.
-
-        Args:
-            alike: Whether all viewers see the same memories.
-        """
+        """Return the query for all viewers, or "", and its number of parameters."""
         memories = 2 if alike else 3
         bounds = 2 + memories if "Memory" in self.columns else 2
         return self.together_alike if alike else self.together, bounds
@@ -264,12 +260,6 @@ class Program:
         limits: Limits | None = None,
     ) -> Probing:
         """Decompose the rules of a predicate, for `Mind.why`. Blocks.
-
-        Args:
-            predicate: One of this program's own predicates.
-            within: A predicate made with ``:=``, for whose copy of the rules this is, or "".
-            stop: Set it from another thread to cancel.
-            limits: Limits for compiling.
 
         Raises:
             QueryError: There is no such predicate, or it can't be computed.

@@ -45,13 +45,7 @@ def table_of(
     *,
     separate: bool,
 ) -> Table:
-    """Return several answers as one table.
-
-    Args:
-        answers: For each, its viewers, column names and rows.
-        most: The most rows to show.
-        separate: Whether robots think separately.
-    """
+    """Return several answers as one table."""
     columns: Sequence[str] = ()
     rows: list[tuple[Value, ...]] = []
     viewers: list[str] = []

@@ -17,7 +17,7 @@ from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
-    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.values import SensorRow, Value
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.world import Level
 
 __all__ = ["declare"]

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.diagnosis.observations import Observations
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import Moment
-    from logical_robots_tui.mind.diagnosis.finding import Finding
     from logical_robots_tui.mind.diagnosis.sites import Checkup
+    from logical_robots_tui.mind.diagnosis.telling import Finding
 
 __all__ = ["Diagnosis", "diagnose", "extent"]
 

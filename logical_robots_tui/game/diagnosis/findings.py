@@ -6,8 +6,7 @@ from collections import Counter
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.diagnosis.finding import Finding
-from logical_robots_tui.mind.diagnosis.telling import rule_findings, shortened
+from logical_robots_tui.mind.diagnosis.telling import Finding, rule_findings, shortened
 from logical_robots_tui.mind.similar_names import closest
 
 if TYPE_CHECKING:

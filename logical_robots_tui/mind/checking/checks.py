@@ -10,7 +10,6 @@ from logica.compiler import universe
 
 from logical_robots_tui.mind.checking import builtins
 from logical_robots_tui.mind.checking.inference import Inference
-from logical_robots_tui.mind.checking.parameters import lacking, parameters
 from logical_robots_tui.mind.checking.robot_rule import MAIN, engines, main_predicate
 from logical_robots_tui.mind.checking.signatures import (
     collisions,
@@ -26,7 +25,9 @@ from logical_robots_tui.mind.compiling.rules import (
     fields,
     head_name,
     heads,
+    lacking,
     nodes,
+    parameters,
     prelude_rules,
     subject,
     value_of,

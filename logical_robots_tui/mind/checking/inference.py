@@ -10,12 +10,12 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.checking.parameters import mentioned_by_make
 from logical_robots_tui.mind.checking.shapes import SENSOR, ListOf, Record, Scalar, Shape
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     head_name,
     heads,
+    mentioned_by_make,
     value_of,
 )
 from logical_robots_tui.mind.similar_names import closest
@@ -43,13 +43,7 @@ class _TooManyStepsError(Exception):
 
 
 class Inference:
-    """The known shapes of a program's values.
-
-    Args:
-        rules: Syntax trees as written.
-        text: The program.
-        doubtful: Names of predicates about which nothing is known.
-    """
+    """The known shapes of a program's values."""
 
     def __init__(self, rules: list[Rule], text: str, doubtful: frozenset[str]) -> None:
         self._text = text

@@ -13,23 +13,14 @@ __all__ = ["RAY", "SENSOR", "ListOf", "Record", "Scalar", "Shape"]
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A number, text or boolean of the sensor.
-
-    Attributes:
-        title: Its name in messages.
-    """
+    """A number, text or boolean of the sensor."""
 
     title: str
 
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """A list.
-
-    Attributes:
-        element: The shape of its elements, or None if unknown.
-        title: Its name in messages.
-    """
+    """A list."""
 
     element: Shape | None
     title: str = field(default="this list", compare=False)

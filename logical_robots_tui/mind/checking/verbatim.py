@@ -34,13 +34,7 @@ _COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IGNORECA
 
 
 def verbatim(rules: list[Rule], known: Mapping[str, Signature], text: str) -> Iterator[Diagnostic]:
-    """Find invalid types and columns, and flags that would end an SQL text.
-
-    Args:
-        rules: Rules of the program.
-        known: Known signatures of its predicates.
-        text: The program.
-    """
+    """Find invalid types and columns, and flags that would end an SQL text."""
     for call, _ in calls(rules):
         if call["predicate_name"] == "Cast":
             for value in call["record"]["field_value"][1:2]:

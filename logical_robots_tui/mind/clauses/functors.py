@@ -53,11 +53,7 @@ class Expanded:
 
 
 def expand(raw: Iterable[Rule]) -> Expanded:
-    """Expand every ``:=``.
-
-    Args:
-        raw: The rules of a program that can be compiled, as written.
-    """
+    """Expand every ``:=``."""
     raw = list(raw)
     own = heads(raw)
     makes = {name: rules[0] for name, rules in own.items() if head_name(rules[0]) == "@Make"}
@@ -77,9 +73,6 @@ def recursions_written_out(raw: list[Rule]) -> list[Rule]:
     """Return the rules with every ``:=`` expanded if one makes a recursive predicate, or unchanged.
 
     The package must unroll a recursion that it makes itself.
-
-    Args:
-        raw: The rules of a program as written.
     """
     if not any(head_name(rule) == "@Make" for rule in raw):
         return raw

@@ -15,7 +15,12 @@ from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.bodies import (
     TooManyError,
     alternatives,
+    chain_root,
+    chains,
     is_denial,
+    kind_of,
+    names_of,
+    parts_of,
     plain_text,
     values_in,
 )
@@ -27,14 +32,7 @@ from logical_robots_tui.mind.clauses.scopes import (
     in_order,
     names,
 )
-from logical_robots_tui.mind.clauses.spans import span_of
-from logical_robots_tui.mind.clauses.terms import (
-    chain_root,
-    chains,
-    kind_of,
-    names_of,
-    parts_of,
-)
+from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, variable_of
 from logical_robots_tui.mind.program import INPUTS
@@ -60,11 +58,6 @@ _MOST_COLUMNS = 90  # SQLite's limit is 100
 
 class Builder:
     """Decomposes bodies and collects the queries to be compiled.
-
-    Args:
-        text: The program.
-        source: The same, prepared.
-        known: What is known about the predicates.
 
     Attributes:
         probes: The rules that define the queries' rows, by name.

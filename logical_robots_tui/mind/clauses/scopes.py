@@ -69,12 +69,7 @@ class Scope:
         return names(tree) | (names(tree, inside=True) & self.variables)
 
     def gives(self, part: Rule, known: frozenset[str]) -> frozenset[str] | None:
-        """Return the variables that are bound after a part, or None if it can't be evaluated yet.
-
-        Args:
-            part: The part.
-            known: The variables that are bound before it.
-        """
+        """Return the variables that are bound after a part, or None if it can't be evaluated."""
         if "disjunction" in part:
             return self._choice(part, known)
         if "inclusion" in part:

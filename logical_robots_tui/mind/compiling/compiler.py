@@ -13,7 +13,6 @@ from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.checking.checks import IGNORED, MAIN, check
-from logical_robots_tui.mind.checking.parameters import lacking
 from logical_robots_tui.mind.clauses.functors import recursions_written_out
 from logical_robots_tui.mind.compiling import package_patches
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
@@ -31,6 +30,7 @@ from logical_robots_tui.mind.compiling.rules import (
     defined,
     head_name,
     heads,
+    lacking,
     nodes,
     prelude_rules,
     reached,
@@ -38,8 +38,7 @@ from logical_robots_tui.mind.compiling.rules import (
     text_of,
     value_of,
 )
-from logical_robots_tui.mind.compiling.spelling import spell_out
-from logical_robots_tui.mind.compiling.whole_rows import written_out
+from logical_robots_tui.mind.compiling.spelling import spell_out, written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.source_text import Prepared, diagnostic_for, prepare
@@ -68,10 +67,6 @@ _MOST_DIAGNOSTICS = 25
 
 def compile_text(text: str, report: Report | None = None) -> Program:
     """Compile a program and all its predicates.
-
-    Args:
-        text: Logica text.
-        report: Called with the number of compiled predicates and of all.
 
     Raises:
         ProgramError: The program has errors; holds all that can be found at once.
@@ -124,11 +119,6 @@ def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
 def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgram:
     """Return the package's program for some rules and the prelude.
 
-    Args:
-        rules: Rules as written.
-        text: The program that they come from.
-        source: The same, prepared.
-
     Raises:
         ProgramError: They can't be compiled.
     """
@@ -147,12 +137,6 @@ def statements_of(
     wanted: list[str], rules: list[Rule], text: str, source: Prepared
 ) -> dict[str, str]:
     """Return SQL for the rows of those predicates that can be computed alone.
-
-    Args:
-        wanted: Their names.
-        rules: Rules as written.
-        text: The program that they come from.
-        source: The same, prepared.
 
     Raises:
         ProgramError: The rules can't be compiled.

@@ -21,9 +21,14 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.checking.parameters import mentioned_by_make
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import called, head_name, nodes, subject
+from logical_robots_tui.mind.compiling.rules import (
+    called,
+    head_name,
+    mentioned_by_make,
+    nodes,
+    subject,
+)
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
 
@@ -39,12 +44,7 @@ _ABOUT_THE_WHOLE = frozenset({"@Limit", "@OrderBy"})
 
 @dataclass(frozen=True, slots=True)
 class Fixpoint:
-    """A predicate that is computed by iterating.
-
-    Attributes:
-        name: Its name.
-        depth: The most steps after the first one.
-    """
+    """A predicate that is computed by iterating."""
 
     name: str
     depth: int
@@ -64,10 +64,6 @@ def fixpoints(
     rules: list[Rule], depth_of: Callable[[str], int]
 ) -> tuple[list[Rule], list[Fixpoint]]:
     """Extract the recursions from some rules; the package unrolls those that can't be extracted.
-
-    Args:
-        rules: All rules, rewritten for the package.
-        depth_of: The most steps of a recursive predicate.
 
     Returns:
         The rules, with a rule for one step in place of each recursion; and the recursions.

@@ -35,13 +35,7 @@ _NEVER_CHANGE = {parse.HeritageAwareString, str, int, float, bool, type(None)}
 
 
 def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any]) -> None:
-    """Replace a variable in a syntax tree of the package.
-
-    Args:
-        old_var: Name of the variable.
-        new_expr: The tree that replaces it everywhere; not copied.
-        s: The tree; changed in place.
-    """
+    """Replace a variable in a syntax tree, in place, by one that is not copied."""
     assert isinstance(s, dict | list)
     waiting: list[Any] = [s]
     seen = set()
@@ -203,11 +197,7 @@ _as_it_is = rule_translate.LogicaFieldToSqlField
 
 
 def sql_field(field: Any) -> Any:
-    """Return the name of a column in SQL.
-
-    Args:
-        field: Its name in Logica, or its number.
-    """
+    """Return the name of a column in SQL."""
     name = _as_it_is(field)
     return f'"{name}"' if isinstance(name, str) and name.lower() in _RESERVED else name
 
@@ -216,12 +206,7 @@ _allocate = rule_translate.NamesAllocator.AllocateTable
 
 
 def table_name(self: Any, hint_for_user: Any = None) -> Any:
-    """Return a name for a table of a query.
-
-    Args:
-        self: The package's allocator of names.
-        hint_for_user: The name of the predicate with its rows.
-    """
+    """Return a name for a table of a query."""
     if isinstance(hint_for_user, str) and hint_for_user.lower() in _NO_ALIASES:
         self.allocated_tables.add(hint_for_user)
     return _allocate(self, hint_for_user)

@@ -44,10 +44,6 @@ Gives: TypeAlias = Literal["rows", "value", "truth"]
 def compile_question(text: str, query: str) -> Question:
     """Compile a question about a program.
 
-    Args:
-        text: A program that can be compiled.
-        query: The question.
-
     Raises:
         ProgramError: The query has errors; the diagnostics refer to its lines and columns.
     """
@@ -90,11 +86,7 @@ def _names() -> Iterator[str]:
 
 
 def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
-    """Return the SQL of a predicate.
-
-    Raises:
-        ProgramError: The text has errors.
-    """
+    """Return the SQL of a predicate."""
     source = prepare(whole)
     parsed = parse_statements(whole, source)
     found = tuple(d for d in check(parsed, whole) if d.severity == "error")
@@ -145,11 +137,7 @@ def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str
 def _frame(
     name: str, query: str, source: Prepared, own: Mapping[str, list[Rule]]
 ) -> tuple[str, str, Gives]:
-    """Return the text before and after a query that makes it a rule, and the kind of its result.
-
-    Raises:
-        ProgramError: It can't be parsed.
-    """
+    """Return the text before and after a query that makes it a rule, and the kind of its result."""
     text = parse.HeritageAwareString(source.text)
     try:
         body = parse.ParseProposition(parse.Strip(text))

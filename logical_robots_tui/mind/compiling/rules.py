@@ -1,4 +1,7 @@
-"""Rules as the `logica` package parses them: definitions and calls."""
+"""Rules as the `logica` package parses them: definitions, calls, and parameters.
+
+A parameter is a predicate that ``New := Old(Open: Given)`` substitutes.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +27,15 @@ __all__ = [
     "defined",
     "equated",
     "fields",
+    "filled_in",
     "head_name",
     "heads",
     "is_aggregate",
+    "lacking",
+    "mentioned_by_make",
     "nodes",
     "operands",
+    "parameters",
     "predicate_of",
     "prelude_rules",
     "reached",
@@ -208,12 +215,7 @@ def called(tree: Any) -> Iterator[str]:
 
 
 def reached(tree: Any, rules: Mapping[str, Any]) -> set[str]:
-    """Return the names of the predicates that a syntax tree uses, directly or indirectly.
-
-    Args:
-        tree: The tree.
-        rules: The rules of predicates by name.
-    """
+    """Return the names of the predicates that a syntax tree uses, directly or indirectly."""
     found: set[str] = set()
     waiting = [tree]
     while waiting:
@@ -222,3 +224,43 @@ def reached(tree: Any, rules: Mapping[str, Any]) -> set[str]:
                 found.add(name)
                 waiting.append(rules.get(name, []))
     return found
+
+
+def parameters(rules: list[Rule]) -> frozenset[str]:
+    """Return the names of predicates that are substituted somewhere and defined nowhere."""
+    filled = {name for rule in rules for name in filled_in(rule)}
+    return frozenset(filled.difference(heads(rules)))
+
+
+def lacking(rules: list[Rule]) -> dict[str, str]:
+    """Return for each predicate that uses an unsubstituted parameter the name of that parameter."""
+    own, left_open = heads(rules), parameters(rules)
+
+    def first_open(name: str, filled: frozenset[str], seen: set[str]) -> Iterator[str]:
+        if name in left_open:
+            if name not in filled:
+                yield name
+        elif name in own and name not in seen:
+            seen.add(name)
+            for rule in own[name]:
+                inside = filled.union(filled_in(rule))
+                for other in map(str, called(rule)):
+                    yield from first_open(other, inside, seen)
+
+    found = {name: next(first_open(name, frozenset(), set()), "") for name in own}
+    return {name: other for name, other in found.items() if other}
+
+
+def mentioned_by_make(rule: Rule) -> set[str]:
+    """Return the predicates that a rule with ``:=`` makes, copies, substitutes or puts in."""
+    return {*map(str, called(rule)), *filled_in(rule)}
+
+
+def filled_in(rule: Rule) -> list[str]:
+    """Return the names that a rule with ``:=`` substitutes."""
+    if head_name(rule) != "@Make":
+        return []
+    arguments = rule["head"]["record"]["field_value"]
+    given = value_of(arguments[2]) if len(arguments) > 2 else None
+    record = (given or {}).get("record", {})
+    return [str(fv["field"]) for fv in record.get("field_value", [])]

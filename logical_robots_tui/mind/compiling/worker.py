@@ -34,8 +34,7 @@ from logical_robots_tui.mind.diagnosis.checkup import check_up
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY
-from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT
+from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import Known, tune, tune_all
 
 if TYPE_CHECKING:

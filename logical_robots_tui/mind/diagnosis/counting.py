@@ -67,9 +67,6 @@ class RuleCount:
 class Tally:
     """Statistics of everything that a checkup watches.
 
-    Args:
-        checkup: The checkup.
-
     Attributes:
         sites: Statistics by number of the site.
         rules: Statistics by number of the rule.
@@ -89,13 +86,7 @@ class Tally:
         self.robots: dict[tuple[str, int], dict[int, int]] = {}
 
     def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
-        """Count the rows of a probe.
-
-        Args:
-            tick: The tick.
-            number: The probe.
-            rows: Its answer.
-        """
+        """Count the rows of a probe."""
         if not self.ticks or self.ticks[-1] != tick:
             self.ticks.append(tick)
         probe = self.checkup.probes[number]

@@ -136,12 +136,7 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A memory field that is read or written.
-
-    Attributes:
-        name: Its name.
-        span: Its place in the text.
-    """
+    """A memory field that is read or written."""
 
     name: str
     span: Span
@@ -180,11 +175,6 @@ def check_up(
     program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
 ) -> Checkup:
     """Prepare a program to be watched; results are cached. Blocks.
-
-    Args:
-        program: The program.
-        stop: Set it from another thread to cancel.
-        limits: Limits for compiling.
 
     Raises:
         QueryError: The program is too complex.

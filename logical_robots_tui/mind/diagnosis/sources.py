@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses.scopes import names
-from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     called,
@@ -31,13 +31,7 @@ _DEEPEST = 4
 
 
 class Sources:
-    """Finds where values come from.
-
-    Args:
-        text: The program.
-        source: The same, prepared.
-        own: The rules of the program's own predicates.
-    """
+    """Finds where values come from."""
 
     def __init__(self, text: str, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
         self._text, self._source, self._own = text, source, own

@@ -1,11 +1,11 @@
-"""What stands out in the counts of a run: rules without rows, conditions that never change."""
+"""Findings: what stands out in the counts of a run, such as rules without rows."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.mind.diagnosis.counting import is_always_true
-from logical_robots_tui.mind.diagnosis.finding import Finding
 from logical_robots_tui.mind.diagnosis.sites import TESTS
 from logical_robots_tui.mind.program import INPUTS
 from logical_robots_tui.mind.similar_names import closest, distance
@@ -14,11 +14,57 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from logical_robots_tui.mind.diagnosis.counting import Count, Tally
-    from logical_robots_tui.mind.diagnosis.finding import FindingKind, Severity
     from logical_robots_tui.mind.diagnosis.sites import Site, Span
     from logical_robots_tui.values import Value
 
-__all__ = ["rule_findings", "shortened"]
+__all__ = ["Finding", "FindingKind", "Severity", "rule_findings", "shortened"]
+
+FindingKind = Literal[
+    "several rows",
+    "no row",
+    "bad engine",
+    "notice",
+    "unknown text",
+    "memory never written",
+    "memory never read",
+    "memory lost",
+    "no rows",
+    "always null",
+    "never true",
+    "never false",
+    "circle",
+    "blocked",
+    "still",
+    "unfinished",
+]
+
+Severity = Literal["warning", "note"]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A likely mistake.
+
+    Attributes:
+        kind: The kind.
+        severity: ``warning`` for what is hardly intended, ``note`` for what may well be.
+        span: Its place in the program, or None if there is no single place.
+        tick: The first tick in which it happened.
+        message: The finding, one plain sentence.
+        hint: What to look at, one sentence.
+        others: Related places, the nearest first.
+        robot: The robot that it is about, or "".
+    """
+
+    kind: FindingKind
+    severity: Severity
+    span: Span | None
+    tick: int
+    message: str
+    hint: str
+    others: tuple[Span, ...] = ()
+    robot: str = ""
+
 
 _LONGEST = 60  # characters in a quotation
 _MOST_LISTED = 4  # values

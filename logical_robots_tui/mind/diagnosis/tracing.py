@@ -42,23 +42,14 @@ class Tracer(ValueTracing):
     """Traces rules part by part."""
 
     def copy(self, name: str) -> None:
-        """Trace the rules that ``:=`` copied.
-
-        Args:
-            name: The predicate that they define, one of `copies`.
-        """
+        """Trace the rules that ``:=`` copied."""
         _, self._within = self.copies[name]
         for rule in self._own[name]:
             self.rule(rule, tells_robot=False)
         self._within = ""
 
     def rule(self, rule: Rule, *, tells_robot: bool) -> None:
-        """Trace a rule that has rows of its own.
-
-        Args:
-            rule: The rule as parsed.
-            tells_robot: Whether to include the robot that a row is for.
-        """
+        """Trace a rule that has rows of its own."""
         columns = {fv["field"]: fv["value"] for fv in rule["head"]["record"]["field_value"]}
         head = {column_name(f): v.get("expression") for f, v in columns.items()}
         parts = flat(rule.get("body"))

@@ -45,13 +45,7 @@ class ValueTracing(Watching):
     """Watches expressions; subclasses trace bodies."""
 
     def _value(self, tree: Rule, at: At, *, is_leaf: bool = False) -> None:
-        """Trace an expression that is computed at a place.
-
-        Args:
-            tree: The expression.
-            at: The place.
-            is_leaf: Whether to watch which value an ``if`` chooses.
-        """
+        """Trace an expression that is computed at a place."""
         if "implication" in tree:
             for branch in tree["implication"]["if_then"]:
                 column = self._truth(branch["condition"], at, "branch")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from logical_robots_tui.mind.clauses.spans import span_of
+from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.rules import variable_of
 from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
@@ -101,13 +101,6 @@ class At:
 
 class Watching:
     """Collects the sites of rules and the predicates to be compiled for them.
-
-    Args:
-        text: The program.
-        source: The same, prepared.
-        expanded: The rules of its predicates, with every ``:=`` expanded.
-        functions: Names of predicates that need arguments.
-        rules: The rules as written, by number.
 
     Attributes:
         sites: The watched places.

@@ -74,11 +74,6 @@ def guarded(function: Callable[..., Any], work: Work, *, null_safe: bool) -> Cal
     """Return a function that stops when the work is halted, and refuses lists that would take long.
 
     Its calls and the characters of its arguments and result count as steps of the work.
-
-    Args:
-        function: A Python function of SQLite values.
-        work: The work that it belongs to.
-        null_safe: Whether null arguments give null without a call.
     """
 
     def guarded_function(*arguments: Any) -> Any:

@@ -66,12 +66,7 @@ class Work:
         self.halted = False
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
-        """Start watching.
-
-        Args:
-            budget: Its budget.
-            stop: Halts the work when set.
-        """
+        """Start watching."""
         self._budget = budget
         self._stop = stop
         self.steps = budget.steps

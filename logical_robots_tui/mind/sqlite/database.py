@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.allowed import BUILT_IN, NAMED_QUERY
 from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT
+from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import LONG, Within
 
 if TYPE_CHECKING:
@@ -71,10 +70,6 @@ class Database:
     """A private in-memory SQLite with the tables of a layout.
 
     Use it from one thread at a time.
-
-    Args:
-        limits: Limits for memory, values and results.
-        layout: Its tables.
     """
 
     def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
@@ -171,12 +166,6 @@ class Database:
     ) -> Answer:
         """Return the column names and at most `most` rows of one read-only query.
 
-        Args:
-            sql: One SELECT.
-            parameters: Values of its numbered parameters.
-            most: The most rows to fetch.
-            within: Its budget; by default that of a think.
-
         Raises:
             Stopped: The caller stopped it.
             TooSlowError: It took too many steps, or too long.
@@ -215,11 +204,6 @@ class Database:
 
     def define(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
         """Fill an additional table that queries may read, and create it if necessary.
-
-        Args:
-            table: Its name, an identifier.
-            columns: Names of its columns.
-            rows: All rows, as SQLite values.
 
         Raises:
             TooMuchError: There is not enough memory.

@@ -6,29 +6,18 @@ from functools import cache, partial
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.inserting import Filling, in_blocks, insert_into
+from logical_robots_tui.mind.sqlite.layouts import KINDS, RAYS, Filling, in_blocks, insert_into
 from logical_robots_tui.mind.sqlite.remembered import memories
 from logical_robots_tui.mind.sqlite.stored import to_input
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from logical_robots_tui.mind.sqlite.database import Database
     from logical_robots_tui.mind.sqlite.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["IN_SELF", "KINDS", "RAYS", "WHOLE_RAY", "fillings", "whole_ray"]
-
-RAYS = 1000
-"""Most rays of a radar; the rays of sensor row n have numbers from n * RAYS."""
-
-WHOLE_RAY = "t_0_whole_ray"
-"""The SQL function that returns the JSON text of a ray by its number."""
-
-KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
-"""Tables of rays that end at a kind of object; few rays do."""
-
-IN_SELF = ("can_charge", "has_battery", "battery_level", "battery_capacity")
-"""Columns of ``Sensor`` from a sensor's record ``self``."""
+__all__ = ["Radars", "fillings", "whole_ray"]
 
 
 def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
@@ -48,10 +37,6 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
 
 def whole_ray(moment: Moment, number: int | None) -> str | None:
     """Return the JSON text of a ray of a moment.
-
-    Args:
-        moment: The moment.
-        number: Its ``id`` in the tables; None if there is no ray.
 
     Raises:
         IndexError, KeyError, TypeError: There is no such ray.
@@ -114,5 +99,80 @@ _SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
         name: _in_sensor(name)
         for name in ("forward_distance", "forward_object", "forward_label", "clock")
     },
-    **{name: _in_self(name) for name in IN_SELF},
+    **{
+        name: _in_self(name)
+        for name in ("can_charge", "has_battery", "battery_level", "battery_capacity")
+    },
 }
+
+
+_MOST_VALUES = 900  # per statement
+
+
+class Radars:
+    """The content of the table ``Ray`` of a database.
+
+    Args:
+        frozen: Whether nobody changes a sensor; then a radar that is the same object as before has
+            the same rays, as for a stationary robot.
+    """
+
+    def __init__(self, *, frozen: bool) -> None:
+        self._frozen = frozen
+        self._numbers: tuple[str, int] | None = None  # the same where rows have the same numbers
+        self._there: list[list[Any]] = []
+
+    def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
+        """Replace the rays of radars that changed.
+
+        Args:
+            database: The same as before, unless `forget` was called.
+            moment: The moment.
+            columns: The columns to fill besides ``id``, in alphabetical order.
+
+        Raises:
+            ValueError: The radars don't all have as many rays as the first, or have too many.
+            Exception: The exceptions of `Database.fill`, or a ray has another shape.
+        """
+        radars = [row["sensor"]["radar"] for row in moment.sensors]
+        usual = len(radars[0])
+        values = usual * (1 + len(columns))
+        if any(len(radar) != usual for radar in radars) or not 0 < values < _MOST_VALUES:
+            raise ValueError("radars of different size")
+        insert, in_ray = _insert_rays(columns, usual)
+        numbers = insert, len(radars)
+        is_same = numbers == self._numbers
+        there = self._there if is_same and self._frozen else [None] * len(radars)
+        rows = []
+        for number, (radar, before) in enumerate(zip(radars, there, strict=True)):
+            if radar is not before:
+                row: list[Any] = [number * RAYS]
+                for value in in_ray:
+                    row += map(value, radar)
+                rows.append(row)
+        self._numbers = None
+        if rows:
+            database.fill("Ray", (Filling(insert, rows),), () if is_same else None)
+        self._numbers, self._there = numbers, radars
+
+    def forget(self) -> None:
+        """Start again with an empty table."""
+        self._numbers, self._there = None, []
+
+
+@cache
+def _insert_rays(
+    columns: tuple[str, ...], rays: int
+) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
+    """Return a statement for one radar, and the function that reads the columns from a ray.
+
+    The statement takes the first number, then the values column by column.
+    """
+    rows = (
+        ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
+        for ray in range(rays)
+    )
+    names = ", ".join(("id", *columns))
+    values = ", ".join(f"({row})" for row in rows)
+    insert = f"REPLACE INTO Ray({names}) VALUES {values}"  # noqa: S608 - our own names
+    return insert, [to_input if name == "value" else itemgetter(name) for name in columns]

@@ -28,11 +28,7 @@ class Interner:
         self._room = _ROOM
 
     def read(self, value: Any, deepest: int) -> Value:
-        """Return a value as `from_sql` does, with the same depth each time.
-
-        Raises:
-            TooDeepError: As `from_sql` does.
-        """
+        """Return a value as `from_sql` does, with the same depth each time."""
         if value.__class__ is not str:
             return from_sql(value, deepest)
         length = len(value)

@@ -1,13 +1,84 @@
-"""The tables that a mind reads: those that programs know, and tuned ones with the same content."""
+"""The tables of a mind's databases, and what a program's SQL may use.
+
+There are the tables that programs know, and tuned ones with the same content.
+"""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from functools import cache
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from logical_robots_tui.mind.sqlite.allowed import TABLES
-from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
-__all__ = ["COLUMNS_LAYOUT", "CROWD_LAYOUT", "LISTS_LAYOUT", "PLAIN_LAYOUT", "Layout"]
+__all__ = [
+    "BUILT_IN",
+    "COLUMNS_LAYOUT",
+    "CROWD_LAYOUT",
+    "ITEMS",
+    "ITEM_FIELDS",
+    "KINDS",
+    "LISTS_LAYOUT",
+    "MEMORY_FIELDS",
+    "NAMED_QUERY",
+    "PLAIN_LAYOUT",
+    "RAYS",
+    "TABLES",
+    "WHOLE_RAY",
+    "Filling",
+    "Layout",
+    "in_blocks",
+    "insert_into",
+]
+
+TABLES = frozenset({"sensor", "memory", "json_each"})
+"""Tables that may be read, in lower case."""
+
+NAMED_QUERY = re.compile(r"t_\d+_\w+|the_last_step|WhyGiven")
+"""Names of the named queries of a statement."""
+
+_BUILT_IN = """
+    abs acos acosh asin asinh atan atan2 atanh avg ceil ceiling char coalesce concat concat_ws
+    cos cosh count cume_dist degrees dense_rank exp first_value floor format group_concat if
+    ifnull iif instr json json_array json_array_length json_each json_extract json_group_array
+    json_group_object json_object json_quote json_type json_valid lag last_value lead length
+    like likelihood likely ln log log10 log2 lower ltrim max median min mod nth_value ntile
+    nullif percent_rank percentile pi pow power printf quote radians rank replace round
+    row_number rtrim sign sin sinh sqrt string_agg substr substring sum tan tanh total trim
+    trunc typeof unicode unlikely upper
+"""
+
+BUILT_IN = frozenset(_BUILT_IN.split())
+"""SQLite's own functions that may be called.
+
+Excluded are functions that reach beyond the query (``load_extension``, ``readfile``), reveal the
+machine (``random``, ``date``, ``sqlite_version``), or only create large values (``randomblob``,
+``zeroblob``, ``hex``). Functions that can take very long in a single call are replaced by our
+own.
+"""
+
+
+RAYS = 1000
+"""Most rays of a radar; the rays of sensor row n have numbers from n * RAYS."""
+
+WHOLE_RAY = "t_0_whole_ray"
+"""The SQL function that returns the JSON text of a ray by its number."""
+
+KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
+"""Tables of rays that end at a kind of object; few rays do."""
+
+MEMORY_FIELDS = tuple(f"field_{number}" for number in range(24))
+"""Columns of ``Memory`` with one field each; each program chooses which."""
+
+ITEM_FIELDS = tuple(f"item_{number}" for number in range(16))
+"""Columns of ``Item`` with one field each of the records in lists of memories."""
+
+ITEMS = 100_000
+"""Most records of a list; those of field f of memory row n, of F fields, have numbers from
+(n * F + f) * ITEMS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,3 +131,43 @@ CROWD_LAYOUT = Layout(
     COLUMNS_LAYOUT.readable,
 )
 """For many robots."""
+
+
+_AT_ONCE = 16  # rows per statement; smaller batches each need their own statement
+
+
+class Filling(NamedTuple):
+    """A batch of rows for a table.
+
+    Attributes:
+        insert: A statement that inserts one of the items.
+        items: The values of each execution.
+    """
+
+    insert: str
+    items: Sequence[Sequence[Any]]
+
+
+def in_blocks(
+    table: str, columns: tuple[str, ...], rows: Sequence[Sequence[Any]]
+) -> Sequence[Filling]:
+    """Yield the batches for a table, with many rows per statement."""
+    if not rows:
+        return ()
+    together = len(rows) // _AT_ONCE * _AT_ONCE
+    whole = [[*chain.from_iterable(rows[i : i + _AT_ONCE])] for i in range(0, together, _AT_ONCE)]
+    rest = [*chain.from_iterable(rows[together:])]
+    return [
+        Filling(insert_into(table, columns, count), items)
+        for count, items in ((_AT_ONCE, whole), (len(rows) - together, [rest]))
+        if count and items
+    ]
+
+
+@cache
+def insert_into(table: str, columns: tuple[str, ...], rows: int = 1) -> str:
+    """Return a statement that inserts or replaces rows; parameters are ``id`` and the columns."""
+    names = ", ".join(("id", *columns))
+    row = ", ".join("?" * (len(columns) + 1))
+    values = ", ".join([f"({row})"] * rows)
+    return f"REPLACE INTO {table}({names}) VALUES {values}"  # noqa: S608 - our own names

@@ -8,35 +8,28 @@ from math import inf, isfinite
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.inserting import Filling, in_blocks, insert_into
+from logical_robots_tui.mind.sqlite.layouts import (
+    ITEMS,
+    MEMORY_FIELDS,
+    Filling,
+    in_blocks,
+    insert_into,
+)
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from logical_robots_tui.mind.sqlite.database import Database
     from logical_robots_tui.mind.sqlite.moment import Moment
 
-__all__ = ["ITEMS", "ITEM_FIELDS", "MEMORY_FIELDS", "items", "memories", "spelled_item"]
-
-MEMORY_FIELDS = tuple(f"field_{number}" for number in range(24))
-"""Columns of ``Memory`` with one field each; each program chooses which."""
-
-ITEM_FIELDS = tuple(f"item_{number}" for number in range(16))
-"""Columns of ``Item`` with one field each of the records in lists of memories."""
-
-ITEMS = 100_000
-"""Most records of a list; those of field f of memory row n, of F fields, have numbers from
-(n * F + f) * ITEMS."""
+__all__ = ["Lists", "items", "memories", "spelled_item"]
 
 _MOST_CHARACTERS = 16_000_000  # in all rows: a memory has one for each robot that sees it
 
 
 def memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """Return the rows that fill ``Memory``.
-
-    Args:
-        moment: The moment.
-        columns: As for `fillings`.
 
     Raises:
         ValueError: A memory is a text that may contain a record, or all rows are too large.
@@ -99,14 +92,7 @@ _NESTED = frozenset({dict, list})
 
 
 def spelled_item(column: str, place: int, field: str, key: str) -> str:
-    """Return the name of a column of ``Item`` with its content.
-
-    Args:
-        column: Its name.
-        place: The place of the list among `MEMORY_FIELDS`.
-        field: The field of memories that is the list.
-        key: The field of its records.
-    """
+    """Return the name of a column of ``Item`` with its content."""
     return f"{column}={place}:{field}.{key}"
 
 
@@ -213,3 +199,44 @@ def _is_stored_as_it_is(values: Sequence[Any]) -> bool:
 
 _NUMBERS = frozenset({float, int})
 _TEXTS = frozenset({str, int, type(None), bool})
+
+
+class Lists:
+    """The content of the table ``Item`` of a database.
+
+    Args:
+        frozen: Whether nobody changes a memory; then a list that is the same object as before has
+            the same records.
+    """
+
+    def __init__(self, *, frozen: bool) -> None:
+        self._frozen = frozen
+        self._columns: tuple[str, ...] | None = ()  # None: unknown
+        self._there: dict[int, list[Any]] = {}
+
+    def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
+        """Update the records of lists that changed.
+
+        Args:
+            database: The same as before, unless `forget` was called.
+            moment: The moment.
+            columns: In the form of `spelled_item`.
+
+        Raises:
+            Exception: The exceptions of `items` and `Database.fill`.
+        """
+        there = self._there if self._frozen and columns == self._columns else {}
+        fillings, now = items(moment, columns, there)
+        gone: list[tuple[int, int]] | None = None
+        if there:
+            gone = [(n, n + ITEMS - 1) for n, listed in there.items() if now.get(n) is not listed]
+        elif self._columns is not None and not self._there:
+            gone = []
+        if fillings or gone is None or gone:
+            self._columns = None
+            database.fill("Item", fillings, gone)
+        self._columns, self._there = columns, now
+
+    def forget(self) -> None:
+        """Start again with an empty table."""
+        self._columns, self._there = (), {}

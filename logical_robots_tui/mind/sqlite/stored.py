@@ -71,10 +71,6 @@ def to_sql(value: Value) -> int | float | str | None:
 def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
     """Return a value from a table, with JSON text parsed.
 
-    Args:
-        value: The value from SQLite.
-        deepest: The deepest nesting of records and lists.
-
     Raises:
         TooDeepError: They are nested too deeply.
     """

@@ -7,10 +7,14 @@ from bisect import bisect_left
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.database import Database, TooMuchError
-from logical_robots_tui.mind.sqlite.filling import WHOLE_RAY, fillings, whole_ray
-from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, CROWD_LAYOUT, PLAIN_LAYOUT
-from logical_robots_tui.mind.sqlite.lists import Lists
-from logical_robots_tui.mind.sqlite.radars import Radars
+from logical_robots_tui.mind.sqlite.filling import Radars, fillings, whole_ray
+from logical_robots_tui.mind.sqlite.layouts import (
+    COLUMNS_LAYOUT,
+    CROWD_LAYOUT,
+    PLAIN_LAYOUT,
+    WHOLE_RAY,
+)
+from logical_robots_tui.mind.sqlite.remembered import Lists
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
@@ -19,8 +23,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Tuned
     from logical_robots_tui.mind.sqlite.database import Answer, Scalar
-    from logical_robots_tui.mind.sqlite.inserting import Filling
-    from logical_robots_tui.mind.sqlite.layouts import Layout
+    from logical_robots_tui.mind.sqlite.layouts import Filling, Layout
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
 __all__ = ["PlainTables", "TunedTables", "UnfitError"]
@@ -31,11 +34,7 @@ class UnfitError(Exception):
 
 
 class PlainTables:
-    """``Sensor`` and ``Memory`` as programs know them, with the rows of one view at a time.
-
-    Args:
-        limits: Limits for memory, values and results.
-    """
+    """``Sensor`` and ``Memory`` as programs know them, with the rows of one view at a time."""
 
     def __init__(self, limits: Limits) -> None:
         self._database = Database(limits, PLAIN_LAYOUT)
@@ -103,11 +102,6 @@ class TunedTables:
     """All rows of a moment, with sensor fields and radar rays as columns.
 
     Only columns that are read are filled.
-
-    Args:
-        limits: Limits for memory, values and results.
-        frozen: Whether nobody ever changes the content of a moment.
-        few: The layout for few robots.
     """
 
     def __init__(

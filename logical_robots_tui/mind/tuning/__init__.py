@@ -32,12 +32,7 @@ _OURS = frozenset(columns.TABLES).difference(name.lower() for name in INPUTS)
 
 
 def tune_all(statements: Mapping[str, str], *, without: Collection[str] = ()) -> dict[str, Tuned]:
-    """Tune what can be tuned of several queries, the first ones first.
-
-    Args:
-        statements: Queries by name.
-        without: Names of passes to leave out.
-    """
+    """Tune what can be tuned of several queries, the first ones first."""
     tuned = {}
     known = Known()
     left = _MOST

@@ -72,9 +72,6 @@ class _Lifting:
         Args:
             query: The query; changed in place.
             must: Whether to do so even if the query is the same for all viewers.
-
-        Returns:
-            Whether the viewer was added.
         """
         if isinstance(query, exp.Subquery):
             return self.lift(query.this, must=must)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.filling import KINDS
+from logical_robots_tui.mind.sqlite.layouts import KINDS
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.tuning.materializing import is_looked_up
 
@@ -28,9 +28,6 @@ def found_by_number(tree: exp.Query) -> None:
     """Keep SQLite from finding rays, or records of lists, by what they hold among those of all.
 
     Those of one radar or list have numbers that follow each other, and come in this order.
-
-    Args:
-        tree: A tuned query; changed in place.
     """
     for select in list(sql.selects(tree)):
         for equal in sql.conjuncts(select):
@@ -43,9 +40,6 @@ def memories_by_name(tree: exp.Query) -> None:
 
     There is one at most, and an index for many robots. SQLite would rather begin with all memories
     that some condition leaves, and look among the rays of everybody for each.
-
-    Args:
-        tree: A tuned query; changed in place.
     """
     for select in list(sql.selects(tree)):
         before: set[str] = set()
@@ -75,11 +69,7 @@ def _names(condition: exp.Expr, memory: str, before: AbstractSet[str]) -> bool:
 
 
 def indexed_where_lists_are_joined(tree: exp.Query) -> None:
-    """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up.
-
-    Args:
-        tree: A tuned query; changed in place if there is such a join.
-    """
+    """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up."""
     queries = _queries_of_lists(tree)
     equals = [
         condition

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
+from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import columns, sql
 
 __all__ = [

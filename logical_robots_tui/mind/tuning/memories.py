@@ -1,4 +1,4 @@
-"""Fields of memories as columns, so that memories are not parsed again and again."""
+"""Fields of memories as columns, and records in their lists as rows: none is parsed again."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.remembered import ITEM_FIELDS, MEMORY_FIELDS
+from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, ITEMS, MEMORY_FIELDS
+from logical_robots_tui.mind.sqlite.remembered import spelled_item
 from logical_robots_tui.mind.tuning import json, sql
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping, Sequence
 
-__all__ = ["Known", "guarded_field", "memory_fields_as_columns", "named_fields"]
+__all__ = ["Known", "guarded_field", "items_as_rows", "memory_fields_as_columns", "named_fields"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,11 +31,7 @@ class Known:
 
     @classmethod
     def closed(cls, read: Mapping[str, Sequence[str]]) -> Known:
-        """Return what the columns are that are read already, with no room for more.
-
-        Args:
-            read: By name of a table its columns, as a tuned query names them.
-        """
+        """Return what the columns are that are read already, with no room for more."""
         fields, items = {}, {}
         for name in read.get("Memory", ()):
             column, _, known = name.partition("=")
@@ -50,12 +47,7 @@ class Known:
 
 
 def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
-    """Take fields of memories from columns of their own.
-
-    Args:
-        tree: A query; changed in place.
-        known: By name of a field its column, for all queries of a program; added to.
-    """
+    """Take fields of memories from columns of their own."""
     for column in list(tree.find_all(exp.Column)):
         guarded = _field_of_memory(column)
         if guarded is None:
@@ -111,3 +103,70 @@ def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
         return None
     name = path.this.removeprefix("$.")
     return (case, name) if path.this == f"$.{name}" and name.isidentifier() else None
+
+
+def items_as_rows(
+    tree: exp.Expr, fields: Mapping[str, str], known: MutableMapping[str, str]
+) -> tuple[str, ...]:
+    """Read records in lists of memories from a table of such records.
+
+    Returns:
+        The columns that the query reads, as `fillings` wants them.
+    """
+    by_column = {column: name for name, column in fields.items()}
+    read: set[str] = set()
+    for table in list(tree.find_all(exp.Table)):
+        select, items = sql.nearest_select(table), _list_of(table)
+        if select is None or items is None or not _joins_before(select, table, items.table):
+            continue
+        alias = table.alias_or_name
+        uses = list(sql.columns_of(select, alias))
+        keys = {sql.extracted(use.parent).removeprefix("$.") for use in uses}
+        new = sorted(key for key in keys if key not in known)
+        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(ITEM_FIELDS):
+            continue
+        if not keys or any(use.name != "value" for use in uses):
+            continue
+        known.update(zip(new, ITEM_FIELDS[len(known) :], strict=False))
+        for use in uses:
+            call = use.parent
+            assert call is not None
+            column = known[sql.extracted(call).removeprefix("$.")]
+            taken = exp.column(column, alias)
+            call.replace(json.remarked(taken, call, is_result=True))
+        place = MEMORY_FIELDS.index(items.name)
+        read |= {spelled_item(known[key], place, by_column[items.name], key) for key in keys}
+        _read_items(select, table, items.table, place)
+    return tuple(sorted(read))
+
+
+def _list_of(table: exp.Table) -> exp.Column | None:
+    """Return the column of a memory that a source unnests, if that is what it is."""
+    arguments = table.this.expressions if sql.call_name(table.this) == "json_each" else []
+    column = arguments[0] if len(arguments) == 1 else None
+    if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
+        return None
+    found = sql.source(column)
+    return column if found is not None and sql.table_name(found[1]) == "memory" else None
+
+
+def _joins_before(select: exp.Select, table: exp.Table, memory: str) -> bool:
+    """Return whether a select, or an outer one, reads a memory before a list in it."""
+    names = list(sql.sources(select))
+    return memory not in names or names.index(memory) < names.index(table.alias_or_name)
+
+
+def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -> None:
+    """Let a select read the records of a list; after what it reads before, as it was."""
+    alias = table.alias_or_name
+    join = table.parent
+    if isinstance(join, exp.Join):
+        join.set("kind", "CROSS")
+    table.replace(exp.alias_(exp.to_table("Item"), alias, table=True))
+    lists = exp.Mul(
+        this=exp.column("id", memory), expression=exp.Literal.number(len(MEMORY_FIELDS))
+    )
+    this = exp.Paren(this=exp.Add(this=lists, expression=exp.Literal.number(place)))
+    first = exp.Mul(this=this, expression=exp.Literal.number(ITEMS))
+    last = exp.Add(this=first.copy(), expression=exp.Literal.number(ITEMS - 1))
+    sql.restrict(select, exp.Between(this=exp.column("id", alias), low=first, high=last))

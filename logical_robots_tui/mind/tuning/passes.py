@@ -11,15 +11,11 @@ from logical_robots_tui.mind.tuning import (
     common_subexpressions,
     indexes,
     json,
-    late_rays,
     materializing,
-    native,
 )
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
-from logical_robots_tui.mind.tuning.items import items_as_rows
-from logical_robots_tui.mind.tuning.memories import memory_fields_as_columns
-from logical_robots_tui.mind.tuning.pairs import pairs_as_columns
-from logical_robots_tui.mind.tuning.records import records_as_columns
+from logical_robots_tui.mind.tuning.memories import items_as_rows, memory_fields_as_columns
+from logical_robots_tui.mind.tuning.records import pairs_as_columns, records_as_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -151,7 +147,7 @@ PASSES = (
         after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
     ),
     Pass("materialized", _on_tree(materializing.computed_once), after=("common-subexpressions",)),
-    Pass("division", _on_tree(native.native_division)),
+    Pass("division", _on_tree(aggregates.native_division)),
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
     Pass("materialized-by-robot", _materialized_by_robot, after=("all-viewers",)),
@@ -160,8 +156,8 @@ PASSES = (
         _on_each(common_subexpressions.rows_as_they_come),
         after=("common-subexpressions", "all-viewers"),
     ),
-    Pass("choice", _on_each(native.native_choice)),
-    Pass("late-rays", _on_each(late_rays.whole_rays_when_wanted), after=("ray-rows",)),
+    Pass("choice", _on_each(aggregates.native_choice)),
+    Pass("late-rays", _on_each(columns.whole_rays_when_wanted), after=("ray-rows",)),
     Pass("lookups", _on_each(materializing.looked_up), after=("materialized-by-robot",)),
     Pass("range-scans", _on_each(indexes.found_by_number), after=("ray-rows", "item-rows")),
     Pass("memory-by-name", _memory_by_name),

@@ -1,4 +1,9 @@
-"""Records of a result as columns, so that numbers are not written as text and parsed again."""
+"""Records as columns, so that numbers are not written as text and parsed again.
+
+These are the records of a result, and the pairs of ArgMin and ArgMax where they pass through a
+query of their own: if an aggregating predicate has several rules, the compiler collects their rows
+first, with ``JSON_OBJECT('arg', a, 'value', v) AS best``.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +13,12 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.mind.tuning.memories import guarded_field
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-__all__ = ["records_as_columns"]
+__all__ = ["pairs_as_columns", "records_as_columns"]
 
 _MOST_COLUMNS = 60
 _WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out for each field is dear
@@ -20,9 +26,6 @@ _WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out fo
 
 def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Let a query give the fields of its records one by one.
-
-    Args:
-        tree: The query; changed in place.
 
     Returns:
         Names of the columns that the query had, each with the names of the fields that stand in
@@ -103,3 +106,127 @@ def _choice(
     ]
     case = exp.Case(ifs=ifs, default=default)
     return json.truth(case) if truths else case
+
+
+def pairs_as_columns(tree: exp.Expr) -> None:
+    """Carry the parts of a pair in columns of their own, if nothing but ArgMin asks for them."""
+    for query in list(tree.find_all(exp.CTE)):
+        arms = _arms(query.this)
+        for name in [item.alias for item in arms[0].expressions] if arms else []:
+            pairs = [_parts(arm, name) for arm in arms]
+            calls = _calls(tree, query.alias, name) if all(pairs) else []
+            if calls:
+                value = _split(arms, name, [pair for pair in pairs if pair])
+                for call in calls:
+                    _ask(call, name, value)
+
+
+def _arms(query: exp.Expr) -> Sequence[exp.Select]:
+    """Return the selects of a union, if all have the same column names, or ()."""
+    while isinstance(query, exp.Select) and query.is_star:
+        sources = list(sql.sources(query).values())
+        if len(sources) != 1 or not isinstance(sources[0], exp.Subquery):
+            return ()
+        query = sources[0].this
+    found: list[exp.Select] = []
+    waiting: list[exp.Expr] = [query]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, exp.Union) and node.args.get("distinct") is False:
+            waiting += [node.expression, node.this]
+        elif isinstance(node, exp.Select) and not node.args.get("distinct"):
+            found.append(node)
+        else:
+            return ()
+    names = {tuple(item.alias for item in arm.expressions) for arm in found}
+    return found if len(names) == 1 else ()
+
+
+def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
+    """Return what a select gives as the two parts of a pair, if it writes the pair out."""
+    made = next(item.this for item in arm.expressions if item.alias == name)
+    if sql.call_name(made) != "json_object" or len(made.expressions) != 4:
+        return None
+    first, argument, second, value = made.expressions
+    written_out = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
+    if written_out != ["arg", "value"] or json.truth_in(argument) or json.truth_in(value):
+        return None
+    return json.taken_out(argument), json.taken_out(value)
+
+
+def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
+    """Return the calls of ArgMin that split a column of a named query; [] if it has other uses."""
+    for table in tree.find_all(exp.Table):
+        select = sql.nearest_select(table)
+        if table.name == query and (select is None or select.is_star):
+            return []
+    calls: dict[int, exp.Anonymous] = {}
+    for column in _columns(tree, query, name):
+        call = column.find_ancestor(exp.Anonymous)
+        while call is not None and sql.call_name(call) not in ("arg_min", "arg_max"):
+            call = call.find_ancestor(exp.Anonymous)
+        if call is None or not _takes_apart(call, column):
+            return []
+        calls[id(call)] = call
+    return list(calls.values())
+
+
+def _takes_apart(call: exp.Anonymous, column: exp.Column) -> bool:
+    """Return whether a call takes its two arguments out of a column and has nothing else."""
+    if len(call.expressions) != 2:
+        return False
+    for argument, part in zip(call.expressions, ("arg", "value"), strict=True):
+        mentions = list(argument.find_all(exp.Column))
+        fields = [guarded_field(mention) for mention in mentions]
+        if mentions != [column, column] or (argument, part) not in fields:
+            return False
+    return True
+
+
+def _columns(tree: exp.Expr, query: str, name: str) -> Iterator[exp.Column]:
+    for column in tree.find_all(exp.Column):
+        if column.name == name:
+            found = sql.source(column)
+            if found is None or (isinstance(found[1], exp.Table) and found[1].name == query):
+                yield column
+
+
+def _split(
+    arms: Sequence[exp.Select], name: str, pairs: Sequence[tuple[exp.Expr, exp.Expr]]
+) -> exp.Identifier:
+    """Let selects give the parts of their pairs; the name of the column of the values."""
+    places = range(len(arms[0].expressions))
+    same = [
+        arms[0].expressions[place].args["alias"]
+        for place in places
+        if all(
+            arm.expressions[place].this == value
+            for arm, (_, value) in zip(arms, pairs, strict=True)
+        )
+    ]
+    values = same[0] if same else exp.to_identifier(f"t_0_{name}_value")
+    for arm, (argument, value) in zip(arms, pairs, strict=True):
+        kept = [item for item in arm.expressions if item.alias != name]
+        kept.append(exp.alias_(argument, f"t_0_{name}_arg"))
+        if not same:
+            kept.append(exp.alias_(value, values.copy()))
+        arm.set("expressions", kept)
+    return values
+
+
+def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
+    """Let a call of ArgMin ask for columns.
+
+    JSON has no infinity. If an infinite number were the best, the query fails on purpose, so that
+    the plain way answers.
+    """
+    table = next(call.find_all(exp.Column)).table
+    argument = exp.column(f"t_0_{name}_arg", table)
+    values = exp.column(value.copy(), table)
+    best = exp.Anonymous(this=call.this, expressions=[argument, values])
+    least = exp.Anonymous(this=call.name[4:], expressions=[values.copy()])
+    endless = [exp.Var(this="9e999"), exp.Var(this="-9e999")]
+    tests = [exp.In(this=made, expressions=endless) for made in (least, best.copy())]
+    fails = exp.Anonymous(this="JSON", expressions=[exp.Literal.string("")])
+    either = exp.Or(this=tests[0], expression=tests[1])
+    call.replace(exp.Case(ifs=[exp.If(this=either, true=fails)], default=best))

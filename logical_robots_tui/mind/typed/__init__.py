@@ -14,11 +14,7 @@ __all__ = ["as_on_duckdb"]
 
 
 def as_on_duckdb(statement: str) -> str:
-    """Return the query, in which SQLite computes what DuckDB would because of the types of values.
-
-    Args:
-        statement: A query as it was generated.
-    """
+    """Return a query in which SQLite computes what DuckDB would because of the types of values."""
     try:
         tree = sql.parse(statement)
         before = tree.copy()

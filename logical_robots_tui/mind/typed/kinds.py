@@ -61,22 +61,14 @@ class Decimal:
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """A list.
-
-    Attributes:
-        element: The type of its elements.
-    """
+    """A list."""
 
     element: Kind
 
 
 @dataclass(frozen=True, slots=True)
 class RecordOf:
-    """A record.
-
-    Attributes:
-        fields: Names and types in their order.
-    """
+    """A record."""
 
     fields: tuple[tuple[str, Kind], ...]
 

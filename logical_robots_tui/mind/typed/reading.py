@@ -8,7 +8,7 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.typed import changes
-from logical_robots_tui.mind.typed.conform import conform
+from logical_robots_tui.mind.typed.changes import conform
 from logical_robots_tui.mind.typed.kinds import (
     Decimal,
     Kind,

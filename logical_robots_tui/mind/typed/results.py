@@ -90,12 +90,7 @@ _ROUNDING = frozenset({"ceil", "ceiling", "floor", "trunc"})
 
 
 def given_by(name: str, kinds: Sequence[Kind]) -> Kind:
-    """Return the type of what a function gives.
-
-    Args:
-        name: Its name in lower case.
-        kinds: Types of its arguments.
-    """
+    """Return the type of what a function gives."""
     if name in _GIVES:
         return _GIVES[name]
     if name in _ONE_OF_THEM:

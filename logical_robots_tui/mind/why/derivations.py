@@ -53,11 +53,6 @@ class Derivations:
         robot: In whose reasoning.
         decompose: Returns a decomposed predicate, by its name and the made predicate in whose copy
             it is.
-
-    Attributes:
-        relations: The same.
-        robot: The same.
-        decompose: The same.
     """
 
     def __init__(
@@ -115,11 +110,7 @@ class Derivations:
         return Derived(probing, row, tuple(ways))
 
     def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
-        """Return derivations of what an aggregate goes over, in one derivation.
-
-        Raises:
-            FailureError: A query failed.
-        """
+        """Return derivations of what an aggregate goes over, in one derivation."""
         self.prepare(probing)
         given = [way.get(place) for place in body.given.values()]
         return [
@@ -148,11 +139,7 @@ class Derivations:
 
     @staticmethod
     def sql(clause: Clause, probing: Probing) -> str:
-        """Return the query for the derivations of a clause.
-
-        Raises:
-            FailureError: There is none.
-        """
+        """Return the query for the derivations of a clause."""
         sql = probing.queries.get(clause.query)
         if sql is None:
             raise FailureError("it is put together from too many parts")

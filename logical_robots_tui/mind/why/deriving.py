@@ -27,13 +27,7 @@ _TOLD_ELEMENTS = 40  # with where they come from
 
 
 class Telling:
-    """Tells derivations.
-
-    Args:
-        relations: The rows of predicates at the moment in question.
-        queries: SQL by name of a query.
-        refute: Tells why a body has no derivation for some given values.
-    """
+    """Tells derivations."""
 
     def __init__(
         self,
@@ -177,13 +171,7 @@ class Telling:
         result: Value,
         is_all: bool,
     ) -> tuple[Node, ...]:
-        """Return what contributed to an aggregate.
-
-        Args:
-            found: Derivations of what it went over.
-            result: What came out.
-            is_all: Whether there are no more.
-        """
+        """Return what contributed to an aggregate."""
         if not found:
             return (Node("note", "goes over nothing"),)
         operator = found[0][1].operator

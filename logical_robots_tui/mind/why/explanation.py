@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.values import Value
 
-__all__ = ["Ask", "Explanation", "Node", "RuleFound"]
+__all__ = ["Ask", "Explanation", "Node", "Proof", "RuleFound"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,3 +143,18 @@ class Explanation:
     def nodes(self) -> tuple[Node, ...]:
         """The nodes of all rules."""
         return tuple(rule.node for rule in self.rules)
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """A row, or that there is none, with all that it follows from.
+
+    Attributes:
+        explanation: Of the row itself.
+        nodes: The rules of it, unfolded: those that give the row, or all if there is none.
+        complete: Whether everything was unfolded.
+    """
+
+    explanation: Explanation
+    nodes: tuple[Node, ...]
+    complete: bool

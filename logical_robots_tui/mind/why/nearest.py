@@ -57,14 +57,7 @@ class Suggestion:
 
 
 class Nearest:
-    """Searches for changes that would have given a rule a row, and tests them.
-
-    Args:
-        program: The program.
-        derivations: Finds rows of its predicates.
-        given: Values of columns that a row must have.
-        limits: Bounds on compiling what is tested.
-    """
+    """Searches for changes that would have given a rule a row, and tests them."""
 
     def __init__(
         self,
@@ -79,10 +72,6 @@ class Nearest:
 
     def of(self, probing: Probing, rule: RuleParts) -> Iterator[Suggestion]:
         """Yield the single changes that would have given a rule a row, the smallest first.
-
-        Args:
-            probing: The predicate.
-            rule: One of its rules.
 
         Raises:
             Stopped: It was stopped.

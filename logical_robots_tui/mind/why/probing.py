@@ -217,12 +217,7 @@ class Clause:
 
 @dataclass(frozen=True, slots=True)
 class RuleParts:
-    """One rule, decomposed.
-
-    Attributes:
-        span: The whole rule.
-        clauses: One for each choice of alternatives.
-    """
+    """One rule, decomposed."""
 
     span: Span
     clauses: tuple[Clause, ...]

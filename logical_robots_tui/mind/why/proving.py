@@ -6,6 +6,7 @@ is read off that one derivation.
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,16 +15,17 @@ from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.derivations import MOST_ROWS, checked, is_aggregated
 from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, counted, shown
-from logical_robots_tui.mind.why.explanation import Explanation, Node, RuleFound
+from logical_robots_tui.mind.why.explanation import Explanation, Node, Proof, RuleFound
 from logical_robots_tui.mind.why.refuting import Refuting
 from logical_robots_tui.mind.why.relations import same
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.mind.why.derivations import Derivations, Row
     from logical_robots_tui.mind.why.deriving import Telling
+    from logical_robots_tui.mind.why.explanation import Ask
     from logical_robots_tui.mind.why.probing import (
         Clause,
         Collected,
@@ -31,51 +33,32 @@ if TYPE_CHECKING:
         RuleParts,
     )
     from logical_robots_tui.mind.why.relations import Way
+    from logical_robots_tui.values import Value
 
-__all__ = ["Prover"]
+__all__ = ["Prover", "unfold"]
 
 
 class Prover:
-    """Explains rows of predicates for one robot at one moment.
-
-    Args:
-        derivations: Finds them.
-    """
+    """Explains rows of predicates for one robot at one moment."""
 
     def __init__(self, derivations: Derivations) -> None:
-        self._derivations = derivations
-
-    def spend(self, steps: int) -> None:
-        """Count work on explanations, in steps.
-
-        Raises:
-            QueryError: Too many were taken.
-        """
-        try:
-            self._derivations.relations.spend(steps)
-        except FailureError as failure:
-            raise QueryError(f"The proof ends here: {failure}.") from None
+        self.derivations = derivations
 
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
         """Return why a predicate has the rows with given values, or none.
-
-        Args:
-            predicate: One of the program's own.
-            given: Values of some of its columns.
-            within: The predicate made with ``:=`` in whose copy of the rules it is asked, or "".
 
         Raises:
             QueryError: It has no such column, lacks an argument, or its rows can't be computed.
             Stopped: The work was stopped.
         """
-        probing = self._derivations.decompose(predicate, within)
+        probing = self.derivations.decompose(predicate, within)
         given = checked(given, probing)
         try:
-            rows = self._derivations.rows(probing, given)
-            self._derivations.prepare(probing)
+            rows = self.derivations.rows(probing, given)
+            self.derivations.prepare(probing)
         except FailureError as failure:
             raise QueryError(f"{predicate} failed: {failure}.") from None
-        row = self._derivations.stage(probing).first(probing, rows) if rows else None
+        row = self.derivations.stage(probing).first(probing, rows) if rows else None
         rules = tuple(self._rule(rule, probing, given, rows, row) for rule in probing.rules)
         if row is not None and all(found.row is None for found in rules):
             if _is_over_nothing(probing, row):
@@ -84,7 +67,7 @@ class Prover:
                 rules = (*rules, _unexplained(rules[0], probing))
         return Explanation(
             predicate,
-            self._derivations.robot,
+            self.derivations.robot,
             probing.made_from,
             within,
             given,
@@ -104,13 +87,13 @@ class Prover:
         row: Row | None,
     ) -> RuleFound:
         arguments = [to_sql(given[column]) for column in probing.given]
-        refuting = Refuting(self._derivations.relations, probing.queries)
+        refuting = Refuting(self.derivations.relations, probing.queries)
         try:
             number = self._number(rule, probing, given, arguments, rows)
             if row is not None:
-                self._derivations.prepare(probing, row)
+                self.derivations.prepare(probing, row)
                 nodes = self._derived(rule, probing, row, arguments, refuting.telling)
-                self._derivations.prepare(probing)
+                self.derivations.prepare(probing)
                 if nodes is not None:
                     said = _gives(number, len(rows))
                     return RuleFound(
@@ -136,7 +119,7 @@ class Prover:
     def _unlike(self, rule: RuleParts, probing: Probing, given: Row) -> tuple[Node, ...]:
         """Return what came out of the aggregates, where that is not what was asked for."""
         keys = _keys(rule, given)
-        rows = self._derivations.rows(probing, keys)
+        rows = self.derivations.rows(probing, keys)
         return tuple(
             Node("column", column, "came out", False, (row[column],))
             for row in rows[:1]
@@ -156,19 +139,19 @@ class Prover:
         if not rows:
             return 0
         if probing.recursive or is_aggregated(rule):
-            ways = self._derivations.ways
+            ways = self.derivations.ways
             return sum(any(True for _ in ways(rule, probing, r, arguments)) for r in rows[:100])
         found: set[str] = set()
         number = 0
         for clause in rule.clauses:
-            sql = self._derivations.sql(clause, probing)
+            sql = self.derivations.sql(clause, probing)
             places = [(place, given[c]) for c, place in clause.head.items() if c in given]
             if probing.distinct:
                 what = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
-                rest = self._derivations.relations.ways(sql, arguments, places, what, MOST_ROWS)
+                rest = self.derivations.relations.ways(sql, arguments, places, what, MOST_ROWS)
                 found |= {repr(tuple(way.values())) for way in rest}
             else:
-                number += self._derivations.relations.count(sql, arguments, places, MOST_ROWS)
+                number += self.derivations.relations.count(sql, arguments, places, MOST_ROWS)
         return min(number + len(found), MOST_ROWS)
 
     def _derived(
@@ -181,10 +164,10 @@ class Prover:
     ) -> tuple[Node, ...] | None:
         """Return the nodes of a derivation of a row by a rule, or None if there is none."""
         if not is_aggregated(rule):
-            for clause, way in self._derivations.ways(rule, probing, row, arguments):
+            for clause, way in self.derivations.ways(rule, probing, row, arguments):
                 return (*telling.row(clause, way, row), *telling.derivation(clause, way))
             return None
-        ways = list(self._derivations.ways(rule, probing, row, arguments, MOST_ELEMENTS + 1))
+        ways = list(self.derivations.ways(rule, probing, row, arguments, MOST_ELEMENTS + 1))
         if not ways:
             return None
         return tuple(self._aggregated(probing, ways, row, telling))
@@ -254,3 +237,71 @@ def _unexplained(like: RuleFound, probing: Probing) -> RuleFound:
     else:
         text = "How this row came about could not be told."
     return RuleFound(like.span, None, None, None, Node("note", text))
+
+
+def unfold(
+    prover: Prover,
+    predicate: str,
+    given: Mapping[str, Value],
+    within: str = "",
+    *,
+    depth: int,
+    nodes: int,
+) -> Proof:
+    """Return the proof of the first row with given values, as `Explainer.proof` does."""
+    explanation = prover.explain(predicate, given, within)
+    unfolding = _Unfolding(prover, nodes)
+    roots = tuple(unfolding.node(node, depth, ()) for node in _proving(explanation))
+    return Proof(explanation, roots, unfolding.complete)
+
+
+class _Unfolding:
+    """One proof under way."""
+
+    def __init__(self, prover: Prover, most: int) -> None:
+        self._prover, self._left = prover, most
+        self._known: dict[str, tuple[Node, ...] | str] = {}
+        self.complete = True
+
+    def node(self, node: Node, depth: int, above: tuple[str, ...]) -> Node:
+        """Return a node with the calls in it unfolded."""
+        self._left -= 1
+        children = tuple(self.node(child, depth, above) for child in node.children)
+        if node.asked is not None:
+            children = (*children, *self._called(node.asked, depth, above))
+        return replace(node, children=children)
+
+    def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
+        """Return the proof of a call."""
+        key = json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
+        if depth <= 1 or self._left <= 0 or key in above:
+            self.complete = False
+            return ()
+        try:
+            self._prover.derivations.relations.spend(len(key))
+        except FailureError as failure:
+            self.complete = False
+            return (Node("note", f"The proof ends here: {failure}."),)
+        found = self._known.get(key)
+        if found is None:
+            try:
+                explained = self._prover.explain(asked.predicate, asked.given, asked.within)
+                found = _proving(explained)
+            except QueryError as error:
+                found = str(error)
+            self._known[key] = found
+        if isinstance(found, str):
+            return (Node("note", found),)
+        return tuple(self.node(each, depth - 1, (*above, key)) for each in found)
+
+
+def _proving(explanation: Explanation) -> tuple[Node, ...]:
+    """Return the rules that give the row; all of them, if there is none."""
+    if explanation.row is None:
+        return explanation.nodes
+    giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)
+    if not giving:
+        return (explanation.rules[-1].node,)
+    # Several rules may contribute to what is aggregated; else one of them is enough.
+    is_aggregated = any(child.kind == "aggregate" for child in giving[0].children)
+    return giving if is_aggregated else giving[:1]

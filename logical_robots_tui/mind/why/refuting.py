@@ -45,10 +45,6 @@ class Stop:
 class Refuting:
     """Tells why bodies have no derivation.
 
-    Args:
-        relations: The rows of predicates at the moment in question.
-        queries: SQL by name of a query.
-
     Attributes:
         telling: Tells derivations with the same queries.
     """
@@ -61,11 +57,6 @@ class Refuting:
         self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
         """Return why a rule has no row.
-
-        Args:
-            rule: The rule.
-            given: The given values that it reads.
-            alike: Values that columns of its head are to have.
 
         Returns:
             The values of its head that are never those asked for; what stopped it; its nodes.
@@ -80,13 +71,7 @@ class Refuting:
     def stop(
         self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
     ) -> Stop | None:
-        """Return what stops the clause that comes furthest, or None if nothing does.
-
-        Args:
-            rule: The rule.
-            given: The given values that it reads.
-            alike: Values that columns of its head are to have.
-        """
+        """Return what stops the clause that comes furthest, or None if nothing does."""
         if self._others(rule, given, alike):
             return None
         reached = [(clause, *self._reached(clause, given, alike)) for clause in rule.clauses]

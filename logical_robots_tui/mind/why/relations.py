@@ -43,14 +43,7 @@ _CLOSE = 1e-12
 
 
 class Relations:
-    """The rows that predicates have in one view of a moment, and queries over them.
-
-    Args:
-        asking: The databases of the mind.
-        moment: The moment.
-        view: The view.
-        within: The budget of everything that is asked, and the most rows of a predicate.
-    """
+    """The rows that predicates have in one view of a moment, and queries over them."""
 
     def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
         self._asking, self._plain = asking, asking.plain_tables

@@ -45,14 +45,7 @@ _MOST_ELEMENTS = 50
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """Something that was read of a robot's sensor or memory.
-
-    Attributes:
-        what: ``sensor`` or ``memory``.
-        robot: Whose.
-        path: The part of it.
-        value: What was there.
-    """
+    """Something that was read of a robot's sensor or memory."""
 
     what: Literal["sensor", "memory"]
     robot: str
@@ -102,13 +95,6 @@ def source_of(
 ) -> Made:
     """Return where a part of a value in a row comes from.
 
-    Args:
-        derivations: Finds derivations.
-        predicate: A predicate of the program.
-        row: Values of its columns that tell which row.
-        column: The column.
-        path: The part of the value there.
-
     Raises:
         QueryError: There is no such row or part, or how it came about can't be told.
     """
@@ -155,12 +141,7 @@ class _Sourcing:
         path: Path,
         caller: tuple[_Frame, Call] | None,
     ) -> tuple[Value, _Found]:
-        """Return a column of the first row with given values, and where a part of it comes from.
-
-        Raises:
-            QueryError: There is no such row, or how it came about can't be told.
-            FailureError: A query failed.
-        """
+        """Return a column of the first row with given values, and where a part of it comes from."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise QueryError("This goes through too many predicates to be followed.")

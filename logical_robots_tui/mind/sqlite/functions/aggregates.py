@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from logical_robots_tui.mind.sqlite.bounds import Room
-from logical_robots_tui.mind.sqlite.functions.order import in_order, order, order_of_scalar
 from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
     element,
+    in_order,
     list_in,
+    order,
+    order_of_scalar,
 )
 from logical_robots_tui.mind.sqlite.stored import to_json
 

@@ -23,17 +23,15 @@ from logical_robots_tui.mind.sqlite.budget import Work
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
-from logical_robots_tui.mind.sqlite.functions.order import (
-    compared,
-    in_json,
-    in_order,
-    order_of_scalar,
-)
-from logical_robots_tui.mind.sqlite.functions.replaced import REPLACED
+from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
+    compared,
     element,
+    in_json,
+    in_order,
     list_in,
+    order_of_scalar,
     real_as_json,
     value_as_json,
 )
@@ -230,12 +228,7 @@ NAMES = frozenset(
 
 
 def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
-    """Register all functions of this module, and mathematical functions if SQLite has none.
-
-    Args:
-        connection: An open connection.
-        work: The work that calls the functions; they fail when it is halted.
-    """
+    """Register all functions of this module, and mathematical functions if SQLite has none."""
     work = work or Work(lambda: None)
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():

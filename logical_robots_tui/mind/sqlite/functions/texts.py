@@ -1,14 +1,21 @@
-"""Texts as DuckDB formats them: numbers, format strings, upper and lower case."""
+"""Functions of texts: as DuckDB formats them, and in place of SQLite's own that can take minutes.
+
+SQLite compares every position of a text with every position of another. The functions of
+`REPLACED` use linear algorithms, or refuse.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.bounds import check_text
+from logical_robots_tui.mind.sqlite.bounds import TooLargeError, check_text
 
-__all__ = ["decimal_to_text", "formatted", "lower", "round_to", "upper"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["REPLACED", "decimal_to_text", "formatted", "lower", "round_to", "upper"]
 
 _DIRECTIVE = re.compile(r"%([-+ 0#]*)(\d*)(?:\.(\d*))?[hlLqjzt]*(.)", re.DOTALL)
 _WHOLE = frozenset("diuoxXc")
@@ -76,3 +83,93 @@ def _capital(character: str) -> str:
 def lower(text: str) -> str:
     """Return a text in lower case, character by character."""
     return text.lower() if text.isascii() else "".join(c.lower()[:1] for c in text)
+
+
+_LONGEST_PATTERN = 1_000
+_MOST_TRIMMED = 30
+_MOST_COMPARISONS = 5_000_000
+
+_SPACES = " "
+
+
+def _text(value: Any) -> str:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _like(pattern: Any, text: Any, escape: str = "") -> int:
+    """Return `text LIKE pattern`, case-sensitive."""
+    pattern, text = _text(pattern), _text(text)
+    if len(pattern) > _LONGEST_PATTERN:
+        raise TooLargeError(f"a pattern of {len(pattern):,} characters")
+    first, *rest = _pieces(pattern, escape)
+    if not rest:
+        return int(len(text) == len(first) and _found(first, text, 0, len(text)) == 0)
+    last = rest.pop()
+    start, end = len(first), len(text) - len(last)
+    if start > end or _found(first, text, 0, start) != 0 or _found(last, text, end, len(text)) < 0:
+        return 0
+    for piece in rest:
+        at = _found(piece, text, start, end)
+        if at < 0:
+            return 0
+        start = at + len(piece)
+    return 1
+
+
+def _pieces(pattern: str, escape: str) -> list[list[str]]:
+    """Return the literal parts between `%`, as characters, "" for any character."""
+    pieces: list[list[str]] = [[]]
+    characters = iter(pattern)
+    for character in characters:
+        if escape and character == escape:
+            pieces[-1].append(next(characters, ""))
+        elif character == "%":
+            pieces.append([])
+        else:
+            pieces[-1].append("" if character == "_" else character)
+    return pieces
+
+
+def _found(piece: list[str], text: str, start: int, end: int) -> int:
+    """Return where a part first occurs, or -1."""
+    if "" not in piece:
+        return text.find("".join(piece), start, end)
+    if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):
+        raise TooLargeError("a pattern with many _ on a long text")
+    pattern = re.compile("".join(re.escape(c) if c else "." for c in piece), re.DOTALL)
+    found = pattern.search(text, start, end)
+    return found.start() if found else -1
+
+
+def _instr(text: Any, part: Any) -> int:
+    return _text(text).find(_text(part)) + 1
+
+
+def _replace(text: Any, old: Any, new: Any) -> Any:
+    text, old, new = _text(text), _text(old), _text(new)
+    if not old:
+        return text
+    if len(new) > len(old):
+        check_text(len(text) + text.count(old) * (len(new) - len(old)))
+    return text.replace(old, new)
+
+
+def _trimmer(strip: Callable[[str, str], str]) -> Callable[..., str]:
+    def trim(text: Any, characters: Any = _SPACES) -> str:
+        unwanted = "".join(set(_text(characters)))
+        if len(unwanted) > _MOST_TRIMMED:
+            raise TooLargeError(f"{len(unwanted):,} different characters to trim")
+        return strip(_text(text), unwanted)
+
+    return trim
+
+
+REPLACED: dict[str, tuple[tuple[int, ...], Callable[..., Any]]] = {
+    "instr": ((2,), _instr),
+    "like": ((2, 3), _like),
+    "ltrim": ((1, 2), _trimmer(str.lstrip)),
+    "replace": ((3,), _replace),
+    "rtrim": ((1, 2), _trimmer(str.rstrip)),
+    "trim": ((1, 2), _trimmer(str.strip)),
+}
+"""Numbers of arguments and function by SQL name. Null in, null out."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind.diagnosis.finding import Finding
+    from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
