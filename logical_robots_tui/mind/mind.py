@@ -193,7 +193,6 @@ class Mind:
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
-        viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
         in_order: bool = True,
     ) -> Table:
@@ -203,7 +202,6 @@ class Mind:
             question: A question compiled for this mind's program.
             rows: As for `think`.
             memories: As for `think`.
-            viewers: Names of the robots in whose minds to ask, by default all.
             stop: Set it from another thread to cancel.
             in_order: Whether the order of the rows matters; without it may be faster.
 
@@ -214,9 +212,7 @@ class Mind:
         moment = self._moment_of(rows, memories)
 
         def answers(within: Within) -> Iterator[tuple[View, Answer]]:
-            return self._asking.question(
-                question, moment, within, in_order=in_order, viewers=viewers
-            )
+            return self._asking.question(question, moment, within, in_order=in_order)
 
         try:
             return self._counted(answers, stop)

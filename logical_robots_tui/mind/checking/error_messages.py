@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 __all__ = [
     "COMPLAINTS",
     "FUNCTION",
-    "at_word",
     "explain",
     "is_function",
     "plain_message",
@@ -91,12 +90,6 @@ def explain(
         at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
     return diagnostic_at(text, at, length, message, hint)
-
-
-def at_word(name: str, text: str, source: Prepared, message: str, hint: str) -> Diagnostic:
-    """Return a diagnostic at the first mention of a name."""
-    found = re.search(rf"(?<![\w@]){re.escape(name)}(?!\w)", source.skeleton)
-    return diagnostic_at(text, found.start() if found else 0, len(name), message, hint)
 
 
 def plain_message(error: BaseException) -> str:

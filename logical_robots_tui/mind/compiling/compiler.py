@@ -125,7 +125,7 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
     try:
         written = rewritten(recursions_written_out(rules))
         written_out(written)
-        spell_out(written, text, source)
+        spell_out(written, text)
         return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
     except error_messages.COMPLAINTS as error:
         raise ProgramError(

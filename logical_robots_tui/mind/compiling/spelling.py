@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.rules import (
     TRUTHS,
@@ -26,6 +25,7 @@ from logical_robots_tui.mind.compiling.rules import (
 )
 from logical_robots_tui.mind.diagnostics import ProgramError
 from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.source_text import diagnostic_for
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
@@ -54,7 +54,12 @@ TYPES = {
 """Accepted names of types, in upper case, and their name here."""
 
 
-def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
+_CAST_HINT = (
+    'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
+)
+
+
+def spell_out(rules: list[Rule], text: str) -> None:
     """Replace, in place, the type in `TryCast` by its text, and `ToString` of a boolean.
 
     Raises:
@@ -68,7 +73,9 @@ def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
                 call["predicate_name"] = "TruthToString"
         elif call["predicate_name"] == "TryCast":
             if len(values) != 2:
-                raise ProgramError((_no_type(text, source),))
+                message = "TryCast needs a value and an example of the result"
+                name = call["predicate_name"]
+                raise ProgramError((diagnostic_for(text, name, message, _CAST_HINT),))
             _name_type(call, values[1]["value"])
 
 
@@ -152,16 +159,6 @@ def _parts(text: str) -> list[str]:
         else:
             parts[-1] += character
     return parts
-
-
-def _no_type(text: str, source: Prepared) -> Any:
-    return error_messages.at_word(
-        "TryCast",
-        text,
-        source,
-        "TryCast needs a value and an example of the result",
-        'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.',
-    )
 
 
 _REST = "*"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from logical_robots_tui.mind.sqlite.bounds import Room
+from logical_robots_tui.mind.sqlite.budget import Room
 from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
     element,

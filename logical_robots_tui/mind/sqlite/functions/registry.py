@@ -12,14 +12,14 @@ import sqlite3
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.bounds import (
+from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
+    Work,
     check_items,
     check_text,
     counted,
     guarded,
 )
-from logical_robots_tui.mind.sqlite.budget import Work
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
