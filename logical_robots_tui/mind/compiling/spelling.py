@@ -30,7 +30,6 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["TYPES", "spell_out", "written_out"]
 
@@ -54,9 +53,7 @@ TYPES = {
 """Accepted names of types, in upper case, and their name here."""
 
 
-_CAST_HINT = (
-    'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
-)
+_CAST_HINT = 'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
 
 
 def spell_out(rules: list[Rule], text: str) -> None:

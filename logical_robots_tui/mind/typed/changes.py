@@ -314,4 +314,3 @@ _CHANGES = {
     "to_text": _text,
     "try_cast_like": _cast_as_example,
 }
-
