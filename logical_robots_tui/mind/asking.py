@@ -280,7 +280,6 @@ class Asking:
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:
-    """Return the tables for a program's tuned queries, if it has any."""
     if not program.tuned:
         return None
     robot = program.tuned.get("Robot")

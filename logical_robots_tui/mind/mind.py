@@ -111,7 +111,6 @@ class Mind:
         return decisions
 
     def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
-        """Return one decision for each robot of a moment."""
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -313,7 +312,6 @@ class Mind:
     # -- inside --------------------------------------------------------------------------------
 
     def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
-        """Return the budget of a query."""
         try:
             check_room(_ROOM)
         except MemoryError:
@@ -333,7 +331,6 @@ class Mind:
         return Moment(self._own(rows), memories, self.memory, self.sensor)
 
     def _own(self, rows: Sequence[SensorRow]) -> Sequence[SensorRow]:
-        """Return the rows of the robots that it thinks for."""
         if self._robots is None:
             return rows
         return [row for row in rows if row["robot_name"] in self._robots]

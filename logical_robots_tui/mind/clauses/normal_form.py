@@ -105,8 +105,6 @@ class Builder:
 
 
 class _ClauseBuilder:
-    """One clause."""
-
     def __init__(
         self,
         builder: Builder,
@@ -325,7 +323,6 @@ class _ClauseBuilder:
         return Term(kind, span, self._column(tree), parts, names_of(tree, kind))
 
     def _inner(self, combine: Rule) -> Body | None:
-        """Return the body of an aggregate or a negation."""
         body = flat(combine.get("body"))
         if not body or self._depth >= _DEEPEST:
             return None

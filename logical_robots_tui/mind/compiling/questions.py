@@ -86,7 +86,6 @@ def _names() -> Iterator[str]:
 
 
 def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
-    """Return the SQL of a predicate."""
     source = prepare(whole)
     parsed = parse_statements(whole, source)
     found = tuple(d for d in check(parsed, whole) if d.severity == "error")

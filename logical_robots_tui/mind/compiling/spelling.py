@@ -147,7 +147,6 @@ def _sql_type(spelled: str) -> Any:
 
 
 def _parts(text: str) -> list[str]:
-    """Return a text split at the commas outside parentheses."""
     parts, depth = [""], 0
     for character in text:
         depth += {"(": 1, ")": -1}.get(character, 0)
@@ -224,7 +223,6 @@ def _rest_of(call: Any, known: dict[str, list[str]]) -> Rule | None:
 
 
 def _left(call: Rule, known: dict[str, list[str]]) -> list[str]:
-    """Return the columns that a call does not name."""
     named = fields(call["record"])
     return [name for name in known[call["predicate_name"]] if name not in named]
 

@@ -239,7 +239,6 @@ class TunedTables:
         self._reset()
 
     def _reset(self) -> None:
-        """Note that the tables are empty."""
         self._lists.forget()
         self._radars.forget()
         self._moment = None

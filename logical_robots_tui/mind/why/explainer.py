@@ -189,8 +189,6 @@ def _calls_of(
 
 
 class _Search:
-    """Looks for calls in all clauses that hold."""
-
     def __init__(
         self,
         callers: Mapping[str, Sequence[str]],

@@ -124,8 +124,6 @@ def part_of(value: Value, path: Path) -> Value:
 
 
 class _Sourcing:
-    """Follows one value."""
-
     def __init__(self, derivations: Derivations) -> None:
         self._derivations = derivations
         self._depth = 0

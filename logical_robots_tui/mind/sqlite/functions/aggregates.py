@@ -133,8 +133,6 @@ class _Array(_Pairs):
 
 
 class _ArgMinOfNested(_ArgMin):
-    """ArgMin with records or lists as values."""
-
     key = staticmethod(order_of_scalar)
 
 
