@@ -56,7 +56,7 @@ _HERITAGE = "expression_heritage"
 
 
 def _parsed(text: str) -> list[Rule]:
-    parsed = parse_statements(text, prepare(text))
+    parsed = parse_statements(prepare(text))
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
     return parsed.rules

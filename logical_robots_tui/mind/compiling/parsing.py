@@ -43,7 +43,7 @@ class Parsed:
     doubtful: frozenset[str]
 
 
-def parse_statements(text: str, source: Prepared) -> Parsed:
+def parse_statements(source: Prepared) -> Parsed:
     """Parse every statement that can be parsed."""
     parse.TOO_MUCH = "too much"  # a program could switch the package's syntax permanently
     parse.EnactIncantations(source.text)
@@ -57,7 +57,7 @@ def parse_statements(text: str, source: Prepared) -> Parsed:
                 rules += _with_quotes(_parse_statement(source.text, start, end))
                 continue
             except error_messages.COMPLAINTS as error:
-                problems.append(error_messages.explain(error, text, source, (start, end)))
+                problems.append(error_messages.explain(error, source, (start, end)))
         doubtful.update(_NAME.findall(source.skeleton[start:end]))
     return Parsed(rules, problems, frozenset(doubtful))
 

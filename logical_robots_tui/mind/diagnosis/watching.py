@@ -38,8 +38,8 @@ _DEEPEST = 4
 class Sources:
     """Finds where values come from."""
 
-    def __init__(self, text: str, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
-        self._text, self._source, self._own = text, source, own
+    def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
+        self._source, self._own = source, own
 
     def of(self, tree: Any, rule: Rule) -> tuple[Span, ...]:
         """Return where the values in an expression of a rule come from, the nearest places first.
@@ -50,11 +50,11 @@ class Sources:
         found: dict[int, Span] = {}
         seen: set[tuple[int, str]] = set()
         waiting: deque[tuple[Any, Rule, int]] = deque([(tree, rule, 0)])
-        own_line = span_of(tree, self._text, self._source).line
+        own_line = span_of(tree, self._source).line
         while waiting and len(found) < _MOST:
             tree, rule, depth = waiting.popleft()
             for place, inner, where in self._next(tree, rule, seen):
-                span = span_of(place, self._text, self._source)
+                span = span_of(place, self._source)
                 if span.text and span.line != own_line:
                     found.setdefault(span.line, span)
                 if depth + 1 < _DEEPEST:
@@ -191,7 +191,6 @@ class Watching:
 
     def __init__(
         self,
-        text: str,
         source: Prepared,
         expanded: Expanded,
         functions: frozenset[str],
@@ -205,13 +204,13 @@ class Watching:
         made = {name: (base, name) for name, base in expanded.bases.items()}
         self.copies = {**expanded.origins, **made}
         self._within = ""
-        self._text, self._source = text, source
+        self._source = source
         self._own, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
         for copy, (original, _) in self.copies.items():
             for rule, first in zip(self._own[copy], self._own[original], strict=True):
                 self._numbers[id(rule)] = self._numbers[id(first)]
-        self._sources = Sources(text, source, expanded.rules)
+        self._sources = Sources(source, expanded.rules)
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
@@ -239,7 +238,7 @@ class Watching:
         return f"d{self._fresh}_{name}"
 
     def _span(self, tree: Any) -> Span:
-        return span_of(tree, self._text, self._source)
+        return span_of(tree, self._source)
 
     def _site(self, kind: Any, tree: Any, at: At, **told: Any) -> int:
         """Return the number of a site, the same for the same place."""
