@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.interning import Interner
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
-from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
+from logical_robots_tui.mind.sqlite.stored import Interner, TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 from logical_robots_tui.mind.table import plan_lines
 
