@@ -65,12 +65,7 @@ class Command(NamedTuple):
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:
-        """Do it, in the background if `act` is asynchronous.
-
-        Args:
-            target: What `act` is given.
-            spawn: Starts work in the background.
-        """
+        """Do it, in the background if `act` is asynchronous."""
         if iscoroutinefunction(self.act):
             spawn(partial(self.act, target), self.worker, exclusive=True)
         else:
@@ -87,11 +82,7 @@ class Command(NamedTuple):
         return " · ".join(key_name(key) for key in self.keys)
 
     def bar_key(self, *, typing: bool) -> str:
-        """The key that the command bar names, or "" if there is none.
-
-        Args:
-            typing: Whether printable keys are text at the moment.
-        """
+        """The key that the command bar names, or "" if there is none."""
         keys = [
             key for key in self.keys if not typing or (len(key_name(key)) > 1 and key != "space")
         ]

@@ -81,12 +81,7 @@ _BESIDE_FROM = 84  # columns from which the sentence stands beside its title
 
 
 class Help(Dialog[None]):
-    """A scrolling text: the pane in use first, then everything else, or what matches a text.
-
-    Args:
-        drawing: The drawing style whose signs to explain.
-        about: Where the player is; that comes first.
-    """
+    """A scrolling text: the pane in use first, then everything else, or what matches a text."""
 
     DEFAULT_CSS = """
     Help > #box { height: 90%; max-width: 100; }

@@ -21,11 +21,7 @@ class KeyMap:
     """All commands, with their keys.
 
     Args:
-        commands: The commands with the keys that they come with.
         keys: Other keys, by the id of the command.
-
-    Attributes:
-        by_id: The commands with the keys that they have now.
     """
 
     def __init__(

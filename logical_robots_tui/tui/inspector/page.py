@@ -49,17 +49,10 @@ class Page(Vertical):
     """Shows one thing about the current tick.
 
     Args:
-        session: The level, program and game at hand.
-        questions: Runs queries against the program.
-        view: The widget that takes the focus.
         above: Widgets above the message.
         below: Widgets below the view.
 
     Attributes:
-        view: The widget that takes the focus.
-        title: The page's name, for the heading.
-        robot: Name of the robot that the page is about.
-        table: The table of the page, if it has one.
         pending: The background query that escape cancels, if the page has one.
     """
 
@@ -75,11 +68,7 @@ class Page(Vertical):
 
     @dataclass
     class Ready(Message):
-        """A hidden page has something to show.
-
-        Attributes:
-            page: The page.
-        """
+        """A hidden page has something to show."""
 
         page: Page
 
@@ -88,21 +77,13 @@ class Page(Vertical):
 
     @dataclass
     class Opened(Message):
-        """The player follows a link to a predicate, a query or another page.
-
-        Attributes:
-            name: Which one.
-        """
+        """The player follows a link to a predicate, a query or another page."""
 
         name: str
 
     @dataclass
     class Left(Message):
-        """The player returns to what was shown before this page.
-
-        Attributes:
-            name: A page or a predicate.
-        """
+        """The player returns to what was shown before this page."""
 
         name: str
 
@@ -139,13 +120,7 @@ class Page(Vertical):
         """Use the rows of all predicates at the current tick, which have just been counted."""
 
     def head(self, tick: int, more: str = "", title: str = "") -> None:
-        """Set the heading, now that the page shows a tick.
-
-        Args:
-            tick: The tick.
-            more: More about it.
-            title: Replaces the page's title.
-        """
+        """Set the heading, now that the page shows a tick."""
         name = Content.styled(one_line(title or self.title), f"bold {INK.title}")
         parts = [name, Content(f"tick {tick}"), *([Content(more)] if more else [])]
         if self.replays and self._questions.is_by_another_program(tick):
@@ -200,9 +175,7 @@ class BackgroundQuery:
     async def run(self, work: Coroutine[Any, Any, T], report: Callable[[], None]) -> T:
         """Run a query.
 
-        Args:
-            work: The query; it is cancelled if this call is.
-            report: Called ten times a second while it runs.
+        The query is cancelled if this call is; `report` is called ten times a second meanwhile.
 
         Raises:
             Cancelled: `cancel` was called meanwhile.
@@ -244,7 +217,6 @@ class Placed(Message):
     """Highlight a place in the program.
 
     Attributes:
-        program: The program's text.
         place: Offsets of its first character and behind its last one.
     """
 
@@ -254,12 +226,7 @@ class Placed(Message):
 
 @dataclass
 class Sighted(Message):
-    """Highlight a robot or a ray in the labyrinth, or nothing.
-
-    Attributes:
-        highlight: The robot or the ray, or None.
-        frame: The tick that it belongs to.
-    """
+    """Highlight a robot or a ray in the labyrinth, or nothing."""
 
     highlight: Highlight | None
     frame: Frame
@@ -268,10 +235,7 @@ class Sighted(Message):
 def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
     """The robot or the ray that a node of a proof is about, or None.
 
-    Args:
-        node: The node.
-        robot: The robot whose reasoning it belongs to; equal rays are taken to be this robot's.
-        frame: The tick.
+    Of equal rays, that of `robot` is taken, whose reasoning the node belongs to.
     """
     if node.robot:
         return Highlight(node.robot)

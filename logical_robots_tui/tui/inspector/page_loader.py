@@ -31,13 +31,7 @@ __all__ = ["Pages"]
 class Pages:
     """The pages, each under its name in the list.
 
-    Args:
-        session: The level, program and game at hand.
-        questions: Runs queries against the program.
-
     Attributes:
-        table: The rows of the selected predicate.
-        pins: The pinned values.
         by_name: All but that of predicates, from left to right where two stand side by side.
     """
 

@@ -50,9 +50,6 @@ class InspectorPane(Pane):
     """Follows the current tick, a few times a second while the game runs.
 
     Where there is room, the decision of the robot stands beside the selected page.
-
-    Args:
-        session: The level, program and game at hand.
     """
 
     command_id: ClassVar[str] = "inspector"

@@ -20,14 +20,7 @@ _MOST_TICKS = 2000
 
 
 def window(before: range, width: int, tick: int, last: int) -> range:
-    """The ticks to plot; they stay the same while the current tick is among them.
-
-    Args:
-        before: The ticks plotted before.
-        width: How many there may be.
-        tick: The current tick.
-        last: The last tick of the history.
-    """
+    """The ticks to plot; they stay the same while the current tick is among them."""
     stop = max(before.stop, tick + 1)
     if tick < stop - width:
         stop = tick + width // 2
@@ -36,12 +29,7 @@ def window(before: range, width: int, tick: int, last: int) -> range:
 
 
 class PinHistory:
-    """Reads pins at ticks and keeps their values until the program or the run is another one.
-
-    Args:
-        session: The level, program and game at hand.
-        questions: Runs queries against the program.
-    """
+    """Reads pins at ticks and keeps their values until the program or the run is another one."""
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self._session = session

@@ -37,13 +37,7 @@ _ARROWS = 10  # columns for the two joints with their arrows
 
 
 class GraphView(LinesView):
-    """The neighbours of a predicate.
-
-    Args:
-        program: Whose predicates.
-        name: The predicate in the middle at first.
-        opened: Called with the predicate that the player opens in the inspector.
-    """
+    """The neighbours of a predicate."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("up", "choose(-1)", show=False),
@@ -169,11 +163,7 @@ class GraphView(LinesView):
 def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
     """The directions of the connector on a row: some of ``e``, ``n``, ``s``, ``w``, in this order.
 
-    Args:
-        row: The row.
-        ends: The rows to connect.
-        middle: The row to connect them to.
-        to_right: Whether that is to the right of them.
+    It connects the rows `ends` with the row `middle`.
     """
     if not ends:
         return ""
@@ -189,12 +179,7 @@ def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
 
 
 class Graph(Dialog[str]):
-    """A dialog with the graph; returns the name of the predicate to open.
-
-    Args:
-        program: Whose predicates.
-        name: The predicate in the middle at first.
-    """
+    """A dialog with the graph; returns the name of the predicate to open."""
 
     DEFAULT_CSS = """
     Graph > #box { height: 80%; max-width: 110; }
@@ -227,9 +212,7 @@ _BAR = 24  # columns of the longest bar
 def query_plan_text(found: Sequence[QueryPlan], predicate: str) -> Static:
     """How long each predicate takes, and the SQL and plan of one of them.
 
-    Args:
-        found: All predicates, the slowest first.
-        predicate: The one to show in full; the slowest if it is not among them.
+    That is `predicate`, or the slowest, which comes first, if it is not among them.
     """
     chosen = next((each for each in found if each.predicate == predicate), found[0])
     return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))

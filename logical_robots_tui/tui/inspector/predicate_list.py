@@ -49,12 +49,7 @@ _NARROWEST = 12  # columns of an entry
 
 
 class PredicateList(Listing):
-    """Lists what can be inspected.
-
-    Attributes:
-        predicates: The predicates of the listed program, or None before the first one.
-        names: The listed pages and predicates.
-    """
+    """Lists what can be inspected."""
 
     DEFAULT_CSS = """
     PredicateList {
@@ -72,12 +67,7 @@ class PredicateList(Listing):
         self._counted: dict[str, tuple[str, bool, int]] = {}
 
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
-        """List the predicates of a program.
-
-        Args:
-            predicates: All of them.
-            inspected: The page or predicate to highlight.
-        """
+        """List the predicates of a program."""
         self.predicates, self._survey = predicates, None
         self._counted.clear()
         # Functions of the prelude never have rows to show; those of the program have calls.

@@ -25,8 +25,6 @@ class Survey:
     """The rows of every predicate at a tick.
 
     Attributes:
-        program: The program.
-        frame: The tick.
         tables: Rows of each predicate by name, or why there are none.
         before: The same at the tick before, as far as it is known.
     """
@@ -53,9 +51,6 @@ class Questions:
     """Runs queries against the program that the robots think with.
 
     Each raises `Superseded` if there is no program yet, or if something newer was asked.
-
-    Args:
-        session: The level, the program and the game at hand.
     """
 
     def __init__(self, session: Session) -> None:

@@ -34,8 +34,6 @@ class MemoryPart:
     """A part of a memory.
 
     Attributes:
-        robot: Whose memory.
-        path: The part of it.
         tick: The tick after which the robot has it; 0 is the start.
     """
 
@@ -46,11 +44,6 @@ class MemoryPart:
 
 def pin_here(inspected: str, table: ValueTable | None, robot: str) -> Pin | None:
     """The pin for a cell, a number of rows or a robot's memory.
-
-    Args:
-        inspected: The selected page or predicate.
-        table: The table on the screen, if any.
-        robot: Name of the selected robot.
 
     Returns:
         The pin, or None if there is nothing to pin or the row cannot be told from others.
@@ -77,17 +70,7 @@ def branches_of(node: Node) -> tuple[str, Sequence[Branch]]:
 def branches_here(
     inspected: str, table: ValueTable | None, robot: str, frame: Frame
 ) -> tuple[str, Sequence[Branch]]:
-    """The values to open as a tree: that of a cell, or the inputs and outputs of a decision.
-
-    Args:
-        inspected: The selected page or predicate.
-        table: The table on the screen, if any.
-        robot: Name of the selected robot.
-        frame: The current tick.
-
-    Returns:
-        A title, and the values by name, or none.
-    """
+    """The values to open as a tree: that of a cell, or the inputs and outputs of a decision."""
     if inspected in _OF_A_ROBOT:
         return f"Decision of {robot}", _decision(frame, robot)
     if table is None or table.pointed is None:

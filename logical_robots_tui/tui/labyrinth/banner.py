@@ -70,13 +70,7 @@ class VictoryBanner(Overlay):
         self._offers: Sequence[tuple[str, str]] = _OFFERS
 
     def celebrate(self, ticks: int, who: str, recorder: ProgressRecorder) -> None:
-        """Show a victory.
-
-        Args:
-            ticks: The number of ticks.
-            who: Who is where, in a few words.
-            recorder: Has the measures.
-        """
+        """Show a victory."""
         self._seed, self._offers = ticks, _OFFERS
         self._said = f"★ {clip(who, 50)} — {counted(ticks, 'tick')} ★"
         self._show(recorder)

@@ -30,9 +30,6 @@ class Briefing(Overlay):
     """The briefing at the start, until the game runs or the player closes it.
 
     It is where it hides the fewest robots and goals.
-
-    Args:
-        view: The picture that it lies over.
     """
 
     DEFAULT_CSS = """

@@ -64,7 +64,6 @@ class Camera(NamedTuple):
     """The player's view.
 
     Attributes:
-        sight: What is shown.
         step: Index into ``ZOOMS``.
         x: Map units of the view's middle, unless it shows the whole labyrinth.
         y: Map units in the middle of the view.
@@ -81,13 +80,7 @@ class Camera(NamedTuple):
         return ZOOMS[self.step]
 
     def viewport(self, level: Level, columns: int, rows: int) -> Viewport:
-        """Return the part of a level's map that is shown in a block of cells.
-
-        Args:
-            level: The level, for its size.
-            columns: Cells across.
-            rows: Cells down.
-        """
+        """Return the part of a level's map that is shown in a block of cells."""
         whole = Viewport.fit(level.width, level.height, columns, rows)
         if self.sight not in (Sight.FOLLOW, Sight.FREE):
             return whole
@@ -108,11 +101,7 @@ class Camera(NamedTuple):
 
         A view that moved with every step would change every cell in every picture.
 
-        Args:
-            x: Of the robot, map units.
-            y: Of the robot, map units.
-            view: The current view.
-            at_once: Whether to centre it in any case.
+        x and y are map units; `at_once` centres it in any case.
         """
         if self.sight is not Sight.FOLLOW:
             return self
@@ -126,11 +115,8 @@ class Camera(NamedTuple):
     def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
         """Zoom.
 
-        Args:
-            steps: Zoom steps; negative ones zoom out.
-            view: The current view.
-            at: The point, in map units, that stays in place on the screen; by default the middle. A
-                followed robot stays in the middle instead.
+        The point `at` (map units), by default the middle, stays in place on the screen; but a
+        followed robot stays in the middle. Negative steps zoom out.
         """
         if self.sight is Sight.SENSES:
             return self
@@ -146,14 +132,7 @@ class Camera(NamedTuple):
         return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
 
     def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
-        """Pan the view; part of the map stays in view.
-
-        Args:
-            columns: Cells to the right.
-            rows: Cells down.
-            view: The current view.
-            level: The map.
-        """
+        """Pan the view; part of the map stays in view."""
         if self.sight is Sight.SENSES:
             return self
         x = view.left + view.width / 2 + columns * view.units

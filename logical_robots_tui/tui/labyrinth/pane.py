@@ -144,12 +144,7 @@ class RobotCard(Static):
     def show(self, level: Level, frame: Frame, name: str | None, *, on_the_left: bool) -> None:
         """Show a robot, or hide.
 
-        Args:
-            level: The level.
-            frame: The tick.
-            name: The robot's name, or None to hide.
-            on_the_left: Whether the robot is in the left half of the picture, so that the card
-                goes to the right.
+        `on_the_left` says that the robot is in the left half, so that the card goes to the right.
         """
         robots = zip(level.robots, frame.after.robots, strict=True)
         found = next((pair for pair in robots if pair[0].name == name), None)

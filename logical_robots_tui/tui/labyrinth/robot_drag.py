@@ -29,12 +29,7 @@ class RobotPointed(Message):
 
 @dataclass
 class RobotPut(Message):
-    """A robot was dragged or turned.
-
-    Attributes:
-        name: The robot's name.
-        pose: Where it is now.
-    """
+    """A robot was dragged or turned."""
 
     name: str
     pose: Pose
@@ -45,7 +40,6 @@ class Grip:
     """How a robot is held with the mouse.
 
     Attributes:
-        name: The robot's name.
         dx: Map units from its centre to the pointer.
         dy: Map units from its centre to the pointer.
         is_turned: Whether it turns towards the pointer instead of following it.
@@ -67,11 +61,7 @@ class Grip:
 def robot_near(robots: Iterable[RobotState], x: float, y: float, units: float) -> RobotState | None:
     """Return the robot nearest to a point, if it is close.
 
-    Args:
-        robots: The robots.
-        x: Map units.
-        y: Map units.
-        units: Map units per column.
+    x and y are map units, `units` is map units per column.
     """
     reach = max(_PICK_REACH * units, ROBOT_RADIUS + CELL_ASPECT * units / 2)
     away = [(math.hypot(robot.x - x, robot.y - y), i, robot) for i, robot in enumerate(robots)]

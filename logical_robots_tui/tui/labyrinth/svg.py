@@ -33,13 +33,7 @@ _FONT_SIZE = 12  # map units
 def svg(
     level: Level, palette: Palette = DARK, paths: Mapping[str, Sequence[Point]] | None = None
 ) -> str:
-    """Return a level at its start as SVG; one map unit is one unit of the drawing.
-
-    Args:
-        level: The level.
-        palette: The colours that don't come from the level.
-        paths: Where robots have been, by name.
-    """
+    """Return a level at its start as SVG; one map unit is one unit of the drawing."""
     paths = paths or {}
     return "\n".join(
         [

@@ -33,15 +33,7 @@ _TROUBLE: dict[MarkKind, tuple[str, str]] = {
 
 
 class VictoryAnnouncer(SessionListener):
-    """Shows the briefing at the start, and announces each victory once, after it is recorded.
-
-    Args:
-        session: The session.
-        pane: The pane with the banner.
-        recorder: Has the measures.
-        tell: Shows a message.
-        is_hidden: Returns whether the labyrinth is covered.
-    """
+    """Shows the briefing at the start, and announces each victory once, after it is recorded."""
 
     def __init__(
         self,
@@ -108,13 +100,7 @@ class VictoryAnnouncer(SessionListener):
             self._announce()
 
     def measured(self, level: Level, found: Measures, *, is_here: bool) -> None:
-        """Show the measures of a victory, unless the banner does.
-
-        Args:
-            level: The level.
-            found: The measures.
-            is_here: Whether it is the current level.
-        """
+        """Show the measures of a victory, unless the banner does."""
         if not (is_here and self._pane.banner.display):
             title = one_line(level.title)
             self._tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")

@@ -53,17 +53,10 @@ class LabyrinthView(Widget):
     Only changes since the last frame are repainted.
 
     Attributes:
-        rays: Whether to show the robots' radar as light.
-        marks: Whether to mark the ends of rays.
-        lines: Whether to draw the rays of the selected robot.
-        trails: Whether to show trails.
-        drawing: The characters to draw with.
-        selected: Name of the selected robot, or None.
         drags_robots: Whether a drag that begins at a robot moves it, and not the map.
         pointed: Name of the robot under the mouse pointer, or None.
         camera: What is shown. ``view`` is the resulting part of the map, and converts cells of this
             widget to map units and back.
-        palette: The colours, or None for those of the theme.
     """
 
     DEFAULT_CSS = "LabyrinthView { width: 1fr; height: 1fr; }"
@@ -83,11 +76,7 @@ class LabyrinthView(Widget):
 
     @dataclass
     class RobotPicked(Message):
-        """A robot was clicked.
-
-        Attributes:
-            name: The robot's name.
-        """
+        """A robot was clicked."""
 
         name: str
 
@@ -116,10 +105,7 @@ class LabyrinthView(Widget):
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
         """Show a frame.
 
-        Args:
-            level: Its level.
-            frame: The frame.
-            hurried: Whether the next frame follows at once, so that less must be sent.
+        If `hurried`, the next frame follows at once, so less must be sent.
         """
         if self._level is None or _place_of(level) != _place_of(self._level):
             self.set_reactive(LabyrinthView.camera, Camera())
@@ -153,10 +139,8 @@ class LabyrinthView(Widget):
     def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
         """Zoom in, or out with negative steps.
 
-        Args:
-            steps: Zoom steps.
-            at: The point, in map units, that stays in place; by default the overlay's cursor, or
-                the followed robot.
+        The point `at`, in map units, stays in place; by default the overlay's cursor or the
+        followed robot.
         """
         if self.view is None:
             return

@@ -90,14 +90,7 @@ def layout_for(width: int, height: int) -> Layout:
 
 
 def grid_for(layout: Layout, width: int, height: int, shares: Shares) -> Grid:
-    """Return the sizes of the panes.
-
-    Args:
-        layout: A roomy layout.
-        width: Columns of the terminal.
-        height: Its rows.
-        shares: The player's changes.
-    """
+    """Return the sizes of the panes."""
     room = height - 2  # status and command bar
     inspector = min(max(round(0.3 * height), 8), _HIGHEST_TABLE)
     if layout is Layout.WIDE:
@@ -115,11 +108,7 @@ def _within(number: int, least: int, most: int) -> int:
 
 
 class Arrangement:
-    """Places the panes, and knows the active one.
-
-    Args:
-        panes: Labyrinth, program and inspector.
-    """
+    """Places the panes, and knows the active one."""
 
     def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
         self.container = Container(*panes, id="panes")

@@ -26,11 +26,7 @@ _WHILE_EDITING = ("run", "help")
 
 
 class CommandChosen(Message):
-    """A command was clicked.
-
-    Attributes:
-        command_id: Which one.
-    """
+    """A command was clicked."""
 
     def __init__(self, command_id: str) -> None:
         super().__init__()
@@ -95,11 +91,7 @@ class CommandBar(Labels):
     ) -> None:
         """Show the commands for a situation.
 
-        Args:
-            typing: Whether printable keys are text.
-            running: Whether the robots run.
-            editing: Whether keys edit the level.
-            own: Keys of the focused widget with what they do; they come first.
+        The keys of the focused widget, `own`, come first.
         """
         now = typing, running, editing, own
         if now != (self._typing, self._game_runs, self._edits, self._own):

@@ -45,11 +45,7 @@ class ClosedOnce(Screen[Result]):
 class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
     """A box over the game with a title; closing it without an answer returns None.
 
-    Args:
-        title: The title; by default `heading`.
-
     Attributes:
-        heading: The title of all dialogs of a class.
         keys: What the last line says about keys; "" for no such line.
     """
 
@@ -106,13 +102,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
 
 
 class Prompt(Dialog[Result]):
-    """Asks for a line of text.
-
-    Args:
-        title: The title.
-        text: The initial text.
-        placeholder: Shown while there is no text.
-    """
+    """Asks for a line of text."""
 
     DEFAULT_CSS = """
     Prompt > #box { max-width: 60; padding: 1 2 0 2; }
@@ -157,8 +147,6 @@ class Question(Dialog[str]):
     """Asks a question, and returns the name of the answer.
 
     Args:
-        title: The title.
-        question: The question.
         answers: Pairs of name and label; the first letter of the label is its key.
         text: A text that the answer ``show`` shows.
         noticing: Seconds before the answers are shown.
@@ -266,7 +254,6 @@ class Search(NamedTuple):
     """A search.
 
     Attributes:
-        wanted: The text to find.
         instead: The replacement for all matches; None only searches.
     """
 
@@ -275,11 +262,7 @@ class Search(NamedTuple):
 
 
 class Find(Dialog[Search]):
-    """Asks for a text to find; enter in the second line replaces it everywhere.
-
-    Args:
-        wanted: The initial text.
-    """
+    """Asks for a text to find; enter in the second line replaces it everywhere."""
 
     DEFAULT_CSS = """
     Find > #box { max-width: 60; padding: 1 2 0 2; }

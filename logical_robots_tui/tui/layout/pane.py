@@ -42,8 +42,6 @@ class Pane(Container):
         """An edge is dragged with the mouse.
 
         Attributes:
-            pane: Which pane.
-            side: The edge: ``left``, ``right``, ``top`` or ``bottom``.
             moved: Columns and rows since the last message.
         """
 

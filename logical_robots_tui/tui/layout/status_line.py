@@ -40,15 +40,8 @@ class Status(NamedTuple):
     """The content of the status line.
 
     Attributes:
-        title: The level's title.
-        activity: What the game is doing.
-        tick: The tick on the screen.
-        won_at: The tick of victory, or None.
         speed: The chosen ticks per second; None for full speed.
         achieved: Ticks per second over the last second, or None while nothing runs.
-        goals: The goal areas with the robots in them.
-        standing: The points of each team.
-        think_milliseconds: How long the last think took.
         thinking_for: Seconds that a long think has taken so far, otherwise 0.0.
     """
 

@@ -28,15 +28,7 @@ __all__ = ["LearningController"]
 
 
 class LearningController:
-    """The learning commands for the current level.
-
-    Args:
-        session: The session.
-        ui: The user interface.
-        recorder: The player's progress.
-        program: The text in the editor.
-        open_program: Opens a program with a text.
-    """
+    """The learning commands for the current level."""
 
     def __init__(
         self,

@@ -29,7 +29,6 @@ class Reader(Dialog[None]):
     """A long text to scroll.
 
     Args:
-        title: What it is.
         text: The text as a widget, from `markdown` or `coloured`.
     """
 
@@ -97,8 +96,6 @@ class Hints(Dialog[None]):
     """Shows the hints revealed so far, and reveals the next one when asked.
 
     Args:
-        title: The level's title.
-        hints: All its hints.
         revealed: The number of revealed hints; if 0, the first one is revealed now.
         reveal: Called with the number of revealed hints when that grows.
     """

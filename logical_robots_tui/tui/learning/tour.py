@@ -28,8 +28,6 @@ class Stop:
     """One stop of the tour.
 
     Attributes:
-        place: Id of the explained part of the screen.
-        title: Its title.
         text: One or two sentences about it, with commands in braces for their keys.
     """
 
@@ -69,12 +67,7 @@ _WIDTH = 46
 
 
 class Tour(Static, can_focus=True):
-    """Explains the parts of the screen; other keys keep their meaning.
-
-    Args:
-        moved: Called at each stop.
-        ended: Called at the end.
-    """
+    """Explains the parts of the screen; other keys keep their meaning."""
 
     DEFAULT_CSS = """
     Tour {
@@ -150,14 +143,7 @@ class Tour(Static, can_focus=True):
 
 
 class TourController:
-    """Shows the parts of the screen during the tour.
-
-    Args:
-        mount: Shows the tour.
-        arrangement: The panes.
-        point_at: Brings a pane into view.
-        ended: Called at the end.
-    """
+    """Shows the parts of the screen during the tour."""
 
     def __init__(
         self,

@@ -29,11 +29,6 @@ class LevelEditing(SessionListener):
     """Starts and ends level editing.
 
     Args:
-        session: The session.
-        ui: The user interface.
-        own: Folder of the player's levels.
-        drafts: The drafts of unsaved levels.
-        open_level: Opens a level.
         view: Creates the view of an edited level, which handles keys and mouse.
     """
 
@@ -65,8 +60,7 @@ class LevelEditing(SessionListener):
     def open(self, key: str = "") -> None:
         """Edit the current level, or continue editing it.
 
-        Args:
-            key: The key of its draft from a crashed session, if there is one.
+        `key` is that of its draft from a crashed session, if there is one.
         """
         from logical_robots_tui.tui.level_editor.mode import EditMode
 

@@ -35,11 +35,7 @@ class Stroke:
 
     Attributes:
         what: Its name for undo, or "" before it has changed anything.
-        start: Its start in map units.
-        end: Its current point.
         grip: The offset from the thing's position to where it was grabbed.
-        is_handle: Whether the thing was grabbed by its handle.
-        has_done: Whether it has changed anything.
     """
 
     what: str
@@ -56,9 +52,6 @@ class LevelEditor:
     An invalid change is reported and has no effect.
 
     Args:
-        edits: The edited level, with undo and redo.
-        state: Returns the state of the world.
-        changed: Called after every change of the level.
         complain: Called with the message of an invalid change.
     """
 
@@ -107,10 +100,8 @@ class LevelEditor:
     def press(self, x: float, y: float, units: float) -> None:
         """Start a stroke with the current tool.
 
-        Args:
-            x: Map units.
-            y: Map units.
-            units: Map units per column; a thing can be picked from a little further away.
+        x and y are map units, `units` map units per column: a thing can be picked from a little
+        further away.
         """
         tool = self.settings.tool
         self.stroke = Stroke("", (x, y), (x, y))
@@ -214,9 +205,7 @@ class LevelEditor:
     def change_level(self, what: str, level: Level) -> None:
         """Replace the level; robots that it moves start from their current places.
 
-        Args:
-            what: The name of the undo step.
-            level: The level, made from the current one.
+        `what` names the undo step.
         """
         standing = {robot.name: robot for robot in self.standing.robots}
         starts = {robot.name: robot for robot in self.level.robots}
@@ -383,9 +372,7 @@ def reach_of(thing: Thing) -> float:
 def handle_of(thing: Thing, units: float) -> Point | None:
     """Return the handle that turns or resizes a thing, or None.
 
-    Args:
-        thing: The thing.
-        units: Map units per column, so that the handle is beside the thing.
+    `units` is map units per column: the handle is beside the thing.
     """
     if isinstance(thing, Robot):
         away = max(2 * ROBOT_RADIUS, 3.5 * units)

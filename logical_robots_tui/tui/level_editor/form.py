@@ -40,10 +40,7 @@ class Number(Input):
     """A number.
 
     Args:
-        name: Its id.
-        value: The initial number.
         said: The subject of a message about it.
-        whole: Whether it must be an integer.
     """
 
     def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
@@ -79,8 +76,6 @@ class Choice(Select[str]):
     """One of several names; the space bar and the down key list them.
 
     Args:
-        name: Its id.
-        labels: The labels of the names.
         value: The chosen name; it can be chosen even if it is missing.
         nothing: The label for no name, or "" if one must be chosen.
     """
@@ -138,8 +133,6 @@ class Ticks(Listing):
     """Any number of names, with checkboxes.
 
     Args:
-        name: Its id.
-        known: The names that exist.
         ticked: The ticked names; they are listed even if they are missing.
     """
 
@@ -177,12 +170,6 @@ class Form(Dialog[bool]):
     """Fields with labels; `take` applies them, and may refuse.
 
     Returns True if it was applied.
-
-    Args:
-        title: The title of the box.
-
-    Attributes:
-        verb: The label of the button that applies the fields.
     """
 
     DEFAULT_CSS = """
@@ -278,11 +265,7 @@ class Form(Dialog[bool]):
         return {name: self._fields[name].read() for name in names or self._fields}
 
     def changed(self) -> dict[str, Any]:
-        """Return the values of the fields that were changed, by their names.
-
-        Raises:
-            LevelError: A value is invalid.
-        """
+        """Return the values of the fields that were changed, by their names, as `values` does."""
         return {name: v for name, v in self.values().items() if v != self._before[name]}
 
     def row(self, name: str) -> Horizontal:

@@ -59,11 +59,6 @@ class ThingForm(Form):
 
     While a robot is under way, its position and heading are those of the current tick, and its
     start has fields of its own.
-
-    Args:
-        editor: The level editor.
-        ref: The thing.
-        put: Puts a robot elsewhere at the current tick.
     """
 
     def __init__(self, editor: LevelEditor, ref: Ref, put: Callable[[str, Pose], None]) -> None:
@@ -147,11 +142,7 @@ _SENSORS = {"own": "its own", "all": "of all robots"}
 
 
 class LevelForm(Form):
-    """Edits size, texts, visibility and shared names.
-
-    Args:
-        editor: The level editor.
-    """
+    """Edits size, texts, visibility and shared names."""
 
     def __init__(self, editor: LevelEditor) -> None:
         super().__init__("Level")
@@ -199,13 +190,7 @@ _OF = {
 
 
 class NewLevelForm(Form):
-    """Asks for a new level, which is in `made` afterwards.
-
-    Args:
-        names: Names of all levels that can be copied.
-        here: Name of the current level.
-        own: Folder of the player's levels.
-    """
+    """Asks for a new level, which is in `made` afterwards."""
 
     keys = "tab or enter next   F2 create   esc cancel"
     verb = "Create"
@@ -265,13 +250,7 @@ class NewLevelForm(Form):
 
 
 async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
-    """Ask for a new level and return it, or None.
-
-    Args:
-        ui: The user interface.
-        here: Name of the current level.
-        own: Folder of the player's levels.
-    """
+    """Ask for a new level and return it, or None."""
     own_names = await asyncio.to_thread(own_levels, own)
     shipped = await asyncio.to_thread(list_shipped)
     names = list(dict.fromkeys([*shipped, *own_names]))
@@ -280,11 +259,7 @@ async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
 
 
 class FindingList(Dialog[Finding]):
-    """Lists findings; returns the one to go to.
-
-    Args:
-        findings: At least one.
-    """
+    """Lists findings; returns the one to go to."""
 
     DEFAULT_CSS = """
     FindingList > #box { max-width: 90; padding: 1 2 0 2; }

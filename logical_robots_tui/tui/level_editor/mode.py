@@ -71,19 +71,11 @@ class EditMode:
     Leaving and returning continues where the player was; undo reaches back to the start.
 
     Args:
-        session: The session.
-        ui: The user interface.
-        own: Folder of the player's levels.
-        drafts: The drafts of unsaved levels.
-        view: Creates the view.
         key: The key of its earlier draft, if it has no file.
 
     Attributes:
-        levels: The level in its file, as edited, and on the screen.
         file: Its file if the player may save there, otherwise None.
         findings: Likely mistakes, or None while they are being looked for.
-        is_on: Whether keys and mouse edit.
-        is_testing: Whether the level is being tested.
         saving: Held while the level is being saved.
     """
 
@@ -192,9 +184,7 @@ class EditMode:
     def saved(self, level: Level, saved: Level) -> None:
         """Note that the level was saved.
 
-        Args:
-            level: The saved level.
-            saved: The same with the name and source of the file.
+        `saved` has the name and source of the file.
         """
         self.ui.tell(f"Saved as {one_line(saved.name)}.")
         if self._is_over and level is not self.levels.edited:
@@ -274,11 +264,6 @@ class GameSync:
 
     While walls are painted the picture is ahead of the game, which catches up as fast as it can: a
     large level takes a moment.
-
-    Args:
-        session: The session.
-        editor: The level editor.
-        spawn: Starts background work.
     """
 
     def __init__(self, session: Session, editor: LevelEditor, spawn: Spawn) -> None:

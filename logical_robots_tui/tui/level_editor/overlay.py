@@ -38,15 +38,7 @@ _BLANK = text_id(" ")
 def mark(
     cells: Cells, view: Viewport, editor: LevelEditor, findings: Sequence[Finding], look: Look
 ) -> None:
-    """Draw the editor's state over the picture of a level.
-
-    Args:
-        cells: The picture, changed in place.
-        view: The view.
-        editor: The level editor.
-        findings: Likely mistakes, to be marked at their places.
-        look: How the picture was drawn.
-    """
+    """Draw the editor's state over the picture of a level."""
     plain = look.drawing is Drawing.ASCII
     if editor.settings.is_grid_shown:
         _dot_grid(cells, view, editor, "." if plain else "·", look)

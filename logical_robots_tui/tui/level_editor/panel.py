@@ -33,9 +33,6 @@ class EditPanel(EditView):
     """Shows an edited level, and handles keys and mouse.
 
     Args:
-        mode: The edit mode.
-        pane: The labyrinth pane.
-        enter: Brings the pane into view and focuses it.
         switched: Called with whether keys edit now.
         changed: Called when the lines around the panes may have changed.
     """

@@ -122,9 +122,6 @@ class SaveLevel(SaveDialog[Level]):
     """Saves a level, with a title.
 
     Args:
-        level: The level.
-        name: The proposed name.
-        own: Folder of the player's levels.
         file: The level's own file, whose formatting is kept as far as possible, or None.
     """
 

@@ -101,10 +101,7 @@ class InfoLine(Widget):
     def show(self, *, findings: int | None, forbidden: bool, saved: bool) -> None:
         """Show the state.
 
-        Args:
-            findings: The number of likely mistakes, or None while they are being looked for.
-            forbidden: Whether one of them keeps the level from being loaded.
-            saved: Whether the level is saved.
+        `findings` is None while they are being looked for; a `forbidden` level can't be loaded.
         """
         editor = self._editor
         x, y = editor.cursor

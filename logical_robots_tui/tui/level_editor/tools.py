@@ -40,12 +40,9 @@ class Settings:
     """Settings of the tools.
 
     Attributes:
-        tool: The current tool.
         width: Width of brush, line and border, in grid squares.
         grid: Size of a grid square, in map units.
-        is_grid_shown: Whether the grid is drawn.
         is_wall: Whether lines, rectangles and fillings are wall instead of floor.
-        is_filled: Whether rectangles are filled.
     """
 
     tool: Tool = Tool.HAND

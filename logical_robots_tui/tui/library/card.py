@@ -70,11 +70,8 @@ class LevelCard:
     """The content of a card.
 
     Attributes:
-        name: The level's name.
         level: The level, or None until it is loaded.
-        record: The player's progress there.
         complaint: Why the level can't be used, or "".
-        is_here: Whether it is the current level.
         file: Its file if it is the player's own, otherwise None.
     """
 
@@ -128,12 +125,7 @@ def card_strips(
 ) -> list[Strip]:
     """Return the lines of a card.
 
-    Args:
-        card: The content.
-        picture: The miniature, ``width - 2`` cells wide and `rows` high, or None if not drawn yet.
-        width: Columns of the card.
-        rows: Lines of the miniature.
-        chosen: Whether it is the chosen card.
+    The picture is `width - 2` cells wide and `rows` high, or None if not drawn yet.
     """
     frame = _FRAMES[chosen]
     ink = _style(INK.key if chosen else INK.faint, bold=chosen)

@@ -144,11 +144,7 @@ class LevelCards(ScrollView, can_focus=False):
         self._reveal()
 
     def render_line(self, y: int) -> Strip:
-        """Return a line of the visible cards.
-
-        Args:
-            y: Its row.
-        """
+        """Return a line of the visible cards."""
         row, line = divmod(y + self.scroll_offset.y, self._card_height)
         first = row * self.across
         shown = range(first, min(first + self.across, len(self._cards)))

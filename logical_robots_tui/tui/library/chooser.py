@@ -46,8 +46,6 @@ class Card:
     """The details of an entry.
 
     Attributes:
-        headline: Text beside its name in the list.
-        preview: The longer text.
         is_error: Whether the text says why it can't be used.
     """
 
@@ -78,12 +76,7 @@ class Shelf(Protocol[T_co]):
 
 
 class Chooser(Dialog[T], Generic[T]):
-    """A list with a filter and a preview.
-
-    Args:
-        shelf: The entries.
-        current: The name to start at.
-    """
+    """A list with a filter and a preview."""
 
     DEFAULT_CSS = """
     Chooser > #box { height: 90%; max-height: 32; }

@@ -35,19 +35,7 @@ __all__ = ["LibraryController"]
 
 
 class LibraryController:
-    """Changes the level and program of a session without losing unsaved text.
-
-    Args:
-        session: The session.
-        ui: The user interface.
-        recorder: The player's progress.
-        drafts: The drafts of unsaved texts.
-        autosave: Writes them.
-        program: The text in the editor.
-        data_dir: Where the player's programs and levels are.
-        drawing: Returns how levels are drawn.
-        make_level: Asks for a new level and opens it.
-    """
+    """Changes the level and program of a session without losing unsaved text."""
 
     def __init__(
         self,
@@ -216,10 +204,7 @@ class LibraryController:
     ) -> str:
         """Put the text or draft of a program into the editor; the old text is kept.
 
-        Args:
-            source: The program.
-            kept: The player's earlier text of it, used if there is no draft.
-            tells: Whether to say that an earlier text has been restored.
+        The earlier text, `kept`, is used if there is no draft; `tells`: whether to say so.
 
         Returns:
             The text in the editor.

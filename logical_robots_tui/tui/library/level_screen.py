@@ -48,14 +48,7 @@ class NewLevel:
 
 
 class LevelScreen(Dialog["Level | NewLevel"]):
-    """Shows all levels; returns the chosen one, or the request for a new one.
-
-    Args:
-        here: The current level.
-        recorder: The player's progress.
-        drawing: The characters of the miniatures.
-        own: Folder of the player's levels.
-    """
+    """Shows all levels; returns the chosen one, or the request for a new one."""
 
     DEFAULT_CSS = """
     LevelScreen > #box { width: 100%; max-width: 100%; height: 100%; max-height: 100%;

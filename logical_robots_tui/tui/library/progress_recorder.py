@@ -45,14 +45,9 @@ class Measured(Protocol):
 class ProgressRecorder(SessionListener):
     """The player's record on disk; nothing here delays a key.
 
-    Args:
-        file: The file of the record.
-
     Attributes:
         progress: The record itself; its methods block.
-        record: The record of the current level.
         references: Measures of the reference programs there by name, the solution first.
-        goals: The second goals there.
         latest: Measures of the last victory there, as far as known, or None.
         former: The bests before that victory.
         trial: The progress of the robustness test at the current level, or None.
@@ -79,13 +74,7 @@ class ProgressRecorder(SessionListener):
         self._is_closed = False
 
     def attach(self, ui: Ui, *, changed: Callable[[], None], measured: Measured) -> None:
-        """Start to work for a screen.
-
-        Args:
-            ui: The user interface.
-            changed: Called after every change that the screen may show.
-            measured: Called when a victory has been measured.
-        """
+        """Start to work for a screen."""
         self._ui, self._changed, self._measured = ui, changed, measured
 
     async def close(self) -> None:

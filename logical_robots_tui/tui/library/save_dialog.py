@@ -25,11 +25,7 @@ __all__ = ["SaveAs", "SaveDialog"]
 
 
 class SaveDialog(Dialog[Result]):
-    """Asks for a name and saves; returns what was saved. A second enter replaces an existing file.
-
-    Args:
-        name: The proposed name; "" if it has characters that can't be shown.
-    """
+    """Asks for a name and saves; a second enter replaces a file. Returns what was saved."""
 
     DEFAULT_CSS = """
     SaveDialog > #box { max-width: 72; padding: 1 2 0 2; }
@@ -101,13 +97,7 @@ class SaveDialog(Dialog[Result]):
 
 
 class SaveAs(SaveDialog[Source]):
-    """Saves a program.
-
-    Args:
-        source: The program that the text started from.
-        text: The text.
-        own: Folder of the player's programs.
-    """
+    """Saves a program."""
 
     heading = "Save the program as"
 

@@ -40,9 +40,7 @@ class Word(NamedTuple):
     """A word to insert.
 
     Attributes:
-        name: The inserted text.
         shape: How it is used, such as ``Least(x, y, ...)``.
-        told: A description, one line.
     """
 
     name: str
@@ -116,10 +114,6 @@ def begun(before: str) -> str:
 
 def words_for(text: str, place: Place) -> list[Word]:
     """Return the words that could be inserted at a place of a program.
-
-    Args:
-        text: The program.
-        place: The place.
 
     Returns:
         Variables of the rule and fields of what they hold come before predicates, and functions

@@ -37,17 +37,7 @@ _LONGEST = 30
 
 
 class ProgramController:
-    """Find, replace, rename, and the external editor.
-
-    Args:
-        pane: The program pane.
-        session: The session.
-        ui: The user interface.
-        copies: The file for copied text.
-        permissions: What the player may do with the machine.
-        enter: Focuses the editor.
-        suspend: Hands the terminal to another program.
-    """
+    """Find, replace, rename, and the external editor."""
 
     def __init__(
         self,
@@ -165,9 +155,7 @@ class ProgramController:
 def edited(text: str, environ: Mapping[str, str]) -> str:
     """Return a text as the external editor leaves it, even if the editor fails.
 
-    Args:
-        text: The initial text.
-        environ: Names the editor in ``VISUAL`` or ``EDITOR``; the default is vi.
+    ``VISUAL`` or ``EDITOR`` names it; the default is vi.
 
     Raises:
         OSError: The editor can't be started, or the file can't be written or read.
@@ -191,12 +179,7 @@ _PAUSE = 0.25  # seconds between two checks
 
 
 class FileWatch:
-    """Checks one file repeatedly, in a thread, because a disk may be slow.
-
-    Args:
-        source: Returns what the game knows of the file.
-        changed: Called with the program on disk after a change.
-    """
+    """Checks one file repeatedly, in a thread, because a disk may be slow."""
 
     def __init__(self, source: Callable[[], Source], changed: Callable[[Source], None]) -> None:
         self._current, self._changed = source, changed
@@ -217,9 +200,7 @@ class FileWatch:
     def newer(self, source: Source) -> Source | None:
         """Return the program on disk if it has changed since the last check.
 
-        Args:
-            source: What the game knows of it. The first check compares its text, because the file
-                may have changed since it was read.
+        The first check compares the text, because the file may have changed since it was read.
         """
         stamp = _stamp(source)
         if source is not self._source:

@@ -69,11 +69,7 @@ class Editor(TextArea):
         """The player leaves the editor."""
 
     class Copied(Message):
-        """A text was copied or cut.
-
-        Attributes:
-            text: The text.
-        """
+        """A text was copied or cut."""
 
         def __init__(self, text: str) -> None:
             super().__init__()
@@ -229,9 +225,7 @@ class Editor(TextArea):
     def point_out(self, start: tuple[int, int], stop: tuple[int, int]) -> None:
         """Highlight a piece of the text as a selection that typing does not replace.
 
-        Args:
-            start: Line and column of its start, from 0; the cursor goes there.
-            stop: Its end.
+        Lines and columns count from 0; the cursor goes to `start`.
         """
         self.selection = self._pointed_out = Selection(stop, start)
         self.scroll_cursor_visible(center=True)

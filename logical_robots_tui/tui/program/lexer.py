@@ -60,12 +60,7 @@ _SWITCH = re.compile(r'#|/\*|"""|"(?:[^"\\]|\\.)*"?|\'(?:[^\'\\]|\\.)*\'?|`[^`]*
 
 
 def pieces(line: str, state: State = "") -> list[Piece]:
-    """Return the coloured parts of a line, from left to right.
-
-    Args:
-        line: Text without its line end.
-        state: The state at its start.
-    """
+    """Return the coloured parts of a line, from left to right."""
     if len(line) > LONGEST_LINE:
         return []
     found: list[Piece] = []
@@ -123,9 +118,7 @@ class LineStates:
     def at(self, line: int, text_of: Callable[[int], str]) -> State:
         """Return the state at the start of a line.
 
-        Args:
-            line: Its number, from 0.
-            text_of: Returns the text of a line.
+        Lines count from 0.
         """
         while len(self._known) <= line:
             number = len(self._known) - 1

@@ -42,12 +42,7 @@ class MistakeStrip(Static):
         """The player goes to the error."""
 
     def show(self, mistakes: tuple[Diagnostic, ...], row: int) -> None:
-        """Show errors, or nothing; of many those in a line come first.
-
-        Args:
-            mistakes: The errors.
-            row: The number of the line, from 0.
-        """
+        """Show errors, or nothing; of many those in a line come first."""
         if len(mistakes) > _MOST_SHOWN:
             mistakes = tuple(sorted(mistakes, key=lambda mistake: mistake.line != row + 1))
         if mistakes == self._shown:
@@ -83,12 +78,7 @@ def marked(
 ) -> Strip:
     """Return a line with a sign in the gutter and, for an error, a ground of its own.
 
-    Args:
-        strip: The line drawn by the text area, or a part of a wrapped line.
-        row: The number of the line, from 0; None where a wrapped line goes on.
-        gutter: Cells of the gutter.
-        styles: By the names in ``SYNTAX``.
-        is_wrong: Whether it is an error and not a warning.
+    `row` counts from 0 and is None where a wrapped line goes on; `gutter` is its cells.
     """
     sign, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
     label = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{sign} "

@@ -64,13 +64,7 @@ class ProgramPane(Pane):
         self.editor.put(text)
 
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:
-        """Show the state of the program.
-
-        Args:
-            state: The state.
-            name: The program's name.
-            saved: Whether the text is that of the program's file.
-        """
+        """Show the state of the program."""
         state = state.seen_from(self.text)
         star = "" if saved else "*"
         self.note(f"{self._verdict(state)} · {clip(one_line(name), 24)}{star}")

@@ -73,13 +73,7 @@ class TeamTabs(Labels):
 
 
 class TeamChoice:
-    """Looks at the team of the robot that is chosen.
-
-    Args:
-        session: The session.
-        look_at: Puts the program of a team into the editor.
-        tell: Tells the player something.
-    """
+    """Looks at the team of the robot that is chosen."""
 
     def __init__(
         self, session: Session, look_at: Callable[[str], None], tell: Callable[[str], None]

@@ -24,11 +24,6 @@ __all__ = [
 def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -> list[int | None]:
     """Return the new places of some lines after a change of the text, all from 0.
 
-    Args:
-        rows: The lines.
-        before: All lines of the old text.
-        after: All lines of the new text.
-
     Returns:
         The new number of each line, or None if it is gone. A changed line keeps its number, unless
         lines were added or removed at the same place.
@@ -66,9 +61,7 @@ _OPENS = (":-", "(", "[", "{")
 def indentation_after(before: str) -> str:
     """Return the indentation of a line after another one.
 
-    Args:
-        before: The other line, or the part of it that stays. An opening bracket or ``:-`` at its
-            end adds one step, and the end of a rule resets it.
+    An opening bracket or ``:-`` at its end adds one step, and the end of a rule resets it.
     """
     given = before[: len(before) - len(before.lstrip())]
     written = _COMMENT.sub("", before).rstrip()
@@ -94,11 +87,8 @@ def find_after(
 ) -> tuple[int, int] | None:
     """Return the next place of a text, wrapping around; None if there is none.
 
-    Args:
-        text: The text to search.
-        wanted: The text to find; case matters only if it has capitals.
-        place: Line and column, from 0, to search from.
-        there: Whether a match at the place itself counts.
+    Case matters only if `wanted` has capitals. Lines and columns count from 0. `there` lets a
+    match at the place itself count.
     """
     if not wanted:
         return None
@@ -116,11 +106,6 @@ def find_after(
 
 def rename(text: str, old: str, new: str) -> tuple[str, int]:
     """Rename a predicate everywhere except in comments and texts.
-
-    Args:
-        text: The program.
-        old: The predicate's name.
-        new: Its new name.
 
     Returns:
         The program, and the number of changed places.

@@ -25,12 +25,9 @@ class Autosave(Generic[State]):
     """Keeps edited work safe; a hangup loses at most the changes of the last moments.
 
     Args:
-        drafts: The drafts.
         delay: Seconds from a change to its draft on disk.
         state: Returns the immutable state to keep.
         draft: Makes a draft from it, or names one that is no longer needed; called in a thread.
-        failed: Called once with a message when drafts can't be written.
-        what: The subject of that message.
     """
 
     def __init__(
@@ -128,14 +125,7 @@ class Unsaved(Protocol):
 
 
 def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) -> None:
-    """End the game; ask first if unsaved work can't be kept.
-
-    Args:
-        ui: The user interface.
-        end: Ends the game.
-        drafts: The drafts of unsaved work.
-        unsaved: Those who write the drafts.
-    """
+    """End the game; ask first if unsaved work can't be kept."""
     for each in unsaved:
         each.flush()
     lost = drafts.unwritten()

@@ -50,12 +50,7 @@ class Offering(Protocol):
 
 
 class Offers:
-    """Asks when nothing covers the game, and ignores keys meant for the game.
-
-    Args:
-        ui: The user interface.
-        is_free: Returns whether nothing covers the game.
-    """
+    """Asks when nothing covers the game, and ignores keys meant for the game."""
 
     def __init__(self, ui: Ui, is_free: Callable[[], bool]) -> None:
         self._ui, self._is_free = ui, is_free
@@ -84,11 +79,7 @@ class Offers:
     ) -> str | None:
         """Ask, and return the name of the answer, or None.
 
-        Args:
-            title: The title.
-            question: The question.
-            answers: Pairs of name and label.
-            text: A text that the answer ``show`` shows.
+        `answers` are names and labels; `text` is what the answer ``show`` shows.
         """
         from logical_robots_tui.tui.layout.dialogs import Question
 
@@ -123,14 +114,7 @@ async def offer(
     store: Drafts,
     go_on: Callable[[Level, Draft], Awaitable[None]],
 ) -> None:
-    """Offer the newest level that can be restored; others are offered next time.
-
-    Args:
-        offers: Asks.
-        drafts: The drafts, the newest first.
-        store: Their store.
-        go_on: Continues with a level.
-    """
+    """Offer the newest level that can be restored; others are offered next time."""
     for draft in drafts:
         found = await asyncio.to_thread(_read, draft)
         if found is None:
@@ -161,16 +145,7 @@ def _read(draft: Draft) -> Level | None:
 
 
 class Bookmark:
-    """Saves the place of a session that is cut off, and offers it to the next one.
-
-    Args:
-        session: The session.
-        drafts: Where it is saved.
-        ui: The user interface.
-        open_level: Opens a level.
-        open_program: Opens a program, with a text or its draft.
-        look_at: Shows the program of a team.
-    """
+    """Saves the place of a session that is cut off, and offers it to the next one."""
 
     def __init__(
         self,

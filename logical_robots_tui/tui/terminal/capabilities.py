@@ -21,8 +21,7 @@ _POOR_FONTS = ("linux", "vt", "ansi", "cygwin", "dumb")
 def assume_colours(environ: MutableMapping[str, str]) -> None:
     """Set COLORTERM if the terminal's name implies true colour.
 
-    Args:
-        environ: Changed in place, before the app reads it.
+    `environ` is changed in place, before the app reads it.
     """
     name = environ.get("TERM", "").lower()
     if "COLORTERM" not in environ and (

@@ -45,8 +45,6 @@ class Difference:
     """What a terminal shows, what it should show, and the output to get from one to the other.
 
     Args:
-        columns: Cells across.
-        rows: Cells down.
         colours: What the terminal can show; None for no colours.
 
     Attributes:
@@ -65,8 +63,7 @@ class Difference:
     def take(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> None:
         """Set what to show; replaces what was to be shown there before.
 
-        Args:
-            pieces: (row, first column, segments). Parts outside the terminal are ignored.
+        Pieces are (row, first column, segments); what is outside the terminal is ignored.
         """
         for row, column, segments in pieces:
             if not 0 <= row < self.rows:
@@ -257,12 +254,7 @@ _width = lru_cache(maxsize=4096)(cell_len)
 
 @lru_cache(maxsize=20_000)
 def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
-    """Return the codes of a style on a terminal.
-
-    Args:
-        style: A style of Rich.
-        colours: What the terminal can show; None for no colours.
-    """
+    """Return the codes of a style on a terminal."""
     if style is None:
         return _PLAIN
     bits = style._attributes & style._set_attributes

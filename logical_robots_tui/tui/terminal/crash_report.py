@@ -74,9 +74,7 @@ def end_on_hangup(
     event loop may be waiting for the lost terminal; the process ends even then. If Python can't run
     the handler, because the main thread waits for a lock, the thread does everything.
 
-    Args:
-        save_unsaved: Saves what must not be lost.
-        leave: Asks the app to end; called on any thread.
+    `leave` asks the app to end, and is called on any thread.
 
     Returns:
         Restores the previous handlers.

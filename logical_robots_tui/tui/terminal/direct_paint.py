@@ -28,7 +28,6 @@ class PaintTarget:
     """A widget's place on the terminal.
 
     Args:
-        terminal: What the terminal should show.
         region: The widget with its borders, in cells of the terminal.
         over: The regions that cover it.
     """
@@ -41,9 +40,7 @@ class PaintTarget:
     def put(self, cells: Cells, spans: Sequence[tuple[int, int, int]]) -> None:
         """Show cells of a widget without borders.
 
-        Args:
-            cells: All cells of the widget.
-            spans: (row, first column, column after the last) of changes.
+        `spans` are (row, first column, column after the last) of changes.
         """
         looks = self._terminal.looks
         for row, first, stop in spans:

@@ -51,8 +51,7 @@ class UnbracketedPasteDetector:
     def paste_in(self, typed: str) -> str:
         """Return the pasted text with line feeds, or "" for keys or bracketed pastes.
 
-        Args:
-            typed: Everything that arrived at once, and before.
+        `typed` is everything that arrived at once, and before.
         """
         is_plain = not self._is_marked and not self._is_escape_begun
         self._is_escape_begun = typed.endswith("\x1b")

@@ -24,9 +24,6 @@ class KeyQueue:
 
     Several keys arrive at once over a slow line, or when typed fast. Textual sends each to the
     current focus, so keys typed for a dialog would be commands for the screen below.
-
-    Args:
-        app: The app.
     """
 
     def __init__(self, app: App[None]) -> None:

@@ -17,10 +17,6 @@ _PREVIEW = 4_000
 def visible(text: str, *, tabs: bool = False) -> str:
     """Replace each character that a terminal would interpret by one that shows it.
 
-    Args:
-        text: Anything.
-        tabs: Whether tabs stay.
-
     Returns:
         Text of the same length without control, bidirectional and other invisible characters.
     """

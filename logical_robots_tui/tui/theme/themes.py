@@ -121,9 +121,8 @@ _ANSI = {
 def colours_in(theme: Theme) -> dict[str, str]:
     """Return our variables for a theme, such as ``ink-title``, as Textual writes colours.
 
-    Args:
-        theme: The player's theme. It gives the backgrounds and its semantic colours; the hues of
-            values, objects and Logica are the same in all themes, with adjusted lightness.
+    The theme gives the backgrounds and its semantic colours; the hues of values, objects and
+    Logica are the same in all themes, with adjusted lightness.
     """
     if theme.ansi:
         return dict(_ANSI)
@@ -310,10 +309,5 @@ def _tinted(palette: Palette, theme: Theme) -> Palette:
 
 
 def robot_ink(colour: str, palette: Palette) -> str:
-    """Return the style of a robot's name as text.
-
-    Args:
-        colour: The colour in the level.
-        palette: The labyrinth's colours in the current theme.
-    """
+    """Return the style of a robot's name as text."""
     return hex_colour(palette.strong(parse(colour)))

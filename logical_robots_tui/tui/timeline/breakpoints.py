@@ -30,11 +30,7 @@ _NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
 
 
 class BreakpointList(Dialog[None]):
-    """Lists breakpoints; adds, toggles and deletes them.
-
-    Args:
-        session: The session.
-    """
+    """Lists breakpoints; adds, toggles and deletes them."""
 
     DEFAULT_CSS = """
     BreakpointList > #box { max-width: 80; padding: 1 2 0 2; }
@@ -138,12 +134,7 @@ _KEYS = {
 
 
 class BreakpointForm(Dialog[Breakpoint]):
-    """Asks for a breakpoint, with completion of names.
-
-    Args:
-        level: The level.
-        program: The program with its predicates, or None before the first.
-    """
+    """Asks for a breakpoint, with completion of names."""
 
     DEFAULT_CSS = """
     BreakpointForm > #box { max-width: 72; padding: 1 2 0 2; }

@@ -36,13 +36,7 @@ _SOUGHT: tuple[MarkKind, ...] = (
 
 
 class TimelineController(SessionListener):
-    """Goes to other ticks, and sets breakpoints.
-
-    Args:
-        session: The session.
-        ui: The user interface.
-        selected: Returns the selected robot, if any.
-    """
+    """Goes to other ticks, and sets breakpoints."""
 
     def __init__(self, session: Session, ui: Ui, selected: Callable[[], str | None]) -> None:
         self._session, self._ui, self._selected = session, ui, selected
@@ -184,13 +178,7 @@ _NO_PROGRAM = "There is no program yet."
 
 
 class Search:
-    """Goes to the next or previous tick in which a question holds.
-
-    Args:
-        session: The session.
-        ui: The user interface.
-        go_to: Goes to a tick.
-    """
+    """Goes to the next or previous tick in which a question holds."""
 
     def __init__(self, session: Session, ui: Ui, go_to: Callable[[int], None]) -> None:
         self._session, self._ui, self._go_to = session, ui, go_to
@@ -213,8 +201,7 @@ class Search:
     async def go(self, way: Literal[-1, 1]) -> None:
         """Go to the nearest tick in one direction in which the question holds.
 
-        Args:
-            way: 1 for later ticks, -1 for earlier ones.
+        `way` is 1 for later ticks, -1 for earlier ones.
         """
         session = self._session
         if not self._question:

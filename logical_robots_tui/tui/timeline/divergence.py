@@ -35,12 +35,7 @@ _LONGEST_ARGUMENT = 24
 
 
 class DivergencePage(Reader):
-    """Shows the first derivation that differs as soon as it is found, and all differences.
-
-    Args:
-        game: The game.
-        divergence: The tick and the differences.
-    """
+    """Shows the first derivation that differs as soon as it is found, and all differences."""
 
     def __init__(self, game: Game, divergence: Divergence) -> None:
         self._game, self._divergence = game, divergence

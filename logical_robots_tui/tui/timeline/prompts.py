@@ -21,12 +21,7 @@ READING = "Reading the question…"
 
 
 class QuestionCheck:
-    """Compiles a question in the background of a dialog, and shows its errors.
-
-    Args:
-        dialog: The dialog, with a line for errors.
-        program: The program that the question is about.
-    """
+    """Compiles a question in the background of a dialog, and shows its errors."""
 
     def __init__(self, dialog: Dialog[Any], program: Program | None) -> None:
         self._dialog = dialog
@@ -56,13 +51,7 @@ class QuestionCheck:
 
 
 class QuestionPrompt(Prompt[str]):
-    """Asks for a question, and returns it if it is valid.
-
-    Args:
-        title: The title.
-        text: The initial text.
-        program: The program that the question is about.
-    """
+    """Asks for a question, and returns it if it is valid."""
 
     DEFAULT_CSS = """
     QuestionPrompt > #box { max-width: 76; }
@@ -88,7 +77,6 @@ class TickPrompt(Prompt[int]):
     """Asks for the number of a tick.
 
     Args:
-        title: The title.
         here: The current tick, to which ``+50`` and ``-50`` are relative.
         problem: Returns why a tick is invalid, or "".
     """

@@ -43,10 +43,6 @@ def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
     """Return the last program of each team in a replay, or of "" without teams.
 
     Each is a player's or a shipped one if it is the same.
-
-    Args:
-        replay: The replay.
-        own: Folder with the player's own programs.
     """
     name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
     text = replay.program_texts[-1]
@@ -70,13 +66,7 @@ def _source_of(name: str, text: str, own: Path) -> Source:
 
 
 class Replays:
-    """Opens a replay, and saves what the timeline holds as one.
-
-    Args:
-        session: The session.
-        ui: The user interface.
-        folder: Where replays are saved.
-    """
+    """Opens a replay, and saves what the timeline holds as one."""
 
     def __init__(self, session: Session, ui: Ui, folder: Path) -> None:
         self._session, self._ui, self._folder = session, ui, folder

@@ -59,9 +59,6 @@ class Span(NamedTuple):
     """The content of the timeline.
 
     Attributes:
-        first: The earliest tick in the history.
-        last: The latest tick.
-        tick: The current tick.
         other_last: The latest tick of the other future, or None.
         diverged: The tick where the two futures part, or None.
     """
@@ -105,13 +102,7 @@ class Scale(NamedTuple):
 
 
 def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> Content:
-    """Return the line: the known ticks, and the most important mark in each column.
-
-    Args:
-        span: The content.
-        width: Columns to fill.
-        has: Returns whether a kind of mark is in a range of ticks.
-    """
+    """Return the line: the known ticks, and the most important mark in each column."""
     scale = Scale.to_hold(span, width)
     here = scale.column(span.tick)
     signs, styles = [], []
@@ -185,9 +176,7 @@ class Timeline(Widget, can_focus=True):
     def show(self, session: Session, robot: str | None) -> None:
         """Show a session's history.
 
-        Args:
-            session: The session.
-            robot: The robot whose memory changes are marked, or None for all.
+        `robot` is whose memory changes are marked, or None for all.
         """
         self._history, self._robot = session.history, robot
         if self._history is not None:

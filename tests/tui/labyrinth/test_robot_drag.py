@@ -26,14 +26,19 @@ def room_file(tmp_path: Path) -> Path:
     return path
 
 
+def cell(game: Opened, point: tuple[float, float]) -> tuple[int, int]:
+    """The column and row of the view at a point of the map."""
+    view = game.main.labyrinth.view.view
+    assert view is not None
+    found = view.cell(*point)
+    assert found is not None
+    return found[1], found[0]
+
+
 async def mouse(
     game: Opened, kind: type[events.MouseEvent], point: tuple[float, float], button: int = 1
 ) -> None:
-    view = game.main.labyrinth.view
-    assert view.view is not None
-    cell = view.view.cell(*point)
-    assert cell is not None
-    x, y = view.region.x + cell[1], view.region.y + cell[0]
+    x, y = game.main.labyrinth.view.region.offset + cell(game, point)
     game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
     await game.pilot.pause(0)
 
@@ -53,6 +58,7 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
         before = game.main.labyrinth.view.view
         await drag(game, (40, 50), (90, 60), (150, 60))
         await game.until(lambda: game.session.frame.after.robots[0].x > 140)
+        await game.until(lambda: game.main.labyrinth.view.robot_at(*cell(game, (150, 60))))
         assert game.session.running
         assert not game.main.editing.is_on
         assert game.main.labyrinth.view.view == before

@@ -43,14 +43,7 @@ _SHORTEST = 2  # letters from which on a word is completed
 
 
 class QueryLine(Input):
-    """The line for a query; up and down go through its history.
-
-    Args:
-        leave: What escape does.
-
-    Attributes:
-        bar_keys: Its keys with what they do, for the command bar.
-    """
+    """The line for a query; up and down go through its history."""
 
     bar_keys = (("enter", "Ask"), ("↑↓", "Earlier"), ("→", "Complete"), ("esc", "To the rows"))
 

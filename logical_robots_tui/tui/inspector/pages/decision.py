@@ -64,15 +64,7 @@ class DecisionPage(Page):
 def decision_lines(
     program: Program | None, frame: Frame, robot: str, survey: Survey | None, width: int
 ) -> list[Content]:
-    """A robot's decision at a tick.
-
-    Args:
-        program: The robot's program, if known.
-        frame: The tick.
-        robot: The robot's name.
-        survey: The rows of every predicate at that tick, if known.
-        width: Columns to fill.
-    """
+    """A robot's decision at a tick."""
     number = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
     sensor = frame.sensors[number]["sensor"]
     picture = radar_plot(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []

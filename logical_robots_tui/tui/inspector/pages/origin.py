@@ -43,13 +43,7 @@ _INCOMPLETE = "This is not all of it: more values were read than are traced here
 
 
 class LinksView(CursorView):
-    """The links of the chain, the value itself first; enter goes to one, escape leaves.
-
-    Args:
-        pointed: Called with the link under the cursor when that is another one.
-        opened: Called with the link that the player goes to.
-        left: Called when the player goes back.
-    """
+    """The links of the chain, the value itself first; enter goes to one, escape leaves."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("enter", "open", show=False),
@@ -109,11 +103,7 @@ class LinksView(CursorView):
 
 
 class OriginPage(Page):
-    """The chain of assignments that a value goes back to.
-
-    Attributes:
-        asked: The value that is traced, or None before the first one.
-    """
+    """The chain of assignments that a value goes back to."""
 
     DEFAULT_CSS = """
     OriginPage #origin-of { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
@@ -134,9 +124,7 @@ class OriginPage(Page):
     def come_from(self, page: str, asked: MemoryPart | None) -> None:
         """Trace a value, or return to the last trace.
 
-        Args:
-            page: What was inspected, for escape to return to.
-            asked: The value, or None for the last one.
+        Escape returns to `page`.
         """
         if asked is not None:
             if page != ORIGIN:
@@ -225,13 +213,7 @@ class OriginPage(Page):
 
 
 def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
-    """The lines of a link.
-
-    Args:
-        number: Its place in the chain, from 0.
-        link: The link.
-        width: Columns to fill.
-    """
+    """The lines of a link."""
     name = one_line(f"{number + 1}. {link.robot}'s {written_path(link.path)}")
     text, colour = cell(link.value, width)
     yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)

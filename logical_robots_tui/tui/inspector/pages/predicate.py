@@ -26,11 +26,7 @@ __all__ = ["PredicatePage"]
 
 
 class PredicatePage(Page):
-    """The rows of a predicate; of a function, its calls.
-
-    Attributes:
-        predicate: Name of the predicate.
-    """
+    """The rows of a predicate; of a function, its calls."""
 
     DEFAULT_CSS = """
     PredicatePage #value {

@@ -49,11 +49,7 @@ class RobotsView(LinesView):
 
     @dataclass
     class Chosen(Message):
-        """A robot was chosen.
-
-        Attributes:
-            robot_name: Its name.
-        """
+        """A robot was chosen."""
 
         robot_name: str
 

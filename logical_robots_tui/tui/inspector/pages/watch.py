@@ -50,14 +50,7 @@ _REDRAW = 0.1  # seconds between two redraws while past ticks are read
 
 
 class WatchView(CursorView):
-    """Two lines for each pin: its value, and a plot of its values in the ticks around.
-
-    Args:
-        samples: The known values.
-
-    Attributes:
-        ticks: The plotted ticks.
-    """
+    """Two lines for each pin: its value, and a plot of its values in the ticks around."""
 
     BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
         Binding("left", "change(-1)", show=False),
@@ -104,14 +97,7 @@ class WatchView(CursorView):
         return is_new
 
     def show(self, ticks: range, tick: int, readings: Mapping[Pin, Reading], plain: bool) -> None:
-        """Show a tick.
-
-        Args:
-            ticks: The ticks to plot.
-            tick: The current one.
-            readings: The values at that tick.
-            plain: Whether to draw with ASCII only.
-        """
+        """Show a tick."""
         self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
         super().redraw()
 

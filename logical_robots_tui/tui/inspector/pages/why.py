@@ -46,9 +46,7 @@ class _Question:
     """A question at a tick.
 
     Attributes:
-        robot: The robot whose reasoning is explained.
         steps: The questions that led here; the last one is asked.
-        frame: The tick.
     """
 
     robot: str

@@ -28,10 +28,6 @@ def is_number(value: Value) -> bool:
 def cell(value: Value, limit: int = 120) -> tuple[str, str]:
     """A value for a table: its kind is in its colour, text stands without quotes if that is clear.
 
-    Args:
-        value: Anything a program computes.
-        limit: Most characters to give.
-
     Returns:
         The text and its colour.
     """

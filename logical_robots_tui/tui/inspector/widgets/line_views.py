@@ -141,12 +141,7 @@ class CursorView(LinesView):
         return next((n for n in range(self.count) if line in self.span(n)), None)
 
     def paint_items(self, items: Sequence[Sequence[Content]], after: Sequence[Content]) -> None:
-        """Replace the items.
-
-        Args:
-            items: The lines of each item.
-            after: Lines below them.
-        """
+        """Replace the items."""
         lines: list[Content] = []
         self._spans = []
         for item in items:

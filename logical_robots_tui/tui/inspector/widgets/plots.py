@@ -85,10 +85,7 @@ class Sample(NamedTuple):
 def sparkline(samples: Sequence[Sample | None], *, counts: bool, plain: bool = False) -> str:
     """One character per tick: a bar for a number; for other values, whether they change.
 
-    Args:
-        samples: The values; None where they are not known.
-        counts: Whether the scale begins at 0, as it should for row counts.
-        plain: Whether to use ASCII only.
+    Unknown values are None. With `counts` the scale begins at 0; `plain` means ASCII only.
     """
     found = scale(samples, counts=counts)
     bars = _PLAIN_BARS if plain else BARS

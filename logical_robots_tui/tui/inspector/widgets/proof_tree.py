@@ -36,10 +36,7 @@ class ProofLine(NamedTuple):
     """A node on a line. A tuple because 10,000 dataclasses take twice as long to make.
 
     Attributes:
-        node: The node.
-        depth: Number of nodes above it.
         key: The same for nodes in the same place of the trees of different ticks.
-        children: Its child nodes.
         lacks: Whether it asks something whose proof is not known yet.
     """
 
@@ -77,11 +74,8 @@ class ProofTree:
     ) -> None:
         """Replace the nodes. What the player expanded or collapsed stays so.
 
-        Args:
-            roots: Nodes to expand as far as there is room.
-            rest: Nodes below them, collapsed.
-            room: Height of the view.
-            anew: Whether to forget what the player expanded or collapsed.
+        `roots` are expanded as far as there is `room` (lines), `rest` stays collapsed below them.
+        With `anew`, what the player did is forgotten.
         """
         self._unfolded.clear()
         self._made.clear()
@@ -196,12 +190,7 @@ class ProofTree:
 
 
 def guides(depth: int, width: int) -> str:
-    """The indentation of a line: a guide for each ancestor, or their number if there are many.
-
-    Args:
-        depth: Number of ancestors.
-        width: Columns of the line.
-    """
+    """The indentation of a line: a guide for each ancestor, or their number if there are many."""
     most = max(1, width // (_GUIDES_SHARE * len(_GUIDE)))
     if depth <= most:
         return _GUIDE * depth
@@ -210,13 +199,7 @@ def guides(depth: int, width: int) -> str:
 
 
 def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
-    """A line in its colours, cut to a width; the remark at its end is never cut off.
-
-    Args:
-        line: The line.
-        width: Columns.
-        is_open: Whether it is expanded.
-    """
+    """A line in its colours, cut to a width; the remark at its end is never cut off."""
     node = line.node
     marker = (_EXPANDED if is_open else _COLLAPSED) if line.folds else _LEAF
     before = Content.assemble(

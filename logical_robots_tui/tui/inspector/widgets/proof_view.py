@@ -44,34 +44,20 @@ class WhyView(CursorView):
 
     @dataclass
     class Pointed(Message):
-        """The cursor is on another node, or the node under it has been replaced.
-
-        Attributes:
-            node: The node.
-            moved: Whether the player has moved the cursor.
-        """
+        """The cursor is on another node, or the node under it has been replaced."""
 
         node: Node
         moved: bool
 
     @dataclass
     class Deeper(Message):
-        """The player asks about a call in the proof.
-
-        Attributes:
-            asked: The question.
-        """
+        """The player asks about a call in the proof."""
 
         asked: Ask
 
     @dataclass
     class Lacking(Message):
-        """A line was expanded whose proof is not known yet.
-
-        Attributes:
-            key: The line.
-            asked: The question that it asks.
-        """
+        """A line was expanded whose proof is not known yet."""
 
         key: int
         asked: Ask
@@ -139,11 +125,8 @@ class WhyView(CursorView):
     ) -> None:
         """Show a proof. The cursor and what the player expanded or collapsed stay.
 
-        Args:
-            roots: The rules of the proof.
-            rest: Rules that are no part of it, collapsed.
-            anew: Whether this is another question, so that the cursor begins at the top.
-            has_way_back: Whether there is a question to go back to.
+        `roots` are the rules of the proof, `rest` those that are no part of it, collapsed; `anew`
+        means another question, so that the cursor begins at the top.
         """
         was_empty = not self.lines
         self._has_way_back = has_way_back

@@ -32,8 +32,6 @@ class Arrangement:
         robot: Only rows of this robot, if there is a column for robots; "" for all.
         search: Only rows with this text in some value; "" for all.
         sort: Name of the column to sort by, or "".
-        descending: Whether the largest come first.
-        sideways: Whether the table is transposed.
     """
 
     robot: str = ""
@@ -59,8 +57,6 @@ class Rows:
     """Columns and rows, and which values to mark.
 
     Attributes:
-        columns: Names of the columns.
-        rows: The rows.
         changed: Row and column of each value that differs from the tick before.
         left_out: Number of rows that a transposed table leaves out.
     """

@@ -50,9 +50,7 @@ class ValueTable(ScrollView, can_focus=True):
     """Rows under the names of their columns, with a cursor on a value.
 
     Attributes:
-        all: All rows.
         shown: The rows as they are filtered, sorted and transposed.
-        how: How they are.
     """
 
     DEFAULT_CSS = """
@@ -118,9 +116,7 @@ class ValueTable(ScrollView, can_focus=True):
     def show(self, table: Table | None, before: Table | None = None) -> None:
         """Replace the rows; the cursor stays where it is as far as they reach.
 
-        Args:
-            table: The rows, or None for none.
-            before: The rows at the tick before; values that differ from it are marked.
+        Values that differ from those `before`, at the tick before, are marked.
         """
         columns, rows = _named_rows(table) if table is not None else ((), ())
         self._are_all = table is None or not table.truncated
@@ -267,13 +263,7 @@ def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
 
 
 def row_count(table: Table, what: str = "row", more: str = "") -> str:
-    """The number of rows in words.
-
-    Args:
-        table: The rows.
-        what: What to call one of them.
-        more: What follows.
-    """
+    """The number of rows in words."""
     count = len(table.rows)
     if table.truncated:
         return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")

@@ -41,8 +41,6 @@ class Branch:
     """A value with its name.
 
     Attributes:
-        title: The name.
-        value: The value.
         pin: A pin for it, or None if it cannot be pinned.
     """
 
@@ -74,8 +72,6 @@ class ValueTree(Dialog[None]):
     """A dialog with values.
 
     Args:
-        title: Its title.
-        branches: The values; a single one is expanded.
         pin: Pins or unpins; returns whether it is pinned now.
         follow: Traces a value to its origin; returns whether it can.
     """

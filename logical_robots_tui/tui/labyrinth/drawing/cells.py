@@ -74,13 +74,7 @@ class Cells:
     ) -> None:
         """Write a text of width 1 into a cell.
 
-        Args:
-            row: Of the cell.
-            column: Of the cell.
-            text: What to write.
-            ink: Its colour, 0xRRGGBB.
-            paper: The colour behind it; without one the tone of the cell.
-            bold: Whether it is bold.
+        Colours are 0xRRGGBB; without a paper, the tone of the cell is behind it.
         """
         self.text[row, column] = text_id(text)
         paper = int(self.tone[row, column]) if paper < 0 else paper

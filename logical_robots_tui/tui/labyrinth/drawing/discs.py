@@ -35,12 +35,6 @@ def area_weights(
 ) -> tuple[tuple[slice, slice], Floats, Floats] | None:
     """Return how strongly an area colours the floor.
 
-    Args:
-        raster: The dots.
-        area: The area.
-        active: Whether it is switched on.
-        flash: Whether to show that this has just changed.
-
     Returns:
         The window of dots that it touches, the weights of its disc and those of its rim; None if
         it is out of sight.
@@ -95,12 +89,7 @@ def paint_robot(
 ) -> None:
     """Paint the body of a robot.
 
-    Args:
-        image: Colours of the dots, changed in place.
-        raster: The dots.
-        robot: Where it stands.
-        colour: Its colour.
-        palette: The other colours.
+    `image`, the colours of the dots, is changed in place.
     """
     if not math.isfinite(robot.angle):
         return

@@ -167,7 +167,6 @@ class Highlight(NamedTuple):
     """A robot, or one ray of its radar, to highlight.
 
     Attributes:
-        robot: Its name.
         ray: The angle of the ray as the program reads it, radians; None means the robot itself.
     """
 
@@ -180,14 +179,9 @@ class Look:
     """The choices that a player has about the picture.
 
     Attributes:
-        drawing: Which characters draw it.
-        palette: Its colours.
         rays: Whether the robots' radar is shown as light.
         marks: Whether the ends of rays are marked.
         lines: Whether the rays of the selected robot are drawn one by one.
-        trails: Whether the ways that robots came are shown.
-        names: Whether names are shown.
-        selected: Name of the selected robot, or None.
         highlight: A ray or a robot to highlight as well, or None.
         pulse: The phase of the beacons' pulse, 0 to 3; 0 is brightest.
     """

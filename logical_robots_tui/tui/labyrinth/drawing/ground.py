@@ -52,13 +52,7 @@ def draw_ground(
 ) -> Ground:
     """Paint the static layer.
 
-    Args:
-        level: The level.
-        walls: Its walls.
-        active: For each area whether it is switched on.
-        raster: The dots to paint.
-        palette: Their colours.
-        switched: Numbers of the areas for which that has just changed.
+    `active` says for each area whether it is on, `switched` numbers those just switched.
     """
     # Emphasise low coverage, so that thin walls stay visible.
     rock = walls.coverage(raster).astype(np.float32) ** np.float32(0.6)
@@ -103,15 +97,7 @@ def redraw_ground(
 ) -> tuple[slice, slice] | None:
     """Repaint the part of a static layer where walls changed.
 
-    Args:
-        ground: What was painted with the walls before, changed in place.
-        level: The level.
-        walls: Its walls.
-        changed: Map units (left, right, top, bottom) that hold all that changed.
-        active: For each area whether it is switched on.
-        raster: The dots that were painted.
-        palette: Their colours.
-        switched: Numbers of the areas for which that has just changed.
+    `changed`, (left, right, top, bottom) in map units, holds all that changed.
 
     Returns:
         The dots (down, across) that were painted, or None if nothing of it is in view.
@@ -231,9 +217,7 @@ class WallTable:
     def openness(self, raster: Raster, reach: float) -> Floats:
         """Return the share that is floor of the square around each dot.
 
-        Args:
-            raster: The dots.
-            reach: Map units from a dot's centre to the sides of the square.
+        `reach` is map units from the dot's centre to the sides of the square.
         """
         left, right = raster.x - reach, raster.x + reach
         top, bottom = raster.y - reach, raster.y + reach

@@ -47,10 +47,6 @@ class StaticLabels:
     """The symbols of beacons and the names of beacons and areas, placed once for a view.
 
     Args:
-        level: The level.
-        active: For each area whether it is switched on.
-        viewport: The view.
-        look: How to draw.
         ground: Colours of the static layer, shape (down, across, 3).
     """
 
@@ -112,13 +108,7 @@ class StaticLabels:
         cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
 
     def follow_ground(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
-        """Update the backgrounds of the names, which show the ground.
-
-        Args:
-            look: How to draw.
-            ground: Colours of the static layer.
-            window: The dots (down, across) that are others.
-        """
+        """Update the backgrounds of the names, which show the ground."""
         down, across = look.drawing.dots[1], look.drawing.dots[0]
         first, last = window[0].start // down, (window[0].stop - 1) // down
         left, right = window[1].start // across, (window[1].stop - 1) // across
@@ -151,14 +141,7 @@ def draw_labels(
 ) -> None:
     """Draw all symbols and names over a picture.
 
-    Args:
-        cells: The picture, changed in place.
-        still: The static labels.
-        robots: All robots with their colours, the most important last.
-        undecided: Names of the robots for which the program decided nothing.
-        fans: The rays whose ends to mark.
-        viewport: The view.
-        look: How to draw.
+    The most important robots come last; for the `undecided` the program decided nothing.
     """
     if look.marks:
         mark_ends(cells, fans, robots, viewport, look)

@@ -20,12 +20,7 @@ def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = F
     characters become ``unknown``; invisible ones, which could reorder the line or join characters
     into one of another width, are left out.
 
-    Args:
-        name: Any text.
-        width: Cells there are.
-        cut: What a name ends with that was too long.
-        unknown: What stands for a character that can't be shown.
-        ascii_only: Whether anything but ASCII counts as such a character.
+    `cut` ends a name that was too long, `unknown` stands for what can't be shown.
     """
     cells: list[str] = []
     for char in unicodedata.normalize("NFC", name[: 4 * width + 16]):
@@ -55,9 +50,6 @@ class Label(NamedTuple):
     """A name and the cell of what it names.
 
     Attributes:
-        cells: Texts of its cells, as ``fit_name`` gives them.
-        row: Cell of what it names.
-        column: Cell of what it names.
         clear: Rows above and below that belong to what it names.
         inside: Whether it may stand on what it names.
     """

@@ -18,18 +18,9 @@ class Palette(NamedTuple):
 
     Attributes:
         light: Whether sensors darken the floor, as ink does, instead of lighting it.
-        void: Around the map.
-        floor: Where robots drive.
         grid: Faint lines on the floor.
-        rock: Inside of walls.
         rim: Lit edge of walls.
-        beacon: Beacons and their names.
-        charger: Beacons that charge.
         plate: Behind names.
-        bright: Strongest text.
-        hit_wall: Where a ray ends at a wall.
-        hit_beacon: Where a ray ends at a beacon.
-        hit_robot: Where a ray ends at a robot.
         dead: Robots without charge.
         alarm: Robots that a wall stopped.
     """
@@ -103,9 +94,7 @@ LIGHT = Palette(
 def parse(text: str, fallback: RGB = (150, 160, 180)) -> RGB:
     """Read a colour as levels give it: a CSS name, ``#rgb``, ``#rrggbb``, ``rgb()`` or ``hsl()``.
 
-    Args:
-        text: The colour; its transparency is ignored.
-        fallback: What anything else stands for.
+    Its transparency is ignored; anything else stands for the fallback.
     """
     try:
         return Color.parse(text.strip()).rgb

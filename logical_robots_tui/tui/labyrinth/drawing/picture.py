@@ -63,10 +63,7 @@ class _Light:
     """The static layer under the light of robots.
 
     Attributes:
-        look: How it was painted.
-        image: Colours of the dots.
         lit: Which dots the light reaches.
-        fans: Where it comes from.
         left: For how many more hurried pictures it is reused.
     """
 
@@ -82,9 +79,6 @@ class Picture:
 
     The static layer is repainted only when the view, the look or the state of an area changes. Of
     the rest only cells whose dots have changed are fitted again.
-
-    Attributes:
-        cells: The last picture.
     """
 
     def __init__(self) -> None:
@@ -107,15 +101,9 @@ class Picture:
     ) -> Cells:
         """Draw a frame into cells, and return them.
 
-        Args:
-            level: The level that the frame belongs to.
-            frame: What to draw: robots as they are afterwards, rays from where they sensed.
-            viewport: The part of the map to show.
-            look: How to draw it.
-            traces: What is known of the past, to be seen in trails and areas just switched.
-            hurried: Whether the next frame follows at once, so that less need change: light then
-                moves in every second picture, that of a crowd less often, and colours may be a
-                little off.
+        The traces show in trails and in areas just switched. A hurried picture, which the next
+        one follows at once, changes less: light moves in every second picture, that of a crowd
+        less often, and colours may be a little off.
         """
         if viewport.rows < 1 or viewport.columns < 1:
             self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))

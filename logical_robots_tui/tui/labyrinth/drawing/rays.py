@@ -42,13 +42,11 @@ class Fan:
     """The rays of one robot in one tick.
 
     Attributes:
-        name: The robot.
         x: Where it sensed, map units.
         y: Where it sensed, map units.
         headings: Of the rays, clockwise from the right in radians, ascending and evenly spread.
         distances: Map units at which they end.
         objects: What they hit: ``wall``, ``robot``, ``beacon`` or ``none``.
-        labels: Its name.
         ahead: Where the robot was heading, which is the ray with the angle 0.
     """
 
@@ -116,10 +114,6 @@ def fans(frame: Frame) -> list[Fan]:
 
 def brightness_of(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats] | None:
     """Return how brightly a fan lights the dots around it.
-
-    Args:
-        fan: The rays.
-        raster: The dots.
 
     Returns:
         The window of dots that it may reach and a brightness from 0 to 1 for each; None if it is
@@ -205,12 +199,7 @@ def mark_ends(
 ) -> None:
     """Mark where rays end: one mark in a cell, the most important of them.
 
-    Args:
-        cells: The picture, changed in place.
-        fans: The rays.
-        robots: All robots with their colours; no mark stands on a body.
-        viewport: The view.
-        look: How to draw.
+    No mark stands on the body of a robot.
     """
     if not fans:
         return

@@ -41,11 +41,6 @@ _LEAST = (24, 10)
 def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
     """Return how many pictures stand side by side and one above the other.
 
-    Args:
-        count: Robots; at least one.
-        columns: Cells across.
-        rows: Cells down.
-
     Returns:
         The arrangement that shows all robots if there is room, each as large as possible.
     """
@@ -64,12 +59,7 @@ def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
 def draw_senses(level: Level, frame: Frame, columns: int, rows: int, look: Look) -> Cells:
     """Draw what each robot senses.
 
-    Args:
-        level: For the robots' colours.
-        frame: The tick.
-        columns: Cells across.
-        rows: Cells down.
-        look: How to draw; the selected robot is among those shown.
+    The selected robot is among those shown.
     """
     cells = Cells.blank(rows, columns)
     cells.style[:] = packed(look.palette.void)

@@ -55,13 +55,7 @@ def draw_trails(
 ) -> None:
     """Draw where robots came from.
 
-    Args:
-        cells: The picture, changed in place.
-        places: Shape (moments, robots, 2), map units, the oldest first.
-        ages: Of the moments, from 1 to 0.
-        colours: Of the robots.
-        viewport: The view.
-        look: How to draw.
+    `places` has the shape (moments, robots, 2), map units, the oldest first; `ages` from 1 to 0.
     """
     fresh = np.floor((1 - ages) * _FADES).clip(0, _FADES - 1).astype(np.int64)
     inks = np.array(
@@ -87,15 +81,7 @@ _FADE = (_STRONGEST - _FAINTEST) / (_FADES - 1)
 
 
 def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Look) -> None:
-    """Draw the rays of a robot one by one.
-
-    Args:
-        cells: The picture, changed in place.
-        fan: The rays.
-        colour: Of the robot.
-        viewport: The view.
-        look: How to draw.
-    """
+    """Draw the rays of a robot one by one."""
     step = viewport.units / 2
     x, y = [], []
     for heading, distance in zip(fan.headings.tolist(), fan.distances.tolist(), strict=True):
@@ -109,15 +95,7 @@ def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Loo
 
 
 def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) -> None:
-    """Draw a ring around a highlighted robot.
-
-    Args:
-        cells: The picture, changed in place.
-        x: Where the robot is, map units.
-        y: Where the robot is, map units.
-        viewport: The view.
-        look: How to draw.
-    """
+    """Draw a ring around a highlighted robot."""
     radius = max(_RING * ROBOT_RADIUS, _LEAST_RING * viewport.units)
     turn = np.linspace(0, 2 * np.pi, 120)
     ink = np.full(len(turn), packed(look.palette.bright))
@@ -127,12 +105,7 @@ def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) 
 def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look) -> None:
     """Draw a highlighted ray, with a mark at its end.
 
-    Args:
-        cells: The picture, changed in place.
-        fan: The robot's rays.
-        ray: Angle of the ray as the program reads it, radians.
-        viewport: The view.
-        look: How to draw.
+    `ray` is its angle as the program reads it, in radians.
     """
     ink = packed(look.palette.bright)
     number = fan.nearest(ray)
@@ -221,9 +194,6 @@ class Traces:
 
     def trails(self, tick: int) -> tuple[Floats, Floats]:
         """Return where the robots were.
-
-        Args:
-            tick: The present.
 
         Returns:
             Places of shape (moments, robots, 2) in map units, and the age of each moment from

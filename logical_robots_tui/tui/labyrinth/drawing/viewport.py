@@ -25,8 +25,6 @@ class Viewport(NamedTuple):
     """The rectangle of a map that a block of cells shows; a map unit is as long down as across.
 
     Attributes:
-        columns: Width in cells.
-        rows: Height in cells.
         left: Map units at the left edge of the first column.
         top: Map units at the top edge of the first row.
         units: Map units per column; a row holds twice as many.
@@ -40,14 +38,7 @@ class Viewport(NamedTuple):
 
     @classmethod
     def fit(cls, width: float, height: float, columns: int, rows: int) -> Self:
-        """Show a whole map in the middle of the cells, as large as it goes.
-
-        Args:
-            width: Map units, positive.
-            height: Map units, positive.
-            columns: Cells across.
-            rows: Cells down.
-        """
+        """Show a whole map in the middle of the cells, as large as it goes."""
         units = max(width / max(columns, 1), height / (max(rows, 1) * CELL_ASPECT), 1e-9)
         return cls(columns, rows, 0.0, 0.0, units).centred(width / 2, height / 2)
 
@@ -91,9 +82,6 @@ class Raster:
     """The dots of a viewport: each cell is ``across`` dots wide and ``down`` dots high.
 
     Attributes:
-        viewport: What it shows.
-        across: Dots of a cell, across.
-        down: Dots of a cell, down.
         part: (top, bottom, left, right) of the dots if these are only some of them, or None.
     """
 
