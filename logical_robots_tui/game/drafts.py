@@ -183,8 +183,6 @@ class Drafts:
             _release(self._lock)
             self._lock = None
 
-    # -- files ---------------------------------------------------------------------------------
-
     def _is_turn_of(self, key: Key, turn: int | None) -> bool:
         turn = self.next_turn() if turn is None else turn
         if self._latest.get(key, 0) > turn:

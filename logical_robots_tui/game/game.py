@@ -89,8 +89,6 @@ class Game:
         self._is_program_wanted = False
         self.decide: Decide | None = None
 
-    # -- looking -------------------------------------------------------------------------------
-
     @property
     def frame(self) -> Frame:
         """The current frame."""
@@ -154,8 +152,6 @@ class Game:
         if program is not self.program:
             raise Superseded
         return table
-
-    # -- moving --------------------------------------------------------------------------------
 
     async def step(self) -> Frame:
         """Compute the next tick, or replay it from history, and make it the current one.
@@ -309,8 +305,6 @@ class Game:
         self.pace.wake()
         await asyncio.gather(self._thinker.close(), self._asker.close())
 
-    # -- inside --------------------------------------------------------------------------------
-
     async def _go_on(
         self,
         most: int | None,
@@ -350,7 +344,6 @@ class Game:
             raise Superseded from None
 
     def _present_watch(self) -> Watch:
-        """Return the watch for the current program."""
         breakpoints = self.breakpoints.on
         if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
             self._watch, self._watched_by = Watch(breakpoints), self.program

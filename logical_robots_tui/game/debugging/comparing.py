@@ -91,7 +91,6 @@ class _Course:
         self._thinker = Thinker("compare")
 
     async def proof(self, program: Program) -> Proof:
-        """Prove the decision."""
         return await self._thinker.do(lambda stop: self._explainer(program, stop).proof())
 
     async def why(self, program: Program, asked: Ask) -> Explanation | None:

@@ -149,7 +149,6 @@ def _seatings(pair: Sequence[Player], seats: int) -> Iterator[list[Player]]:
 
 
 def _rounds(players: int) -> int:
-    """Return the number of rounds of a Swiss tournament."""
     return min(math.ceil(math.log2(players)) + _MORE_ROUNDS, players - 1 + players % 2)
 
 
