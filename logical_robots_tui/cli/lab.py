@@ -302,9 +302,6 @@ def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")
 
 
-# -- while it runs -----------------------------------------------------------------------------
-
-
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
     """Let the first interrupt finish the tasks at hand; the second one ends at once."""

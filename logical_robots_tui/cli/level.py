@@ -57,7 +57,6 @@ exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
 
 
 def _declare_check(commands: Commands) -> None:
-    """Add ``level check``."""
     command = new_command(
         commands,
         "check",
@@ -72,7 +71,6 @@ def _declare_check(commands: Commands) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    """Check each level and print the findings."""
     results = []
     status = FINE
     for name in options.levels:
@@ -118,7 +116,6 @@ exit status: 0 drawn, 2 the level can't be read or the file can't be written
 
 
 def _declare_show(commands: Commands) -> None:
-    """Add ``level show``."""
     command = new_command(
         commands,
         "show",
@@ -133,7 +130,6 @@ def _declare_show(commands: Commands) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    """Draw the level."""
     from logical_robots_tui.world import load_level
 
     level = load_level(options.level)

@@ -78,7 +78,6 @@ def declare_new(commands: Commands) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
-    """Create the level and write it."""
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.properties import set_words
     from logical_robots_tui.world import load_level
@@ -148,7 +147,6 @@ def declare_convert(commands: Commands) -> None:
 
 
 def _convert(options: argparse.Namespace) -> int:
-    """Read the level and write it."""
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.world import load_level
 
@@ -161,7 +159,6 @@ def _convert(options: argparse.Namespace) -> int:
 
 
 def _add_force(command: argparse.ArgumentParser) -> None:
-    """Add the option ``--force``."""
     command.add_argument("--force", action="store_true", help="replace an existing file")
 
 

@@ -84,9 +84,6 @@ def start(options: argparse.Namespace) -> int:
     return CONFIRMED
 
 
-# -- listing -----------------------------------------------------------------------------------
-
-
 def _list(progress: Progress, options: argparse.Namespace) -> None:
     records = {level: progress.record(level) for level in _levels(progress)}
     if options.json:
@@ -141,9 +138,6 @@ def _is_best(found: Measures, bests: Bests) -> bool:
     return bool(found.goals) or any(
         mine is not None and mine == best for mine, best in zip(found[:4], bests[:4], strict=True)
     )
-
-
-# -- checking ----------------------------------------------------------------------------------
 
 
 _MOST_BYTES = 20_000_000

@@ -185,8 +185,6 @@ def _heading(angle: float) -> Record:
     return {"angle": angle}
 
 
-# -- text --------------------------------------------------------------------------------------
-
 _LONG_TEXTS = ("briefing", "lesson", "further")
 
 

@@ -156,8 +156,7 @@ class Drafts:
     def adopt(self, kind: Kind) -> list[Draft]:
         """Take over the drafts of sessions that have ended.
 
-        Returns:
-            The adopted drafts of a kind, newest first, one per path.
+        Returns the adopted drafts of a kind, newest first, one per path.
 
         Raises:
             OSError: The folder can't be used.
@@ -182,8 +181,6 @@ class Drafts:
                     self._lock_file(self._session).unlink(missing_ok=True)
             _release(self._lock)
             self._lock = None
-
-    # -- files ---------------------------------------------------------------------------------
 
     def _is_turn_of(self, key: Key, turn: int | None) -> bool:
         turn = self.next_turn() if turn is None else turn

@@ -89,8 +89,6 @@ class Game:
         self._is_program_wanted = False
         self.decide: Decide | None = None
 
-    # -- looking -------------------------------------------------------------------------------
-
     @property
     def frame(self) -> Frame:
         """The current frame."""
@@ -154,8 +152,6 @@ class Game:
         if program is not self.program:
             raise Superseded
         return table
-
-    # -- moving --------------------------------------------------------------------------------
 
     async def step(self) -> Frame:
         """Compute the next tick, or replay it from history, and make it the current one.
@@ -309,8 +305,6 @@ class Game:
         self.pace.wake()
         await asyncio.gather(self._thinker.close(), self._asker.close())
 
-    # -- inside --------------------------------------------------------------------------------
-
     async def _go_on(
         self,
         most: int | None,
@@ -319,8 +313,7 @@ class Game:
     ) -> bool:
         """Advance some ticks and show each, up to victory, the condition or a breakpoint.
 
-        Returns:
-            Whether the condition was true or a breakpoint was hit.
+        Returns whether the condition was true or a breakpoint was hit.
         """
         run, here, text = self.run_number, self._frame.tick, self.program.text
         together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
@@ -350,7 +343,6 @@ class Game:
             raise Superseded from None
 
     def _present_watch(self) -> Watch:
-        """Return the watch for the current program."""
         breakpoints = self.breakpoints.on
         if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
             self._watch, self._watched_by = Watch(breakpoints), self.program

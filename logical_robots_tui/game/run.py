@@ -118,7 +118,7 @@ class Run:
         finally:
             await self._thinker.close()
 
-    # -- inside, in the thread -----------------------------------------------------------------
+    # The rest is called in the thread.
 
     def _some(
         self,
@@ -169,7 +169,6 @@ class Run:
         return self._latest
 
     def _go_on(self, stop: threading.Event) -> None:
-        """Compute the next tick."""
         past = self._known(self._recording.last)
         mind = self._thinker.mind(self.program, self.level, self.limits)
         (step,) = advance(

@@ -7,7 +7,7 @@ import re
 import threading
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
@@ -17,7 +17,7 @@ from logical_robots_tui.shipped import ARENAS, did_you_mean, shipped_folder, shi
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from logical_robots_tui.mind import Program, Report
     from logical_robots_tui.progress import Progress
@@ -43,6 +43,8 @@ __all__ = [
 
 DEFAULT_PROGRAM = "obstacle-avoider"
 """The program for levels that don't name a starter."""
+
+T = TypeVar("T")
 
 SUFFIX = ".l"
 MAX_PROGRAM_BYTES = 1_000_000
@@ -339,24 +341,19 @@ async def compile_program(text: str, report: Report | None = None) -> Program:
     Raises:
         ProgramError: The program is wrong; the error holds diagnostics with line, column and hint.
     """
-    stop = threading.Event()
     loop = asyncio.get_running_loop()
 
-    def pass_on(done: int, of_all: int) -> None:
-        if report is not None and not stop.is_set():
-            loop.call_soon_threadsafe(report, done, of_all)
-
-    def work() -> Program:
+    def work(stop: threading.Event) -> Program:
         # A mind will be needed next.
         from logical_robots_tui.mind import Mind, Program  # noqa: F401 - to load it
 
+        def pass_on(done: int, of_all: int) -> None:
+            if report is not None and not stop.is_set():
+                loop.call_soon_threadsafe(report, done, of_all)
+
         return Program.compile(text, stop=stop, report=pass_on)
 
-    try:
-        return await asyncio.to_thread(work)
-    except asyncio.CancelledError:
-        stop.set()
-        raise
+    return await _in_thread(work)
 
 
 async def mistake_in_question(program: Program, query: str) -> str:
@@ -364,13 +361,19 @@ async def mistake_in_question(program: Program, query: str) -> str:
 
     Cancelling the call ends the compilation.
     """
-    stop = threading.Event()
     try:
-        await asyncio.to_thread(program.question, query, stop=stop)
+        await _in_thread(lambda stop: program.question(query, stop=stop))
     except ProgramError as error:
         first = error.diagnostics[0]
         return f"{first.message}. {first.hint}".strip()
+    return ""
+
+
+async def _in_thread(work: Callable[[threading.Event], T]) -> T:
+    """Run work in a thread; cancelling the call sets the event that stops it."""
+    stop = threading.Event()
+    try:
+        return await asyncio.to_thread(work, stop)
     except asyncio.CancelledError:
         stop.set()
         raise
-    return ""

@@ -329,16 +329,13 @@ class _Watcher:
         return self.ended is not None
 
     def series(self, asked: Asked) -> Series:
-        """Return the rows of a question."""
         columns = ("tick", *self._columns.get(asked, ()))
         return Series(columns, tuple(self._rows[asked]), self._failures.get(asked, ""))
 
     def points(self) -> dict[str, float]:
-        """Return the points of each team."""
         return {} if self._state is None else standing(self._level, self._state)
 
     def forfeit(self) -> tuple[str, ...]:
-        """Return the teams that have lost because their programs failed."""
         ticks = self._state.tick if self._state is not None else 0
         teams = [team.name for team in self._level.teams]
         return tuple(t for t in teams if self._slow[t] >= _SLOW_TICKS or self._failed[t] == ticks)

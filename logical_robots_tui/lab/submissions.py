@@ -19,7 +19,7 @@ from logical_robots_tui.lab.specification import (
     Specification,
     read_assignment,
 )
-from logical_robots_tui.lab.sweeping import level_with_text, ticks_of
+from logical_robots_tui.lab.sweeping import level_to_run
 from logical_robots_tui.mind.diagnostics import printable
 from logical_robots_tui.mind.source_text import prepare
 from logical_robots_tui.paths import is_folder, read_ordinary
@@ -115,18 +115,12 @@ def _levels(spec: Specification, assignment: Assignment) -> dict[str, tuple[str,
     """Return the text and the last tick of each level, by name."""
     levels: dict[str, tuple[str, int]] = {}
     for number, each in enumerate(assignment.level):
-        try:
-            level, text = level_with_text(each.name, spec.folder)
-        except InputError as error:
-            spec.problem(("level", number, "name"), str(error))
-            continue
-        try:
-            ticks = ticks_of(level, assignment.assignment.ticks)
-        except ValueError as error:
-            spec.problem(("assignment", "ticks"), str(error))
-            continue
-        _check_reference(spec, assignment, level)
-        levels[level.name] = text, ticks
+        path, ticks = ("level", number, "name"), assignment.assignment.ticks
+        found = level_to_run(spec, path, each.name, ("assignment", "ticks"), ticks)
+        if found is not None:
+            level, text, last = found
+            _check_reference(spec, assignment, level)
+            levels[level.name] = text, last
     return levels
 
 

@@ -117,7 +117,6 @@ def _names(manifest: Manifest) -> set[tuple[str, str]]:
 
 
 def _bars(title: str, values: Mapping[str, float]) -> list[str]:
-    """Return a bar chart in characters."""
     import plotext
 
     if not values:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.specification import Experiment, Path_, Scalar
     from logical_robots_tui.world import Level
 
-__all__ = ["level_with_text", "plan_sweep", "ticks_of"]
+__all__ = ["level_to_run", "level_with_text", "plan_sweep"]
 
 _TICKS = re.compile(r"(?:(\d+)\s*\*\s*)?reference(?:\s*\+\s*(\d+))?")
 _MOST_CELLS = 100_000
@@ -63,7 +63,7 @@ def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
     return level, read_text(Path(level.source))
 
 
-def ticks_of(level: Level, ticks: int | str) -> int:
+def _last_tick(level: Level, ticks: int | str) -> int:
     """Return the last tick of a run in a level.
 
     Raises:
@@ -81,6 +81,22 @@ def ticks_of(level: Level, ticks: int | str) -> int:
     return min(int(found[1] or 1) * reference.ticks + int(found[2] or 0), most)
 
 
+def level_to_run(
+    spec: Specification, path: Path_, name: str, ticks_path: Path_, ticks: int | str
+) -> tuple[Level, str, int] | None:
+    """Return a level, its text and the last tick of a run; None after noting what is wrong."""
+    try:
+        level, text = level_with_text(name, spec.folder)
+    except InputError as error:
+        spec.problem(path, str(error))
+        return None
+    try:
+        return level, text, _last_tick(level, ticks)
+    except ValueError as error:
+        spec.problem(ticks_path, str(error))
+        return None
+
+
 class _Plan:
     """An experiment on its way to a manifest; notes everything that is wrong."""
 
@@ -93,7 +109,9 @@ class _Plan:
     def manifest(self) -> tuple[Manifest, dict[str, str]]:
         table = self._experiment.experiment
         for name in _several(table.level):
-            self._load_level(name)
+            place = ("experiment", "level"), name, ("experiment", "ticks")
+            if (found := level_to_run(self._spec, *place, table.ticks)) is not None:
+                self._levels[name] = found
         for name in _several(table.program):
             self._load_program(name)
         self._spec.refuse()
@@ -122,20 +140,6 @@ class _Plan:
             tuple(cell for cell in cells if cell is not None),
         )
         return manifest, self._inputs
-
-    def _load_level(self, name: str) -> None:
-        path: Path_ = ("experiment", "level")
-        try:
-            level, text = level_with_text(name, self._spec.folder)
-        except InputError as error:
-            self._spec.problem(path, str(error))
-            return
-        try:
-            ticks = ticks_of(level, self._experiment.experiment.ticks)
-        except ValueError as error:
-            self._spec.problem(("experiment", "ticks"), str(error))
-            return
-        self._levels[name] = level, text, ticks
 
     def _load_program(self, name: str) -> None:
         path: Path_ = ("experiment", "program")

@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.interning import Interner
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
-from logical_robots_tui.mind.sqlite.stored import TooDeepError, from_sql
+from logical_robots_tui.mind.sqlite.stored import Interner, TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
 from logical_robots_tui.mind.table import plan_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program, Question, Tuned
@@ -86,7 +85,6 @@ class Asking:
         within: Within,
         *,
         in_order: bool,
-        viewers: Collection[str] | None = None,
     ) -> Iterator[tuple[View, Answer]]:
         """Return the rows of a question for each view of a moment.
 
@@ -95,17 +93,11 @@ class Asking:
             moment: The moment.
             within: Limits; rows beyond them are left out.
             in_order: Whether the order of a view's rows matters.
-            viewers: Names of the robots in whose minds to ask, by default all.
 
         Raises:
             FailureError: It failed, or took too long.
         """
         tuned = question.tuned
-        if viewers is not None:
-            for view in moment.views:
-                if any(name in viewers for name in view.viewers):
-                    yield view, self._ask(tuned, question.sql, moment, view, within)
-            return
         answers = self._quick_answers(tuned, moment, within, in_order=in_order)
         yield from zip(moment.views, answers, strict=False)
         for view in moment.views[len(answers) :]:
@@ -287,7 +279,6 @@ class Asking:
 
 
 def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:
-    """Return the tables for a program's tuned queries, if it has any."""
     if not program.tuned:
         return None
     robot = program.tuned.get("Robot")

@@ -83,8 +83,6 @@ def stop_compiling() -> None:
 
 
 class _Compiler:
-    """A warm compile process and its results."""
-
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._bounds = ("", "")

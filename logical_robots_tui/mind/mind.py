@@ -13,9 +13,8 @@ from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.interning import Sizes
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-from logical_robots_tui.mind.sqlite.stored import size_of
+from logical_robots_tui.mind.sqlite.stored import Sizes, size_of
 from logical_robots_tui.mind.table import QueryPlan, Table, table_of
 from logical_robots_tui.values import SensorRow, Value
 
@@ -111,7 +110,6 @@ class Mind:
         return decisions
 
     def _decisions(self, moment: Moment, memories: Memories, within: Within) -> list[Decision]:
-        """Return one decision for each robot of a moment."""
         names = moment.names
         answers: dict[str, list[Mapping[str, Value]]] = {name: [] for name in names}
         strangers: dict[str, list[Notice]] = {}
@@ -193,7 +191,6 @@ class Mind:
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
-        viewers: Collection[str] | None = None,
         stop: threading.Event | None = None,
         in_order: bool = True,
     ) -> Table:
@@ -203,7 +200,6 @@ class Mind:
             question: A question compiled for this mind's program.
             rows: As for `think`.
             memories: As for `think`.
-            viewers: Names of the robots in whose minds to ask, by default all.
             stop: Set it from another thread to cancel.
             in_order: Whether the order of the rows matters; without it may be faster.
 
@@ -214,9 +210,7 @@ class Mind:
         moment = self._moment_of(rows, memories)
 
         def answers(within: Within) -> Iterator[tuple[View, Answer]]:
-            return self._asking.question(
-                question, moment, within, in_order=in_order, viewers=viewers
-            )
+            return self._asking.question(question, moment, within, in_order=in_order)
 
         try:
             return self._counted(answers, stop)
@@ -317,7 +311,6 @@ class Mind:
     # -- inside --------------------------------------------------------------------------------
 
     def _within_query(self, rows: int, stop: threading.Event | None, *, cut: bool = True) -> Within:
-        """Return the budget of a query."""
         try:
             check_room(_ROOM)
         except MemoryError:
@@ -337,7 +330,6 @@ class Mind:
         return Moment(self._own(rows), memories, self.memory, self.sensor)
 
     def _own(self, rows: Sequence[SensorRow]) -> Sequence[SensorRow]:
-        """Return the rows of the robots that it thinks for."""
         if self._robots is None:
             return rows
         return [row for row in rows if row["robot_name"] in self._robots]

@@ -29,7 +29,8 @@ class Prepared(NamedTuple):
     """A program's text prepared for the parser.
 
     Attributes:
-        text: The text, of the same length, without comments, with ``Name {`` as ``Name{ ``, and
+        original: The text as the player wrote it.
+        text: The same, of the same length, without comments, with ``Name {`` as ``Name{ ``, and
             with double-quoted texts.
         skeleton: The same with quoted texts blanked, to search for names.
         problems: Errors that the parser would explain worse.
@@ -37,6 +38,7 @@ class Prepared(NamedTuple):
         ends: Offsets of the ``;`` that end statements.
     """
 
+    original: str
     text: str
     skeleton: str
     problems: tuple[Diagnostic, ...]
@@ -75,7 +77,7 @@ def prepare(source: str) -> Prepared:
         )
     text = _join_braces("".join(kept), bare)
     return Prepared(
-        text, bare, tuple(brackets.problems), tuple(brackets.places), tuple(brackets.ends)
+        source, text, bare, tuple(brackets.problems), tuple(brackets.places), tuple(brackets.ends)
     )
 
 

@@ -82,8 +82,6 @@ class Progress:
         """Close the file."""
         self._store.close()
 
-    # -- levels --------------------------------------------------------------------------------
-
     def record(self, level: str) -> LevelRecord:
         """Return the record of a level, without the versions."""
         level = _storable(level)
@@ -145,8 +143,6 @@ class Progress:
 
         self._store.write(note)
 
-    # -- versions ------------------------------------------------------------------------------
-
     def keep(self, level: str, text: str) -> None:
         """Store a version of the player's program; an existing text becomes the newest."""
         level = _storable(level)
@@ -184,8 +180,6 @@ class Progress:
     def holds(self, text: str) -> bool:
         """Return whether a text is stored as a version for any level."""
         return self._row("SELECT 1 FROM version WHERE digest = ?", _digest(text)) is not None
-
-    # -- the player ----------------------------------------------------------------------------
 
     def fact(self, name: str) -> str | None:
         """Return a fact about the player, or None."""

@@ -88,8 +88,6 @@ class Store:
                 self._nothing.close()
                 self._nothing = None
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _do(self, work: Callable[[sqlite3.Connection], T]) -> T:
         for _ in range(3):
             try:

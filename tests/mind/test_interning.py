@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.sqlite.interning import Sizes
-from logical_robots_tui.mind.sqlite.stored import size_of
+from logical_robots_tui.mind.sqlite.stored import Sizes, size_of
 from tests.mind.rows import ROBOT, row
 from tests.mind.test_tuning_memories import TOLD, memory, odd, roads
 

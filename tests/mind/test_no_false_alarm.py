@@ -50,7 +50,7 @@ package_patches.install()  # as in the compile process
 
 
 def found(text: str) -> list[str]:
-    return [str(problem) for problem in check(parse_statements(text, prepare(text)), text)]
+    return [str(problem) for problem in check(parse_statements(prepare(text)), text)]
 
 
 @pytest.mark.parametrize("rules", SUBTLE)

@@ -9,7 +9,7 @@ import pytest
 
 from logical_robots_tui.game import Run, load_program
 from logical_robots_tui.mind import Mind, Program, Table
-from logical_robots_tui.mind.sqlite.tables import TunedTables
+from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.world import load_level
 from tests.mind.rows import ROBOT, nearly_same, row
 
@@ -104,13 +104,13 @@ def test_a_table_is_filled_once_for_all_who_read_it(monkeypatch: pytest.MonkeyPa
     )
     question = program.question("Sensor(robot_name:, sensor:), sensor.clock > 1")
     filled: list[str] = []
-    fill = TunedTables._fill_table
+    fill = Database.fill
 
-    def counted(tables: TunedTables, table: str, *rest: Any) -> None:
+    def counted(database: Database, table: str, *rest: Any) -> None:
         filled.append(table)
-        fill(tables, table, *rest)
+        fill(database, table, *rest)
 
-    monkeypatch.setattr(TunedTables, "_fill_table", counted)
+    monkeypatch.setattr(Database, "fill", counted)
     with closing(Mind(program, frozen=True)) as mind:
         counts = []
         for _ in range(4):

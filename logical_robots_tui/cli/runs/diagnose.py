@@ -96,7 +96,6 @@ def _lines(found: Diagnosis) -> Iterator[str]:
 
 
 def _data(found: Diagnosis) -> dict[str, Any]:
-    """Return the diagnosis as data for scripts."""
     return {
         "first": found.first,
         "last": found.last,

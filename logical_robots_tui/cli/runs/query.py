@@ -103,9 +103,6 @@ def _mistakes_in(what: str) -> Iterator[None]:
         raise ProgramFileError(what, error) from error
 
 
-# -- one tick ----------------------------------------------------------------------------------
-
-
 def _query(options: argparse.Namespace) -> int:
     level, program = opened(options)
     with _mistakes_in("query"):
@@ -145,9 +142,6 @@ async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
         await inquiry.close()
 
 
-# -- all ticks ---------------------------------------------------------------------------------
-
-
 def _when(options: argparse.Namespace) -> int:
     from logical_robots_tui.mind import QueryError
 
@@ -164,7 +158,6 @@ def _when(options: argparse.Namespace) -> int:
 async def _search(
     level: Level, program: Program, question: Question, options: argparse.Namespace
 ) -> Matches:
-    """Ask at every tick up to victory or the tick limit."""
     from logical_robots_tui.game import find_matches
 
     async with run_shown(level, program, options.ticks) as (run, show):
@@ -172,7 +165,6 @@ async def _search(
 
 
 def _lines(question: str, found: Matches) -> list[str]:
-    """Format the matches as text."""
     end = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
     end += ", up to victory" if found.won_at is not None else ""
     lines = []
@@ -201,7 +193,6 @@ def _row(first: int, last: int) -> tuple[str, str, str]:
 
 
 def _data(question: str, found: Matches) -> dict[str, Any]:
-    """Return the matches as data for scripts."""
     stretches = found.stretches
     return {
         "question": question,

@@ -68,7 +68,6 @@ exit status: 0 recorded, 2 bad level or program, or the file can't be written
 
 
 def _declare_record(commands: Commands) -> None:
-    """Add ``replay record``."""
     command = new_command(
         commands,
         "record",
@@ -98,7 +97,6 @@ def _declare_record(commands: Commands) -> None:
 
 
 def _record(options: argparse.Namespace) -> int:
-    """Run the program and write the replay."""
     from logical_robots_tui.editing.level_text import write_native
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import gather
@@ -138,7 +136,6 @@ exit status: 0 after quitting, 2 if the replay can't be opened
 
 
 def _declare_play(commands: Commands) -> None:
-    """Add ``replay play``."""
     command = new_command(
         commands,
         "play",
@@ -153,7 +150,6 @@ def _declare_play(commands: Commands) -> None:
 
 
 def _play(options: argparse.Namespace) -> int:
-    """Open the game."""
     from logical_robots_tui.cli.play import play_replay
     from logical_robots_tui.game.replay import load_replay
 
@@ -169,7 +165,6 @@ exit status: 0 the same, 2 the replay can't be used, 3 something is different
 
 
 def _declare_verify(commands: Commands) -> None:
-    """Add ``replay verify``."""
     command = new_command(
         commands,
         "verify",
@@ -183,7 +178,6 @@ def _declare_verify(commands: Commands) -> None:
 
 
 def _verify(options: argparse.Namespace) -> int:
-    """Compute the replay again and print what is different."""
     from logical_robots_tui.game.replay import load_replay
 
     replay = load_replay(options.replay)
@@ -231,7 +225,6 @@ exit status: 0 shown, 2 the replay can't be read or the file can't be written
 
 
 def _declare_show(commands: Commands) -> None:
-    """Add ``replay show``."""
     command = new_command(
         commands,
         "show",
@@ -247,7 +240,6 @@ def _declare_show(commands: Commands) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    """Print or draw the replay."""
     from logical_robots_tui.game.replay import load_replay
 
     replay = load_replay(options.replay)
@@ -273,7 +265,6 @@ def _paths(replay: Replay) -> dict[str, list[tuple[float, float]]]:
 
 
 def _as_json(replay: Replay) -> dict[str, Any]:
-    """Return all that is in a replay."""
     return {
         "level": replay.name,
         "first": replay.first,
@@ -294,7 +285,6 @@ def _as_json(replay: Replay) -> dict[str, Any]:
 
 
 def _lines(replay: Replay) -> Iterator[str]:
-    """Yield what is in a replay, for people."""
     from logical_robots_tui.mind.program import split_teams
 
     level = replay.levels[0]

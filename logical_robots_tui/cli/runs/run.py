@@ -85,42 +85,50 @@ async def play_out(
     from logical_robots_tui.game.victory import victory_of
 
     game = Game(level, program, history=1)
-    tally = Tally()
+    outcome = Outcome(level, program_name, game.frame)
 
     def look(frame: Frame) -> None:
-        tally.count(frame)
+        outcome.count(frame)
         show(frame.tick)
 
     game.listen(look)
     began = perf_counter()
     try:
-        frame = await game.run_until(tick=ticks)
+        await game.run_until(tick=ticks)
         victory = victory_of(game, level)
     finally:
         await game.close()
-    seconds = perf_counter() - began
-    measures = victory and victory.measures
-    return Outcome(level, program_name, frame, tally, seconds, measures.goals if measures else ())
+    outcome.seconds = perf_counter() - began
+    if victory is not None and victory.measures is not None:
+        outcome.reached = victory.measures.goals
+    return outcome
 
 
 @dataclass
-class Tally:
-    """Statistics of a run.
+class Outcome:
+    """What has come of a run so far.
 
     Attributes:
+        frame: The last frame.
         notices: The number of notices of each kind.
         first: The first few notices, as (tick, robot name, kind, message).
-        think_milliseconds: Time spent thinking.
         is_reliable: Whether no time limit cut a thought short.
+        reached: The second goals that were reached, in words.
     """
 
+    level: Level
+    program_name: str
+    frame: Frame
     notices: Counter[str] = field(default_factory=Counter)
     first: list[tuple[int, str, str, str]] = field(default_factory=list)
     think_milliseconds: float = 0.0
     is_reliable: bool = True
+    seconds: float = 0.0
+    reached: tuple[str, ...] = ()
 
     def count(self, frame: Frame) -> None:
         """Count a finished tick."""
+        self.frame = frame
         self.think_milliseconds += frame.think_milliseconds
         self.is_reliable = self.is_reliable and frame.is_reliable
         for decision in frame.decisions:
@@ -129,18 +137,6 @@ class Tally:
                 if len(self.first) < SAMPLE:
                     entry = (frame.tick, decision.robot_name, notice.kind, notice.message)
                     self.first.append(entry)
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """The result of a run."""
-
-    level: Level
-    program_name: str
-    frame: Frame
-    tally: Tally
-    seconds: float
-    reached: tuple[str, ...] = ()
 
     @property
     def won_at(self) -> int | None:
@@ -161,7 +157,7 @@ class Outcome:
             "program": self.program_name,
             "won": self.won_at is not None,
             "ticks": ticks,
-            "reliable": self.tally.is_reliable,
+            "reliable": self.is_reliable,
             "robots": self._robots(),
             "goals": [
                 {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
@@ -172,17 +168,17 @@ class Outcome:
                 goal.words: goal.words in self.reached for goal in self.level.second_goals
             },
             "notices": {
-                "count": self.tally.notices.total(),
-                "kinds": dict(self.tally.notices),
+                "count": self.notices.total(),
+                "kinds": dict(self.notices),
                 "first": [
                     {"tick": tick, "robot": robot, "kind": kind, "message": message}
-                    for tick, robot, kind, message in self.tally.first
+                    for tick, robot, kind, message in self.first
                 ],
             },
         }
         if times:
             found["milliseconds_per_tick"] = round(self.seconds * 1000 / ticks, 4)
-            think = self.tally.think_milliseconds / ticks
+            think = self.think_milliseconds / ticks
             found["think_milliseconds_per_tick"] = round(think, 4)
         return json.dumps(finite(found), indent=2, allow_nan=False)
 
@@ -196,17 +192,16 @@ class Outcome:
             )
             lines.append(f"Second goals: {told}.")
         lines += ["", *self._table()]
-        if self.tally.first:
-            total = self.tally.notices.total()
-            noun = "notice" if total == 1 else "notices"
-            lines += ["", f"{total} {noun} from the program:"]
+        if self.first:
+            total = self.notices.total()
+            lines += ["", f"{total} notice{'' if total == 1 else 's'} from the program:"]
             lines += [
                 f"  tick {tick}, {harmless(robot)}: {harmless(message)}"
-                for tick, robot, _kind, message in self.tally.first
+                for tick, robot, _kind, message in self.first
             ]
-            if total > len(self.tally.first):
-                lines.append(f"  ... and {total - len(self.tally.first)} more")
-        if not self.tally.is_reliable:
+            if total > len(self.first):
+                lines.append(f"  ... and {total - len(self.first)} more")
+        if not self.is_reliable:
             lines += ["", UNRELIABLE]
         pace = self.frame.tick / self.seconds
         lines += ["", f"{self.frame.tick} ticks in {self.seconds:.1f} s ({pace:.0f} ticks/s)"]

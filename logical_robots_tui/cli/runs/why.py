@@ -208,7 +208,6 @@ def _truth(value: Any) -> str:
 
 
 def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
-    """Return the explanation as data for scripts."""
     return {
         "tick": tick,
         "robot": explanation.robot,

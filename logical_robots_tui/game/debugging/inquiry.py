@@ -35,7 +35,8 @@ _LIMITS = Limits()
 class Inquiry:
     """Answers questions about frames of a level, while the game may continue.
 
-    Questions have no side effects. A newer question of the same kind cancels an older one.
+    Questions have no side effects. A newer question of the same kind cancels an older one, which
+    raises Superseded.
     """
 
     def __init__(self, level: Level) -> None:
@@ -53,7 +54,6 @@ class Inquiry:
         Raises:
             ProgramError: The query is wrong; the diagnostics refer to its lines and columns.
             QueryError: It failed at this tick.
-            Superseded: A newer question came before the answer was ready.
         """
 
         def work(mind: Mind, stop: threading.Event) -> Table:
@@ -79,7 +79,6 @@ class Inquiry:
 
         Raises:
             QueryError: There is no such predicate or robot, or a function lacks its arguments.
-            Superseded: A newer question came before the answer was ready.
         """
         return await self._explain(
             self._explainer, program, robot, frame, lambda each: each.why(predicate, given, within)
@@ -102,7 +101,6 @@ class Inquiry:
 
         Raises:
             QueryError: As `why` does.
-            Superseded: A newer question came before the answer was ready.
         """
 
         def work(explainer: Explainer) -> Proof:
@@ -115,7 +113,6 @@ class Inquiry:
 
         Raises:
             QueryError: There is no such robot or function, or a rule that calls it failed.
-            Superseded: A newer survey began before the answer was ready.
         """
         return await self._explain(
             self._surveyor, program, robot, frame, lambda each: each.calls(predicate)
@@ -126,12 +123,10 @@ class Inquiry:
     ) -> list[tuple[int, Suggestion]]:
         """Return the single changes that would have produced a row, for each rule without one.
 
-        Returns:
-            Lines of rules, each with a change; the smallest change of a rule first.
+        Each is given with the line of its rule; the smallest change of a rule comes first.
 
         Raises:
             QueryError: The program is too complex.
-            Superseded: A newer question came before the answer was ready.
         """
 
         def work(explainer: Explainer) -> list[tuple[int, Suggestion]]:
@@ -140,11 +135,7 @@ class Inquiry:
         return await self._explain(self._explainer, program, robot, frame, work)
 
     async def query_plans(self, program: Program, frame: Frame) -> list[QueryPlan]:
-        """Return how each of the program's predicates is computed at a frame, slowest first.
-
-        Raises:
-            Superseded: A newer question came before the answer was ready.
-        """
+        """Return how each of the program's predicates is computed at a frame, slowest first."""
         names = [p.name for p in program.predicates if p.kind == "program" and p.has_rows]
 
         def work(mind: Mind, stop: threading.Event) -> list[QueryPlan]:
@@ -159,22 +150,14 @@ class Inquiry:
         return await self._do(self._explainer, program, work)
 
     async def survey(self, program: Program, frame: Frame) -> dict[str, Table | QueryError]:
-        """Return the rows of all predicates that have rows, or why one has none.
-
-        Raises:
-            Superseded: A newer survey began before this one was finished.
-        """
+        """Return the rows of all predicates that have rows, or why one has none."""
         names = [each.name for each in program.predicates if each.has_rows]
         return await self._do(self._surveyor, program, partial(_tables, names, frame))
 
     async def readings(
         self, program: Program, frame: Frame, pins: Sequence[Pin]
     ) -> dict[Pin, Reading]:
-        """Return the values of pins at a frame.
-
-        Raises:
-            Superseded: Other pins or another tick were requested before this was finished.
-        """
+        """Return the values of pins at a frame."""
 
         def work(mind: Mind, stop: threading.Event) -> dict[Pin, Reading]:
             tables = _tables(dict.fromkeys(pin.predicate for pin in pins), frame, mind, stop)

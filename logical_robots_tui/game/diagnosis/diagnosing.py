@@ -91,8 +91,6 @@ def extent(found: Diagnosis) -> str:
 
 
 class _Diagnosing:
-    """One diagnosis."""
-
     def __init__(self, game: Game, report: Callable[[int, int], None]) -> None:
         self._game, self._report, self._limits = game, report, Limits()
         self._program = game.program
@@ -114,8 +112,6 @@ class _Diagnosing:
             return await self._look(checkup, observed)
         finally:
             await self._thinker.close()
-
-    # -- inside --------------------------------------------------------------------------------
 
     async def _look(self, checkup: Checkup, observed: Observations) -> Diagnosis:
         ticks = range(observed.first, observed.last + 1)

@@ -46,9 +46,6 @@ def findings_of(
     return sorted(found, key=lambda each: each.severity == "note")
 
 
-# -- notices -----------------------------------------------------------------------------------
-
-
 def _of_notices(
     observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
@@ -110,7 +107,6 @@ def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 
 
 def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
-    """Return the duplicate facts."""
     texts = Counter(checkup.rules[n].key for n in facts)
     return [n for n in facts if texts[checkup.rules[n].key] > 1]
 
@@ -132,9 +128,6 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
 def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
     """Split places into the first, if there is one, and the rest."""
     return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
-
-
-# -- memory and texts --------------------------------------------------------------------------
 
 
 def _of_memory(
@@ -184,9 +177,6 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         hint = f'Did you mean "{close}"?' if close else "Robots and beacons have other names here."
         message = f'Nothing in this level is called "{field.name}".'
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
-
-
-# -- movement ----------------------------------------------------------------------------------
 
 
 def _of_movement(
@@ -242,8 +232,7 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
 def _leaves(tally: Tally) -> list[list[Span]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
-    Returns:
-        For each place where it was chosen, that place and the sources of its values.
+    For each place where it was chosen, these are that place and the sources of its values.
     """
     found = [
         (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)

@@ -251,8 +251,6 @@ class History:
             self._course.hits[tick] = hits
             self.marks.note(tick, "breakpoint")
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _look_for_divergence(self, tick: int) -> None:
         there = self._other
         if self.divergence is None and there is not None and there.first <= tick <= there.last:

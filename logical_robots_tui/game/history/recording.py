@@ -145,8 +145,6 @@ class Recording:
         contents = [piece.content for piece in pieces]
         folder.keep(self._key, [_digest(line).encode(), b"\n", line, b"\n", *contents])
 
-    # -- inside --------------------------------------------------------------------------------
-
     @property
     def _packed(self) -> int:
         """The tick after the packed ones."""

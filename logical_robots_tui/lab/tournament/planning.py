@@ -149,7 +149,6 @@ def _seatings(pair: Sequence[Player], seats: int) -> Iterator[list[Player]]:
 
 
 def _rounds(players: int) -> int:
-    """Return the number of rounds of a Swiss tournament."""
     return min(math.ceil(math.log2(players)) + _MORE_ROUNDS, players - 1 + players % 2)
 
 
@@ -175,10 +174,7 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
 
     The one that is left over, if the number is odd, is the last one that has always played so far.
     Ties are broken by the programs, not by names. `shares` are the average shares of the players by
-    name; none in the first round.
-
-    Returns:
-        The pairs; None if some player would have to meet another one again.
+    name; none in the first round. Returns None if some player would have to meet another one again.
     """
     players = manifest.players
 

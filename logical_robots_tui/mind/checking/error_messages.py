@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 __all__ = [
     "COMPLAINTS",
     "FUNCTION",
-    "at_word",
     "explain",
     "is_function",
     "plain_message",
@@ -57,7 +56,7 @@ _OWN = (parse.ParsingException, rule_translate.RuleCompileException, functors.Fu
 
 
 def explain(
-    error: BaseException, text: str, source: Prepared, within: tuple[int, int] | None = None
+    error: BaseException, source: Prepared, within: tuple[int, int] | None = None
 ) -> Diagnostic:
     """Return the diagnostic for an exception of the package.
 
@@ -70,9 +69,9 @@ def explain(
     start, end = within or _rule(error, source)
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
         hint = "Give parts of it names of their own."
-        return diagnostic_at(text, start, 0, "the program is nested too deeply", hint)
+        return diagnostic_at(source.original, start, 0, "the program is nested too deeply", hint)
     if names := unassigned(error):
-        return _without_value(names, text, source, start, end)
+        return _without_value(names, source, start, end)
     message = plain_message(error)
     at, length = _place(error, source, start, end)
     hint = _hint(message)
@@ -83,20 +82,16 @@ def explain(
             at, length = max(found, again), len(sign)
     if "'" in source.skeleton[at : at + length]:
         hint = 'Put text in double quotes: "like this".'
-    elif message == _NO_CONDITION and _FIELD.fullmatch(value := text[at : at + length].strip()):
+    elif message == _NO_CONDITION and _FIELD.fullmatch(
+        value := source.original[at : at + length].strip()
+    ):
         hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
     elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
         hint = known
     elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
-    return diagnostic_at(text, at, length, message, hint)
-
-
-def at_word(name: str, text: str, source: Prepared, message: str, hint: str) -> Diagnostic:
-    """Return a diagnostic at the first mention of a name."""
-    found = re.search(rf"(?<![\w@]){re.escape(name)}(?!\w)", source.skeleton)
-    return diagnostic_at(text, found.start() if found else 0, len(name), message, hint)
+    return diagnostic_at(source.original, at, length, message, hint)
 
 
 def plain_message(error: BaseException) -> str:
@@ -125,9 +120,7 @@ def _plain_text(error: BaseException) -> str:
     return " ".join(_ANSI.sub("", str(error)).split()).rstrip(".")
 
 
-def _without_value(
-    names: list[str], text: str, source: Prepared, start: int, end: int
-) -> Diagnostic:
+def _without_value(names: list[str], source: Prepared, start: int, end: int) -> Diagnostic:
     """Return the diagnostic for variables without a value; those mentioned once are the cause."""
     rule = source.skeleton[start:end]
     culprits = [name for name in names if len(_mentions(name, rule)) == 1] or names
@@ -137,7 +130,7 @@ def _without_value(
     close = closest(culprits[0], others)
     places = _mentions(culprits[0], rule) or [0]
     hint = f"Did you mean {close}?" if close else _hint(message)
-    return diagnostic_at(text, start + places[0], len(culprits[0]), message, hint)
+    return diagnostic_at(source.original, start + places[0], len(culprits[0]), message, hint)
 
 
 def _mentions(name: str, rule: str) -> list[int]:

@@ -80,7 +80,6 @@ def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnosti
 
 
 def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator[Diagnostic]:
-    """Find fields that are misspelt engines."""
     missing = set(_ENGINES) - set(names)
     for name in names:
         meant = closest(name, missing, cutoff)

@@ -69,7 +69,7 @@ def decompose(
         for each in expanded.rules
         if each not in functions
     }
-    builder = Builder(text, source, Names(functions, tables, expanded.origins))
+    builder = Builder(source, Names(functions, tables, expanded.origins))
     rules = expanded.rules.get(name, [])
     given = tuple(functions.get(name, ()))
     parts = tuple(_rule(rule, given, builder) for rule in rules)
@@ -79,7 +79,7 @@ def decompose(
     read = {each: tables[each] for each in _read(name, expanded, functions) if each in tables}
     for each, table in read.items():
         define(table, _columns(expanded.rules[each]))
-    compiled = _compiled(builder.probes, expanded, functions, tables, text, source)
+    compiled = _compiled(builder.probes, expanded, functions, tables, source)
 
     return Probing(
         predicate,
@@ -93,7 +93,7 @@ def decompose(
         {probe: sql for probe, sql in compiled.items() if is_quick(*_prepared(sql))},
         _ALL if given else "",
         read,
-        _sources({*read, *(() if given else (name,))} - {*with_rows}, expanded, text, source),
+        _sources({*read, *(() if given else (name,))} - {*with_rows}, expanded, source),
         {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
         _is_founded(circle, expanded, functions),
     )
@@ -237,7 +237,6 @@ def _compiled(
     expanded: Expanded,
     functions: Mapping[str, Collection[str]],
     tables: Mapping[str, str],
-    text: str,
     source: Prepared,
 ) -> dict[str, str]:
     """Return SQL by name of a query; predicates other than functions are tables."""
@@ -246,15 +245,13 @@ def _compiled(
     rules = [*own, *flags, *probes.values()]
     for rule in rules:
         rename(rule, tables)
-    return statements_of([*probes], rules, text, source)
+    return statements_of([*probes], rules, source)
 
 
-def _sources(
-    wanted: Collection[str], expanded: Expanded, text: str, source: Prepared
-) -> dict[str, str]:
+def _sources(wanted: Collection[str], expanded: Expanded, source: Prepared) -> dict[str, str]:
     """Return SQL for the rows of copies that ``:=`` made."""
     copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
     if not copies:
         return {}
     rules = [deep_copy(rule) for own in expanded.rules.values() for rule in own]
-    return statements_of(copies, [*deep_copy(expanded.others), *rules], text, source)
+    return statements_of(copies, [*deep_copy(expanded.others), *rules], source)

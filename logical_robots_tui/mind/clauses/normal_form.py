@@ -63,10 +63,10 @@ class Builder:
         probes: The rules that define the queries' rows, by name.
     """
 
-    def __init__(self, text: str, source: Prepared, known: Names) -> None:
+    def __init__(self, source: Prepared, known: Names) -> None:
         self.probes: dict[str, Rule] = {}
         self.known = known
-        self._text, self._source = text, source
+        self._source = source
 
     def clauses(
         self,
@@ -92,7 +92,7 @@ class Builder:
 
     def span(self, tree: Any) -> Span:
         """Return the place of a piece of a syntax tree."""
-        return span_of(tree, self._text, self._source)
+        return span_of(tree, self._source)
 
     def _choices(self, body: Sequence[Rule]) -> Iterator[tuple[list[Rule], tuple[Span, ...]]]:
         """Return the body for each choice of alternatives, or unchanged if there are too many."""
@@ -105,8 +105,6 @@ class Builder:
 
 
 class _ClauseBuilder:
-    """One clause."""
-
     def __init__(
         self,
         builder: Builder,
@@ -325,7 +323,6 @@ class _ClauseBuilder:
         return Term(kind, span, self._column(tree), parts, names_of(tree, kind))
 
     def _inner(self, combine: Rule) -> Body | None:
-        """Return the body of an aggregate or a negation."""
         body = flat(combine.get("body"))
         if not body or self._depth >= _DEEPEST:
             return None

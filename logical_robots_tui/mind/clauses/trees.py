@@ -96,12 +96,12 @@ def _record(columns: Mapping[Any, Rule]) -> Rule:
 _OPENS = {"(": ")", "[": "]", "{": "}"}
 
 
-def span_of(tree: Any, text: str, source: Prepared) -> Span:
+def span_of(tree: Any, source: Prepared) -> Span:
     """Return the place of a syntax tree's text."""
     places = list(_places(tree, source.text))
     start = min((start for start, _ in places), default=0)
     stop = max((stop for _, stop in places), default=0)
-    return span_of_text(start, _closed(source.skeleton, start, stop), text)
+    return span_of_text(start, _closed(source.skeleton, start, stop), source.original)
 
 
 def span_of_text(start: int, stop: int, text: str) -> Span:

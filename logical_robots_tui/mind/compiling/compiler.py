@@ -72,13 +72,13 @@ def compile_text(text: str, report: Report | None = None) -> Program:
         ProgramError: The program has errors; holds all that can be found at once.
     """
     source = prepare(text)
-    parsed = parse_statements(text, source)
+    parsed = parse_statements(source)
     found = check(parsed, text)
     raw, visibility, invalid = _take_visibility(parsed.rules, text)
     _refuse([*found, *invalid])
-    compiled = compiled_rules(raw, text, source)
+    compiled = compiled_rules(raw, source)
     statements, predicates, problems = _compile_predicates(
-        compiled, raw, text, source, report or (lambda _done, _all: None)
+        compiled, raw, source, report or (lambda _done, _all: None)
     )
     _refuse([*found, *problems])
     uses = _uses(raw)
@@ -108,7 +108,7 @@ def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
 @lru_cache(maxsize=1)
 def _read(text: str) -> tuple[Prepared, list[Rule]]:
     source = prepare(text)
-    return source, plain_rules(parse_statements(text, source).rules, text)
+    return source, plain_rules(parse_statements(source).rules, text)
 
 
 def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
@@ -116,7 +116,7 @@ def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
     return _take_visibility(rules, text)[0]
 
 
-def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgram:
+def compiled_rules(rules: list[Rule], source: Prepared) -> RobotProgram:
     """Return the package's program for some rules and the prelude.
 
     Raises:
@@ -125,23 +125,21 @@ def compiled_rules(rules: list[Rule], text: str, source: Prepared) -> RobotProgr
     try:
         written = rewritten(recursions_written_out(rules))
         written_out(written)
-        spell_out(written, text, source)
+        spell_out(written, source.original)
         return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
     except error_messages.COMPLAINTS as error:
         raise ProgramError(
-            (_endless(error, rules, text) or error_messages.explain(error, text, source),)
+            (_endless(error, rules, source.original) or error_messages.explain(error, source),)
         ) from None
 
 
-def statements_of(
-    wanted: list[str], rules: list[Rule], text: str, source: Prepared
-) -> dict[str, str]:
+def statements_of(wanted: list[str], rules: list[Rule], source: Prepared) -> dict[str, str]:
     """Return SQL for the rows of those predicates that can be computed alone.
 
     Raises:
         ProgramError: The rules can't be compiled.
     """
-    compiled = compiled_rules(rules, text, source)
+    compiled = compiled_rules(rules, source)
     found = {}
     for name in wanted:
         with suppress(*error_messages.COMPLAINTS):
@@ -237,7 +235,7 @@ def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | N
 
 
 def _compile_predicates(
-    compiled: RobotProgram, raw: list[Rule], text: str, source: Prepared, report: Report
+    compiled: RobotProgram, raw: list[Rule], source: Prepared, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
     """Return SQL by predicate, all predicates, and the errors if `Robot` can't be compiled."""
     statements: dict[str, str] = {}
@@ -258,8 +256,8 @@ def _compile_predicates(
             is_function = name != MAIN and _lacks_arguments(error, own[name])
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
-                problems.append(error_messages.explain(error, text, source))
-        line = text.count("\n", 0, getattr(names[name], "start", 0)) + 1
+                problems.append(error_messages.explain(error, source))
+        line = source.original.count("\n", 0, getattr(names[name], "start", 0)) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
     for name in dict.fromkeys(head_name(r) for r in prelude_rules()):
         if name not in own and name.isidentifier():

@@ -2,6 +2,8 @@
 
 The package's parser gives each node the text that it came from, with its place. Here that place is
 an offset in the program's text.
+
+Constants of a program, `Near() = 40;`, can be given other values in its parsed rules.
 """
 
 from __future__ import annotations
@@ -13,17 +15,19 @@ from typing import TYPE_CHECKING, Any
 from logica.parser_py import parse
 
 from logical_robots_tui.mind.checking import error_messages
-from logical_robots_tui.mind.compiling.rules import nodes
-from logical_robots_tui.mind.source_text import INNER_QUOTE, statements
+from logical_robots_tui.mind.compiling.package_patches import deep_copy
+from logical_robots_tui.mind.compiling.rules import fields, heads, nodes, value_of
+from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.mind.source_text import INNER_QUOTE, prepare, statements
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.diagnostics import Diagnostic
     from logical_robots_tui.mind.source_text import Prepared
 
-__all__ = ["Parsed", "parse_statements", "rewritten"]
+__all__ = ["Parsed", "parse_statements", "rewritten", "with_constants"]
 
 _NAME = re.compile(r"[A-Z]\w*")
 
@@ -43,7 +47,7 @@ class Parsed:
     doubtful: frozenset[str]
 
 
-def parse_statements(text: str, source: Prepared) -> Parsed:
+def parse_statements(source: Prepared) -> Parsed:
     """Parse every statement that can be parsed."""
     parse.TOO_MUCH = "too much"  # a program could switch the package's syntax permanently
     parse.EnactIncantations(source.text)
@@ -57,7 +61,7 @@ def parse_statements(text: str, source: Prepared) -> Parsed:
                 rules += _with_quotes(_parse_statement(source.text, start, end))
                 continue
             except error_messages.COMPLAINTS as error:
-                problems.append(error_messages.explain(error, text, source, (start, end)))
+                problems.append(error_messages.explain(error, source, (start, end)))
         doubtful.update(_NAME.findall(source.skeleton[start:end]))
     return Parsed(rules, problems, frozenset(doubtful))
 
@@ -96,3 +100,69 @@ def _parse_statement(text: str, start: int, end: int) -> Iterator[Rule]:
         return
     rule: dict[str, Any] = parse.ParseFunctorRule(statement) or parse.ParseRule(statement)
     yield rule
+
+
+def with_constants(text: str, values: Mapping[str, str]) -> str:
+    """Return the text of a program in whose parsed rules some constants have other values.
+
+    The rest of the text stays as it is, and so do the numbers of its lines.
+
+    Args:
+        text: The program.
+        values: Expressions on one line by the constants' names.
+
+    Raises:
+        ProgramError: The program has errors, or a name is not that of a constant.
+    """
+    rules = _parsed(text)
+    found = heads(rules)
+    wanted = deep_copy(rules)
+    spans = []
+    for name, value in values.items():
+        new, *others = _parsed(f"{name}() = {value};")
+        old, *more = found.get(name, [{}])
+        if others or more or not _is_constant(old):
+            hint = f"A constant is one rule without a body: {name}() = {value};"
+            raise _refused(f"{name} is not a constant of the program", hint)
+        heritage: Any = (value_of(old["head"]["record"]["field_value"][0]) or {})[_HERITAGE]
+        spans.append((heritage.start, heritage.stop, value))
+        wanted[rules.index(old)]["head"] = new["head"]
+    for start, stop, value in sorted(spans, reverse=True):
+        lines = text.count("\n", start, stop)
+        text = text[:start] + value + "\n" * lines + text[stop:]
+    if _without_places(_parsed(text)) != _without_places(wanted):
+        raise _refused("the constants can't be written into the program", "Try simpler values.")
+    return text
+
+
+_HERITAGE = "expression_heritage"
+
+
+def _parsed(text: str) -> list[Rule]:
+    parsed = parse_statements(prepare(text))
+    if parsed.problems:
+        raise ProgramError(tuple(parsed.problems))
+    return parsed.rules
+
+
+def _is_constant(rule: Rule) -> bool:
+    """Return whether a rule gives a predicate without arguments one value under no condition."""
+    if not rule or rule.keys() - {"head", "full_text"}:
+        return False
+    record = rule["head"]["record"]
+    return fields(record) == [VALUE] and value_of(record["field_value"][0]) is not None
+
+
+def _refused(message: str, hint: str) -> ProgramError:
+    return ProgramError((Diagnostic(1, 1, message, hint),))
+
+
+def _without_places(tree: Any) -> Any:
+    """Return a syntax tree without the pieces of text that its nodes came from."""
+    if isinstance(tree, dict):
+        return {
+            key: _without_places(value)
+            for key, value in tree.items()
+            if key not in (_HERITAGE, "full_text")
+        }
+    return [_without_places(each) for each in tree] if isinstance(tree, list) else tree

@@ -60,7 +60,7 @@ def compile_question(text: str, query: str) -> Question:
     if source.ends or any(
         len(parse.Split(parse.HeritageAwareString(source.text), sign)) > 1 for sign in (":-", ":=")
     ):
-        asked = _defined(query, source, own)
+        asked = _defined(source, own)
     elif bare in own:
         asked, query = bare, ""
     else:
@@ -68,7 +68,7 @@ def compile_question(text: str, query: str) -> Question:
         if bare in INPUTS:
             query = f"{bare}({', '.join(f'{column}:' for column in INPUTS[bare])})"
             source = prepare(query)
-        before, after, gives = _frame(asked, query, source, own)
+        before, after, gives = _frame(asked, source, own)
     begin = f"{text}\n;\n{before}\n"
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
@@ -86,23 +86,22 @@ def _names() -> Iterator[str]:
 
 
 def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
-    """Return the SQL of a predicate."""
     source = prepare(whole)
-    parsed = parse_statements(whole, source)
+    parsed = parse_statements(source)
     found = tuple(d for d in check(parsed, whole) if d.severity == "error")
     if found:
         raise ProgramError(found)
     try:
-        sql: str = compiled_rules(
-            plain_rules(parsed.rules, whole), whole, source
-        ).FormattedPredicateSql(asked)
+        sql: str = compiled_rules(plain_rules(parsed.rules, whole), source).FormattedPredicateSql(
+            asked
+        )
     except error_messages.COMPLAINTS as error:
         if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
             raise ProgramError(
                 (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
-        raise ProgramError((error_messages.explain(error, whole, source),)) from None
+        raise ProgramError((error_messages.explain(error, source),)) from None
     return sql
 
 
@@ -114,13 +113,13 @@ def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
     return replace(diagnostic, line=1, column=1, excerpt="")
 
 
-def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str:
+def _defined(source: Prepared, own: Mapping[str, list[Rule]]) -> str:
     """Return the last predicate that a query defines.
 
     Raises:
         ProgramError: The query can't be parsed, or redefines a predicate of the program.
     """
-    parsed = parse_statements(query, source)
+    parsed = parse_statements(source)
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
     defined = heads(parsed.rules)
@@ -128,15 +127,13 @@ def _defined(query: str, source: Prepared, own: Mapping[str, list[Rule]]) -> str
         if name in own or name in INPUTS:
             message = f"the program already defines {name}"
             hint = "Use another name."
-            raise ProgramError((diagnostic_for(query, name, message, hint),))
+            raise ProgramError((diagnostic_for(source.original, name, message, hint),))
     if not defined:
         raise ProgramError((Diagnostic(1, 1, "this defines no predicate"),))
     return str(list(defined)[-1])
 
 
-def _frame(
-    name: str, query: str, source: Prepared, own: Mapping[str, list[Rule]]
-) -> tuple[str, str, Gives]:
+def _frame(name: str, source: Prepared, own: Mapping[str, list[Rule]]) -> tuple[str, str, Gives]:
     """Return the text before and after a query that makes it a rule, and the kind of its result."""
     text = parse.HeritageAwareString(source.text)
     try:
@@ -145,7 +142,7 @@ def _frame(
         try:
             expression = parse.ParseExpression(parse.Strip(text))
         except error_messages.COMPLAINTS:
-            raise ProgramError((error_messages.explain(error, query, source),)) from None
+            raise ProgramError((error_messages.explain(error, source),)) from None
         return _value_frame(name, _open_inputs(expression))
     found, left_open = names(body), _open_inputs(body)
     variables = [each for each in _in_text(body) if each in found and each not in left_open]
@@ -155,7 +152,7 @@ def _frame(
         columns = [*variables, *({"robot_name"} - {*variables})]
         return f"{name}({_columns(columns)}) :- {_supplied(left_open)},", "", "rows"
     if not variables:
-        denied = f'; {name}(holds: "false") :- ~({query}\n)'
+        denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
         return f'{name}(holds: "true") :-', denied, "truth"
     return f"{name}({_columns(variables)}) :-", "", "rows"
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.checking import error_messages
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.rules import (
     TRUTHS,
@@ -26,11 +25,11 @@ from logical_robots_tui.mind.compiling.rules import (
 )
 from logical_robots_tui.mind.diagnostics import ProgramError
 from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.source_text import diagnostic_for
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
 
 __all__ = ["TYPES", "spell_out", "written_out"]
 
@@ -54,7 +53,10 @@ TYPES = {
 """Accepted names of types, in upper case, and their name here."""
 
 
-def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
+_CAST_HINT = 'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
+
+
+def spell_out(rules: list[Rule], text: str) -> None:
     """Replace, in place, the type in `TryCast` by its text, and `ToString` of a boolean.
 
     Raises:
@@ -68,7 +70,9 @@ def spell_out(rules: list[Rule], text: str, source: Prepared) -> None:
                 call["predicate_name"] = "TruthToString"
         elif call["predicate_name"] == "TryCast":
             if len(values) != 2:
-                raise ProgramError((_no_type(text, source),))
+                message = "TryCast needs a value and an example of the result"
+                name = call["predicate_name"]
+                raise ProgramError((diagnostic_for(text, name, message, _CAST_HINT),))
             _name_type(call, values[1]["value"])
 
 
@@ -143,7 +147,6 @@ def _sql_type(spelled: str) -> Any:
 
 
 def _parts(text: str) -> list[str]:
-    """Return a text split at the commas outside parentheses."""
     parts, depth = [""], 0
     for character in text:
         depth += {"(": 1, ")": -1}.get(character, 0)
@@ -152,16 +155,6 @@ def _parts(text: str) -> list[str]:
         else:
             parts[-1] += character
     return parts
-
-
-def _no_type(text: str, source: Prepared) -> Any:
-    return error_messages.at_word(
-        "TryCast",
-        text,
-        source,
-        "TryCast needs a value and an example of the result",
-        'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.',
-    )
 
 
 _REST = "*"
@@ -230,7 +223,6 @@ def _rest_of(call: Any, known: dict[str, list[str]]) -> Rule | None:
 
 
 def _left(call: Rule, known: dict[str, list[str]]) -> list[str]:
-    """Return the columns that a call does not name."""
     named = fields(call["record"])
     return [name for name in known[call["predicate_name"]] if name not in named]
 

@@ -28,7 +28,7 @@ from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
-from logical_robots_tui.mind.compiling.constants import with_constants
+from logical_robots_tui.mind.compiling.parsing import with_constants
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.diagnosis.checkup import check_up
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printable

@@ -46,7 +46,7 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     functions |= {name for name, mine in own.items() if _is_constant(mine)}
     functions |= {n for n, (first, _) in expanded.origins.items() if first in functions}
     needed = reached(own[MAIN], own) | {MAIN}
-    tracer = Tracer(text, source, expanded, functions, [rule for _, rule in rules])
+    tracer = Tracer(source, expanded, functions, [rule for _, rule in rules])
     for name, rule in rules:
         if name in needed and name not in functions:
             tracer.rule(rule, tells_robot=name == MAIN)
@@ -56,13 +56,13 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
     copied = [rule for mine in expanded.rules.values() for rule in mine]
     probed = [rule for rule, _ in asked.values()]
-    compiled = statements_of([*asked], [*expanded.others, *copied, *probed], text, source)
+    compiled = statements_of([*asked], [*expanded.others, *copied, *probed], source)
     statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
     probes = [asked[name][1] for name in statements]
-    writes, writes_all = written_fields(own, functions, text, source)
+    writes, writes_all = written_fields(own, functions, source)
     return Checkup(
         tuple(
-            _site(name, rule, text, source, is_function=name in functions, is_needed=name in needed)
+            _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
             for name, rule in rules
         ),
         tuple(tracer.sites),
@@ -72,24 +72,24 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         tuple(writes),
         tracer.reads_all,
         writes_all,
-        tuple(texts_of((rule for name, rule in rules if name in needed), own, text, source)),
+        tuple(texts_of((rule for name, rule in rules if name in needed), own, source)),
         tracer.left_out + len(tracer.probes) - len(probes),
     )
 
 
 def _site(
-    name: str, rule: Rule, text: str, source: Prepared, *, is_function: bool, is_needed: bool
+    name: str, rule: Rule, source: Prepared, *, is_function: bool, is_needed: bool
 ) -> RuleSite:
-    span = span_of(rule, text, source)
+    span = span_of(rule, source)
     memory = next(
         (
-            span_of([fv["field"], fv["value"].get("expression", {})], text, source)
+            span_of([fv["field"], fv["value"].get("expression", {})], source)
             for fv in rule["head"]["record"]["field_value"]
             if fv["field"] == "memory"
         ),
         None,
     )
-    body = span_of(rule["body"], text, source) if "body" in rule else None
+    body = span_of(rule["body"], source) if "body" in rule else None
     return RuleSite(
         name, span, is_function, is_needed, "body" not in rule, _key(rule, span), memory, body
     )
@@ -113,7 +113,7 @@ _DEEPEST = 8
 
 
 def written_fields(
-    own: Mapping[str, list[Rule]], functions: frozenset[str], text: str, source: Prepared
+    own: Mapping[str, list[Rule]], functions: frozenset[str], source: Prepared
 ) -> tuple[list[Field], bool]:
     """Return the fields of `Robot`'s memory records, and whether there may be others."""
     found: dict[str, Field] = {}
@@ -126,7 +126,7 @@ def written_fields(
         if "record" in value:
             for fv in value["record"]["field_value"]:
                 place = fv["value"].get("expression", {})
-                span = span_of([fv["field"], place], text, source)
+                span = span_of([fv["field"], place], source)
                 found.setdefault(str(fv["field"]), Field(str(fv["field"]), span))
         elif "implication" in value:
             for branch in value["implication"]["if_then"]:
@@ -153,16 +153,14 @@ def written_fields(
     return list(found.values()), is_open
 
 
-def texts_of(
-    rules: Iterable[Rule], own: Container[str], text: str, source: Prepared
-) -> Iterator[Field]:
+def texts_of(rules: Iterable[Rule], own: Container[str], source: Prepared) -> Iterator[Field]:
     """Return the texts in some rules that are compared or passed to a predicate."""
     for rule in rules:
         for node in nodes(rule):
             for value in _meant_for_something(node, own, is_fact="body" not in rule):
                 name = text_of(value)
                 if name:
-                    yield Field(name, span_of(value, text, source))
+                    yield Field(name, span_of(value, source))
 
 
 def _meant_for_something(node: Rule, own: Container[str], *, is_fact: bool) -> Iterator[Rule]:

@@ -86,8 +86,6 @@ def shortened(text: str) -> str:
 
 
 class _Reporter:
-    """Turns statistics into findings."""
-
     def __init__(self, tally: Tally, *, won: bool) -> None:
         self._tally = tally
         self._checkup = tally.checkup
@@ -153,7 +151,6 @@ class _Reporter:
     # -- sites ---------------------------------------------------------------------------------
 
     def _of_text(self, number: int, site: Site) -> Finding | None:
-        """Return a finding about a text that never occurred."""
         count = self._tally.sites[number]
         if site.literal is None or count.reached is None or count.true is not None:
             return None
@@ -167,7 +164,6 @@ class _Reporter:
         return self._finding("never true", severity, site, count, message, hint)
 
     def _of_site(self, number: int, site: Site) -> Finding | None:
-        """Return a finding about a condition that was never true."""
         count = self._tally.sites[number]
         if (
             count.reached is None

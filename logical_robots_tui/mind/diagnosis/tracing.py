@@ -85,7 +85,6 @@ class Tracer(ValueTracing):
         self._emit(at.trail, gives=number, who=filled(who, at.given) if who else None)
 
     def _parts(self, parts: Sequence[Rule], at: At) -> At | None:
-        """Trace the parts of a body; return None if some can never be evaluated."""
         ordered, left = in_order(parts, at.scope, at.known)
         for part, known in ordered:
             at = self._part(part, at, known)
@@ -178,7 +177,6 @@ class Tracer(ValueTracing):
         return None
 
     def _remember(self, name: str, value: Rule, at: At) -> None:
-        """Note that a variable holds a memory, if it does."""
         if self._is_memory(value, at):
             self._memories.add(self._called(name, at))
 

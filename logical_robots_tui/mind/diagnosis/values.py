@@ -147,7 +147,6 @@ class ValueTracing(Watching):
         return column
 
     def _combine(self, combine: Rule, at: At) -> None:
-        """Trace the body of an aggregate."""
         inner = flat(combine.get("body"))
         (column,) = combine["head"]["record"]["field_value"]
         argument = column["value"].get("aggregation", {}).get("argument")
@@ -164,7 +163,6 @@ class ValueTracing(Watching):
         self._aside(inner, at, scope, given, values, stands=stands)
 
     def _function(self, name: str, call: Rule, at: At, *, is_leaf: bool) -> None:
-        """Trace a function with its arguments."""
         if name in at.inside or len(at.inside) >= _DEEPEST:
             return
         for rule in self._own.get(name, ()):

@@ -2,25 +2,103 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from logical_robots_tui.mind.clauses.scopes import names
 from logical_robots_tui.mind.clauses.trees import span_of
-from logical_robots_tui.mind.compiling.rules import variable_of
-from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled
+from logical_robots_tui.mind.compiling.rules import (
+    VALUE,
+    called,
+    equated,
+    nodes,
+    value_of,
+    variable_of,
+)
+from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled, parameters
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
-from logical_robots_tui.mind.diagnosis.sources import Sources
 from logical_robots_tui.mind.program import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.clauses.functors import Expanded
     from logical_robots_tui.mind.clauses.scopes import Scope
     from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.mind.diagnosis.sites import Span
     from logical_robots_tui.mind.source_text import Prepared
 
-__all__ = ["PROBE", "At", "Segment", "Stands", "Trail", "Watching"]
+__all__ = ["PROBE", "At", "Segment", "Sources", "Stands", "Trail", "Watching"]
+
+_MOST = 6  # places
+_DEEPEST = 4
+
+
+class Sources:
+    """Finds where values come from."""
+
+    def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
+        self._source, self._own = source, own
+
+    def of(self, tree: Any, rule: Rule) -> tuple[Span, ...]:
+        """Return where the values in an expression of a rule come from, the nearest places first.
+
+        These are the expressions equal to its variables, and the rules of the predicates that bind
+        them or that it calls; then recursively the places for the values in these.
+        """
+        found: dict[int, Span] = {}
+        seen: set[tuple[int, str]] = set()
+        waiting: deque[tuple[Any, Rule, int]] = deque([(tree, rule, 0)])
+        own_line = span_of(tree, self._source).line
+        while waiting and len(found) < _MOST:
+            tree, rule, depth = waiting.popleft()
+            for place, inner, where in self._next(tree, rule, seen):
+                span = span_of(place, self._source)
+                if span.text and span.line != own_line:
+                    found.setdefault(span.line, span)
+                if depth + 1 < _DEEPEST:
+                    waiting.append((inner, where, depth + 1))
+        return tuple(found.values())[:_MOST]
+
+    def _next(
+        self, tree: Any, rule: Rule, seen: set[tuple[int, str]]
+    ) -> Iterator[tuple[Any, Any, Rule]]:
+        """Yield places one step away: what to show, what to continue with, and its rule."""
+        for name in dict.fromkeys(map(str, called(tree))):
+            yield from self._rules(name, seen)
+        for variable in sorted(names(tree, inside=True)):
+            if (id(rule), variable) in seen:
+                continue
+            seen.add((id(rule), variable))
+            for part in nodes(rule.get("body", {})):
+                pair = equated(part)
+                if pair is not None:
+                    for side, value in (pair, pair[::-1]):
+                        if variable_of(side) == variable:
+                            yield part, value, rule
+                            break
+                elif variable in _given_by(part):
+                    yield from self._rules(str(part["predicate"]["predicate_name"]), seen)
+
+    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Any, Any, Rule]]:
+        """Return the rules of a predicate except facts."""
+        if (0, name) in seen:
+            return
+        seen.add((0, name))
+        for rule in self._own.get(name, ()):
+            columns = rule["head"]["record"]["field_value"]
+            is_function = any(column["field"] == VALUE for column in columns)
+            if "body" in rule or (is_function and parameters(rule) is not None):
+                value = [value_of(c) for c in columns if c["field"] == VALUE]
+                yield rule, value or [rule["head"], rule.get("body")], rule
+
+
+def _given_by(part: Rule) -> frozenset[str]:
+    """Return the variables that a call in a body may bind."""
+    call = part.get("predicate")
+    return names(call) if isinstance(call, dict) and "record" in call else frozenset()
+
 
 PROBE = "DiagnosisProbe"
 """The prefix of the generated predicates."""
@@ -113,7 +191,6 @@ class Watching:
 
     def __init__(
         self,
-        text: str,
         source: Prepared,
         expanded: Expanded,
         functions: frozenset[str],
@@ -127,13 +204,13 @@ class Watching:
         made = {name: (base, name) for name, base in expanded.bases.items()}
         self.copies = {**expanded.origins, **made}
         self._within = ""
-        self._text, self._source = text, source
+        self._source = source
         self._own, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
         for copy, (original, _) in self.copies.items():
             for rule, first in zip(self._own[copy], self._own[original], strict=True):
                 self._numbers[id(rule)] = self._numbers[id(first)]
-        self._sources = Sources(text, source, expanded.rules)
+        self._sources = Sources(source, expanded.rules)
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
@@ -161,7 +238,7 @@ class Watching:
         return f"d{self._fresh}_{name}"
 
     def _span(self, tree: Any) -> Span:
-        return span_of(tree, self._text, self._source)
+        return span_of(tree, self._source)
 
     def _site(self, kind: Any, tree: Any, at: At, **told: Any) -> int:
         """Return the number of a site, the same for the same place."""

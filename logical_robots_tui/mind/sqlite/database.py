@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, counted
-from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
+from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, counted
 from logical_robots_tui.mind.sqlite.functions import registry
 from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import LONG, Within

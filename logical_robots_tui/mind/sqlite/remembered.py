@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from math import inf, isfinite
-from operator import itemgetter
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.layouts import (
@@ -176,29 +175,11 @@ def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]
     """
     if str in map(type, found):
         raise ValueError("not a list of records")
-    try:
-        values = [*zip(*(map(itemgetter(key), found) for key in keys), strict=True)]
-    except (KeyError, TypeError):
-        values = []
-    if not values or not all(map(_is_stored_as_it_is, zip(*values, strict=True))):
-        nothing = [None] * len(keys)
-        return [
-            [_stored(item.get(key)) for key in keys] if item.__class__ is dict else nothing
-            for item in found
-        ]
-    return values
-
-
-def _is_stored_as_it_is(values: Sequence[Any]) -> bool:
-    """Return whether the values of a column can be stored without checking each of them."""
-    kinds = set(map(type, values))
-    if kinds <= _NUMBERS:
-        return bool(min(values) > -inf and max(values) < inf)
-    return kinds <= _TEXTS
-
-
-_NUMBERS = frozenset({float, int})
-_TEXTS = frozenset({str, int, type(None), bool})
+    nothing = [None] * len(keys)
+    return [
+        [_stored(item.get(key)) for key in keys] if item.__class__ is dict else nothing
+        for item in found
+    ]
 
 
 class Lists:

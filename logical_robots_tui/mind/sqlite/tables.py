@@ -120,8 +120,6 @@ class TunedTables:
         # table once for all readers.
         self._read: list[Mapping[str, tuple[str, ...]]] = []
         self._read_before: list[Mapping[str, tuple[str, ...]]] = []
-        # By table, the same for tables whose rows have the same numbers, or None.
-        self._numbers: dict[str, tuple[object, ...] | None] = {}
         # Columns into which this moment did not fit: no other view need try.
         self._unfit: tuple[Moment | None, list[Mapping[str, tuple[str, ...]]]] = None, []
 
@@ -210,7 +208,7 @@ class TunedTables:
                 elif table == "Memory":
                     self._fill_memory(moment, names)
                 else:
-                    self._fill_table(table, fillings(table, moment, names))
+                    self._database.fill(table, fillings(table, moment, names))
                 filled[table] = names
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             raise UnfitError(str(error)) from None
@@ -223,20 +221,6 @@ class TunedTables:
             self._memories = b""
             self._database.fill("Memory", items)
             self._memories = text
-
-    def _fill_table(self, table: str, items: Sequence[Filling]) -> None:
-        """Replace the rows of a table; rows with the same numbers need not be deleted first."""
-        numbers: tuple[object, ...] | None = None
-        if not items:
-            numbers = ()
-        elif table == "Sensor":
-            ((insert, rows),) = items
-            numbers = insert, len(rows)
-        before = self._numbers.pop(table, None)
-        is_same = numbers is not None and numbers == before
-        if items or not is_same:
-            self._database.fill(table, items, () if is_same else None)
-        self._numbers[table] = numbers
 
     def _new_database(self, layout: Layout) -> Database:
         database = Database(self._limits, layout)
@@ -255,13 +239,11 @@ class TunedTables:
         self._reset()
 
     def _reset(self) -> None:
-        """Note that the tables are empty."""
         self._lists.forget()
         self._radars.forget()
         self._moment = None
         self._memories = b""
         self._filled = {}
-        self._numbers = {}
 
     def _forget_all_but_names(self, moment: Moment) -> None:
         """Forget the rows of the last moment; the names are often the same."""

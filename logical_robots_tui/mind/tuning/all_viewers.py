@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.tuning.materializing import asked_often
+from logical_robots_tui.mind.tuning.planning import asked_often
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

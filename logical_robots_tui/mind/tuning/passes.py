@@ -9,9 +9,8 @@ from logical_robots_tui.mind.tuning import (
     aggregates,
     columns,
     common_subexpressions,
-    indexes,
     json,
-    materializing,
+    planning,
 )
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.memories import items_as_rows, memory_fields_as_columns
@@ -114,19 +113,19 @@ def _all_viewers(work: Rewriting) -> None:
 
 def _materialized_by_robot(work: Rewriting) -> None:
     # The query of one viewer is asked once where all see everything.
-    materializing.computed_once(work.tree, by_robots=True)
+    planning.computed_once(work.tree, by_robots=True)
 
 
 def _memory_by_name(work: Rewriting) -> None:
     if work.is_by_name:
         for query in filter(None, work.keep_for_crowd()):
-            indexes.memories_by_name(query)
+            planning.memories_by_name(query)
 
 
 def _list_indexes(work: Rewriting) -> None:
     work.keep_for_crowd()
     for query in filter(None, work.queries):
-        indexes.indexed_where_lists_are_joined(query)
+        planning.indexed_where_lists_are_joined(query)
 
 
 PASSES = (
@@ -146,7 +145,7 @@ PASSES = (
         _on_tree(common_subexpressions.shared),
         after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
     ),
-    Pass("materialized", _on_tree(materializing.computed_once), after=("common-subexpressions",)),
+    Pass("materialized", _on_tree(planning.computed_once), after=("common-subexpressions",)),
     Pass("division", _on_tree(aggregates.native_division)),
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
@@ -158,8 +157,8 @@ PASSES = (
     ),
     Pass("choice", _on_each(aggregates.native_choice)),
     Pass("late-rays", _on_each(columns.whole_rays_when_wanted), after=("ray-rows",)),
-    Pass("lookups", _on_each(materializing.looked_up), after=("materialized-by-robot",)),
-    Pass("range-scans", _on_each(indexes.found_by_number), after=("ray-rows", "item-rows")),
+    Pass("lookups", _on_each(planning.looked_up), after=("materialized-by-robot",)),
+    Pass("range-scans", _on_each(planning.found_by_number), after=("ray-rows", "item-rows")),
     Pass("memory-by-name", _memory_by_name),
     Pass("list-indexes", _list_indexes, after=("lookups", "range-scans", "memory-by-name")),
 )

@@ -131,7 +131,7 @@ def extracted(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
         assert index is not None
         nowhere = exp.Literal.number(-1)
         at = call("NULLIF", call("greatest", index.copy(), nowhere), nowhere.copy())
-        _replace(index, at)
+        index.replace(at)
     return whole.element if isinstance(whole, ListOf) else Plain.ANY
 
 
@@ -141,7 +141,7 @@ def as_decimal(node: exp.Expr, kind: Decimal) -> None:
         side = node.args[name].unnest()
         if sql.call_name(side) == "round":
             side.replace(side.expressions[0])
-    _replace(node, call("ROUND", node.copy(), exp.Literal.number(kind.scale)))
+    node.replace(call("ROUND", node.copy(), exp.Literal.number(kind.scale)))
 
 
 def made_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
@@ -152,7 +152,7 @@ def made_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
         names = [each.name.strip('"') for each in values[::2]]
         if name == "json_object":
             for written, plain in zip(values[::2], names, strict=True):
-                _replace(written, exp.Literal.string(plain))
+                written.replace(exp.Literal.string(plain))
         for value, kind in zip(values[1::2], kinds[1::2], strict=True):
             _as_json(value, kind)
         if name == "json_group_object":
@@ -169,15 +169,15 @@ def made_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
 def _as_json(value: exp.Expr, kind: Kind) -> None:
     """Let a value in JSON be what it is: a truth, a number with all digits, a record or a list."""
     if kind is Plain.TRUTH:
-        _replace(value, _truth(value))
+        value.replace(_truth(value))
     elif kind is Plain.REAL and not _is_short(value):
-        _replace(value, call("JSON", call("real_as_json", value.copy())))
+        value.replace(call("JSON", call("real_as_json", value.copy())))
     elif isinstance(kind, Decimal) and not kind.scale and kind.whole > _EXACT_DIGITS:
-        _replace(value, cast(value, "INTEGER"))
+        value.replace(cast(value, "INTEGER"))
     elif is_nested(kind) and not _is_json(value):
-        _replace(value, call("JSON", value.copy()))
+        value.replace(call("JSON", value.copy()))
     elif kind is Plain.ANY:
-        _replace(value, call("JSON", call("value_as_json", value.copy())))
+        value.replace(call("JSON", call("value_as_json", value.copy())))
 
 
 def _truth(value: exp.Expr) -> exp.Expr:
@@ -257,20 +257,20 @@ def _rounded(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     elif isinstance(kinds[0], Decimal):
         return replace(kinds[0], scale=min(kinds[0].scale, int(digits.name)))
     if is_whole(found):
-        _replace(made, cast(made, "INTEGER"))
+        made.replace(cast(made, "INTEGER"))
     return found
 
 
 def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     if found is Plain.REAL and is_whole(kinds[0]):
-        _replace(made, cast(made, "REAL"))
+        made.replace(cast(made, "REAL"))
         return found
     return _rounded(made, kinds, found)
 
 
 def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
     if isinstance(found, Decimal):
-        _replace(made, call("ROUND", made.copy(), exp.Literal.number(found.scale)))
+        made.replace(call("ROUND", made.copy(), exp.Literal.number(found.scale)))
     return found
 
 
@@ -314,8 +314,3 @@ _CHANGES = {
     "to_text": _text,
     "try_cast_like": _cast_as_example,
 }
-
-
-def _replace(node: exp.Expr, made: exp.Expr) -> None:
-    """Put an expression in the place of another that it may hold a copy of."""
-    node.replace(made)

@@ -137,18 +137,6 @@ def _cut(kinds: Sequence[Kind]) -> Kind:
     return Plain.REAL if is_whole(kinds[0]) else _rounded(kinds)
 
 
-def _chosen(kinds: Sequence[Kind]) -> Kind:
-    return common(kinds[1:])
-
-
-def _extreme(kinds: Sequence[Kind]) -> Kind:
-    return common(kinds)
-
-
-def _collected(kinds: Sequence[Kind]) -> Kind:
-    return ListOf(kinds[0])
-
-
 def _collected_values(kinds: Sequence[Kind]) -> Kind:
     return ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY
 
@@ -161,19 +149,19 @@ def _concatenated(kinds: Sequence[Kind]) -> Kind:
 
 _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     **dict.fromkeys(_ROUNDING, _cut),
-    "arg_max_k": _collected,
-    "arg_max_k_of_nested": _collected,
-    "arg_min_k": _collected,
-    "arg_min_k_of_nested": _collected,
+    "arg_max_k": lambda kinds: ListOf(kinds[0]),
+    "arg_max_k_of_nested": lambda kinds: ListOf(kinds[0]),
+    "arg_min_k": lambda kinds: ListOf(kinds[0]),
+    "arg_min_k_of_nested": lambda kinds: ListOf(kinds[0]),
     "array_by": _collected_values,
     "concat_lists": lambda kinds: kinds[0],
     "concatenate": _concatenated,
-    "if": _chosen,
-    "iif": _chosen,
-    "json_group_array": _collected,
-    "list_of_distinct": _collected,
-    "max": _extreme,
-    "min": _extreme,
+    "if": lambda kinds: common(kinds[1:]),
+    "iif": lambda kinds: common(kinds[1:]),
+    "json_group_array": lambda kinds: ListOf(kinds[0]),
+    "list_of_distinct": lambda kinds: ListOf(kinds[0]),
+    "max": common,
+    "min": common,
     "modulo": sum_of,
     "number_range": lambda _: ListOf(Plain.WHOLE),
     "round": _rounded,

@@ -1,9 +1,13 @@
-"""The rows of predicates, and derivations of a row, for one robot at one moment."""
+"""The rows of predicates, and derivations of a row, for one robot at one moment.
+
+Rows of a recursion are derived from rows that arose before, so that no row is proved by itself.
+"""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -11,7 +15,6 @@ from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, shown, value_of
 from logical_robots_tui.mind.why.relations import ALIKE, same
-from logical_robots_tui.mind.why.staging import Stages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST_ROWS", "Derivations", "Derived", "Row", "checked", "is_aggregated"]
+__all__ = ["MOST_ROWS", "Derivations", "Derived", "Row", "Stages", "checked", "is_aggregated"]
 
 MOST_ROWS = 1_000
 """Where counting rows ends."""
@@ -192,3 +195,126 @@ def checked(given: Row, probing: Probing) -> Row:
 def is_aggregated(rule: RuleParts) -> bool:
     """Return whether the head of a rule aggregates."""
     return any(clause.collected for clause in rule.clauses)
+
+
+_MOST_STAGES = 250
+_MOST_ROWS = 20_000
+_NEVER = 10**9
+
+
+class Stages:
+    """The stage at which each row of predicates that call each other was there first.
+
+    A row is of stage n if rows of stages below n suffice for it.
+
+    Args:
+        relations: The rows of predicates.
+        members: The decomposed predicates, by name; none if there is no recursion.
+    """
+
+    def __init__(self, relations: Relations, members: Mapping[str, Probing]) -> None:
+        self._relations, self._members = relations, members
+        self._stages: dict[tuple[str, str], int] | None = None
+
+    def first(self, probing: Probing, rows: Sequence[Mapping[str, Value]]) -> Mapping[str, Value]:
+        """Return the one of some rows that was there first."""
+        if not self._members:
+            return rows[0]
+        return min(rows, key=lambda row: self._stage(probing.name, row))
+
+    def before(
+        self,
+        name: str,
+        probing: Probing,
+        row: Mapping[str, Value],
+        rows: Sequence[Mapping[str, Value]],
+    ) -> Sequence[Mapping[str, Value]]:
+        """Return the rows of a predicate that were there before a row of another one."""
+        if not self._members:
+            return rows
+        stage = self._stage(probing.name, row)
+        return [each for each in rows if self._stage(name, each) < stage]
+
+    # -- inside ----------------------------------------------------------------------------------
+
+    def _stage(self, name: str, row: Mapping[str, Value]) -> int:
+        if self._stages is None:
+            self._stages = self._found()
+        return self._stages.get((name, _key(row)), _NEVER)
+
+    def _found(self) -> dict[tuple[str, str], int]:
+        rows = {
+            name: {
+                _key(row): row for row in self._relations.rows(name, probing.sources.get(name, ""))
+            }
+            for name, probing in self._members.items()
+        }
+        stages: dict[tuple[str, str], int] = {}
+        for stage in range(1, _MOST_STAGES):
+            for probing in self._members.values():
+                for name, table in probing.tables.items():
+                    if name in self._members:
+                        known = [row for key, row in rows[name].items() if (name, key) in stages]
+                        self._relations.fill(table, name, known)
+                    else:
+                        others = self._relations.rows(name, probing.sources.get(name, ""))
+                        self._relations.fill(table, name, others)
+            new = {
+                (name, key): stage
+                for name, probing in self._members.items()
+                for key in self._derivable(probing, rows[name])
+                if (name, key) not in stages
+            }
+            if not new:
+                break
+            stages |= new
+        return stages
+
+    def _derivable(
+        self, probing: Probing, rows: Mapping[str, Mapping[str, Value]]
+    ) -> Iterator[str]:
+        """Yield keys of the rows that follow from what the tables hold now."""
+        aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.collected}
+        if not aggregated:
+            found = {
+                _key({c: value_of(way, place) for c, place in clause.head.items()})
+                for clause, way in self._ways(probing)
+            }
+            yield from (key for key in rows if key in found)
+            return
+        elements = {
+            (
+                _key({c: value_of(way, place) for c, place in clause.head.items()}),
+                collected.column,
+                _key({"": value_of(way, collected.value)}),
+            )
+            for clause, way in self._ways(probing)
+            for collected in clause.collected
+        }
+        for key, row in rows.items():
+            group = _key({c: v for c, v in row.items() if c not in aggregated})
+            if all((group, c, _key({"": row[c]})) in elements for c in aggregated):
+                yield key
+
+    def _ways(self, probing: Probing) -> Iterator[tuple[Clause, dict[str, Any]]]:
+        for rule in probing.rules:
+            for clause in rule.clauses:
+                sql = probing.queries.get(clause.query)
+                if sql is not None:
+                    for way in self._relations.ways(sql, (), most=_MOST_ROWS):
+                        yield clause, way
+
+
+def _key(row: Mapping[str, Value]) -> str:
+    """Return a key that is equal for rows that differ at most in last digits of numbers."""
+    return json.dumps(_rounded(dict(row)), sort_keys=True)
+
+
+def _rounded(value: Value) -> Value:
+    if isinstance(value, dict):
+        return {name: _rounded(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_rounded(each) for each in value]
+    if isinstance(value, bool | int | float):
+        return f"{float(value):.11g}"
+    return value

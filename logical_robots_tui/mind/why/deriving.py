@@ -197,7 +197,6 @@ class Telling:
     # -- inside ----------------------------------------------------------------------------------
 
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
-        """Return the node of a column of the head."""
         label = shown(name)
         if term.kind in ("literal", "variable"):
             return Node("column", label, values=(value,))

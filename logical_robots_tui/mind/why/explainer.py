@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.sourcing import Made, Path
     from logical_robots_tui.values import Value
 
-__all__ = ["Explainer", "calls_of"]
+__all__ = ["Explainer"]
 
 
 class Explainer:
@@ -132,7 +132,7 @@ class Explainer:
         }
         most = self._limits.rows
         try:
-            columns, found = calls_of(function, callers, self._derivations, most + 1)
+            columns, found = _calls_of(function, callers, self._derivations, most + 1)
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
         return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
@@ -147,8 +147,7 @@ class Explainer:
             QueryError: There is no such part, or how it came about can't be told.
         """
         self._within.renew()
-        row = {"robot_name": self._robot}
-        return source_of(self._derivations, "Robot", row, "memory", path)
+        return source_of(self._derivations, path)
 
     def _decompose(self, predicate: str, within: str) -> Probing:
         stop = self._within.stop
@@ -170,7 +169,7 @@ _MOST_WAYS = 1_000
 _DEEPEST = 20  # functions that call functions
 
 
-def calls_of(
+def _calls_of(
     name: str,
     callers: Mapping[str, Sequence[str]],
     derivations: Derivations,
@@ -190,8 +189,6 @@ def calls_of(
 
 
 class _Search:
-    """Looks for calls in all clauses that hold."""
-
     def __init__(
         self,
         callers: Mapping[str, Sequence[str]],

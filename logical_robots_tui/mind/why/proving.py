@@ -256,8 +256,6 @@ def unfold(
 
 
 class _Unfolding:
-    """One proof under way."""
-
     def __init__(self, prover: Prover, most: int) -> None:
         self._prover, self._left = prover, most
         self._known: dict[str, tuple[Node, ...] | str] = {}
@@ -272,7 +270,6 @@ class _Unfolding:
         return replace(node, children=children)
 
     def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
-        """Return the proof of a call."""
         key = json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
         if depth <= 1 or self._left <= 0 or key in above:
             self.complete = False

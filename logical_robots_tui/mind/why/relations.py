@@ -233,12 +233,10 @@ def _sorted(value: Value) -> Value:
 
 
 def _alike_in_sql(one: Scalar, other: Scalar) -> bool:
-    """Return the same of values as SQLite has them."""
     return alike(from_sql(one), from_sql(other))
 
 
 def _same_in_sql(one: Scalar, other: Scalar) -> bool:
-    """Return the same of values as SQLite has them."""
     if one.__class__ is other.__class__ and one == other:
         return True
     return same(from_sql(one), from_sql(other))

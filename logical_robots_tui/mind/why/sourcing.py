@@ -90,19 +90,17 @@ class _Found:
     reads: tuple[Read, ...]
 
 
-def source_of(
-    derivations: Derivations, predicate: str, row: Mapping[str, Value], column: str, path: Path
-) -> Made:
-    """Return where a part of a value in a row comes from.
+def source_of(derivations: Derivations, path: Path) -> Made:
+    """Return where a part of the robot's new memory comes from.
 
     Raises:
-        QueryError: There is no such row or part, or how it came about can't be told.
+        QueryError: There is no such part, or how it came about can't be told.
     """
-    sourcing = _Sourcing(derivations)
+    given = {"robot_name": derivations.robot}
     try:
-        whole, found = sourcing.in_row(predicate, "", row, column, path, None)
+        whole, found = _Sourcing(derivations).in_row("Robot", "", given, "memory", path, None)
     except FailureError as failure:
-        raise QueryError(f"{predicate} failed: {failure}.") from None
+        raise QueryError(f"Robot failed: {failure}.") from None
     value = part_of(whole, path)
     reads = tuple({repr(read): read for read in found.reads}.values())
     return Made(value, found.span, found.rule, reads)
@@ -126,8 +124,6 @@ def part_of(value: Value, path: Path) -> Value:
 
 
 class _Sourcing:
-    """Follows one value."""
-
     def __init__(self, derivations: Derivations) -> None:
         self._derivations = derivations
         self._depth = 0

@@ -57,11 +57,9 @@ class _Row(NamedTuple):
 
     @property
     def columns(self) -> int:
-        """Cells across."""
         return len(self.line) if self.counts is None else int(self.counts.sum())
 
     def cells(self) -> NDArray[np.bool_]:
-        """Return which cells are wall."""
         cells: NDArray[np.bool_]
         if self.counts is None or self.kinds is None:
             cells = np.frombuffer(self.line.encode("ascii", "replace"), np.uint8) == _WALL

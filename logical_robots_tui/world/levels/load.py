@@ -99,15 +99,14 @@ def _daily(name: str) -> Level | None:
 
 def _shipped(name: str) -> Path:
     folder, known = shipped_folder("levels"), list_shipped()
-    for path in (*(folder / f"{name}{suffix}" for suffix in SUFFIXES), _arena(name)):
+    for path in (
+        *(folder / f"{name}{suffix}" for suffix in SUFFIXES),
+        folder / ARENAS / f"{name}{NATIVE}",
+    ):
         if name in known and path.is_file():
             return path
     hint = did_you_mean(name, known) or "A path needs its ending, such as maze.toml."
     raise LevelError(f'There is no level called "{name}".', hint=hint)
-
-
-def _arena(name: str) -> Path:
-    return shipped_folder("levels") / ARENAS / f"{name}{NATIVE}"
 
 
 def read_text(path: Path) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.bounds import Room
+from logical_robots_tui.mind.sqlite.budget import Room
 from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
     element,
@@ -14,6 +15,9 @@ from logical_robots_tui.mind.sqlite.functions.values import (
     order_of_scalar,
 )
 from logical_robots_tui.mind.sqlite.stored import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["AGGREGATES"]
 
@@ -64,10 +68,8 @@ class _ConcatLists(_Collect):
 class _Pairs:
     """An aggregate over pairs; the first of equal values comes first, nulls are ignored."""
 
-    descending = False
-    key = staticmethod(order)
-
-    def __init__(self) -> None:
+    def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
+        self.key, self.descending = key, descending
         self.pairs: list[tuple[Any, Scalar]] = []
         self.count: float | None = None
         self.room = Room()
@@ -79,18 +81,26 @@ class _Pairs:
             self.room.take(argument, 0)
             self.pairs.append((self.key(value), argument))
 
-    def ordered(self) -> list[Scalar]:
+    def finalize(self) -> str | None:
         self.pairs.sort(key=lambda pair: pair[0], reverse=self.descending)
-        return [argument for _, argument in self.pairs]
+        count = None if self.count is None else max(0, int(self.count))
+        return to_json([element(a) for _, a in self.pairs[:count]]) if self.pairs else None
 
 
-class _ArgMin:
-    """The argument of the best value; the first of equal ones, ignoring nulls."""
+class _Array(_Pairs):
+    """`Array{position -> value}`: the values in the order of their positions."""
 
-    descending = False
-    key = staticmethod(order)
+    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
+        self.room.take(argument)
+        self.room.take(value, 0)
+        self.pairs.append((order(argument), value))
 
-    def __init__(self) -> None:
+
+class _Best:
+    """The argument of the least or greatest value; the first of equal ones, ignoring nulls."""
+
+    def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
+        self.key, self.descending = key, descending
         self.best: tuple[int, Any] | None = None
         self.argument: Scalar = None
 
@@ -106,59 +116,11 @@ class _ArgMin:
         return self.argument
 
 
-class _ArgMax(_ArgMin):
-    descending = True
-
-
-class _ArgMinK(_Pairs):
-    def finalize(self) -> str | None:
-        count = None if self.count is None else max(0, int(self.count))
-        return to_json([element(a) for a in self.ordered()[:count]]) if self.pairs else None
-
-
-class _ArgMaxK(_ArgMinK):
-    descending = True
-
-
-class _Array(_Pairs):
-    """`Array{position -> value}`: the values in the order of their positions."""
-
-    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
-        self.room.take(argument)
-        self.room.take(value, 0)
-        self.pairs.append((order(argument), value))
-
-    def finalize(self) -> str | None:
-        return to_json([element(a) for a in self.ordered()]) if self.pairs else None
-
-
-class _ArgMinOfNested(_ArgMin):
-    """ArgMin with records or lists as values."""
-
-    key = staticmethod(order_of_scalar)
-
-
-class _ArgMaxOfNested(_ArgMinOfNested):
-    descending = True
-
-
-class _ArgMinKOfNested(_ArgMinK):
-    key = staticmethod(order_of_scalar)
-
-
-class _ArgMaxKOfNested(_ArgMinKOfNested):
-    descending = True
-
-
-class _LeastNested(_ArgMinOfNested):
-    """The least of records or lists, ignoring null."""
+class _BestNested(_Best):
+    """The least or greatest of records or lists, ignoring null."""
 
     def step(self, value: Scalar) -> None:  # type: ignore[override]  # it is the argument, too
         super().step(value, value)
-
-
-class _GreatestNested(_LeastNested):
-    descending = True
 
 
 class _AnyValue:
@@ -175,20 +137,20 @@ class _AnyValue:
         return self.found
 
 
-AGGREGATES: dict[str, tuple[int, type[Any]]] = {
+AGGREGATES: dict[str, tuple[int, Callable[[], Any]]] = {
     "list_of_distinct": (1, _Distinct),
     "concat_lists": (1, _ConcatLists),
-    "arg_min": (2, _ArgMin),
-    "arg_max": (2, _ArgMax),
-    "arg_min_k": (3, _ArgMinK),
-    "arg_max_k": (3, _ArgMaxK),
     "array_by": (2, _Array),
-    "arg_min_of_nested": (2, _ArgMinOfNested),
-    "arg_max_of_nested": (2, _ArgMaxOfNested),
-    "arg_min_k_of_nested": (3, _ArgMinKOfNested),
-    "arg_max_k_of_nested": (3, _ArgMaxKOfNested),
-    "least_nested": (1, _LeastNested),
-    "greatest_nested": (1, _GreatestNested),
+    "arg_min": (2, _Best),
+    "arg_max": (2, partial(_Best, descending=True)),
+    "arg_min_k": (3, _Pairs),
+    "arg_max_k": (3, partial(_Pairs, descending=True)),
+    "arg_min_of_nested": (2, partial(_Best, order_of_scalar)),
+    "arg_max_of_nested": (2, partial(_Best, order_of_scalar, descending=True)),
+    "arg_min_k_of_nested": (3, partial(_Pairs, order_of_scalar)),
+    "arg_max_k_of_nested": (3, partial(_Pairs, order_of_scalar, descending=True)),
+    "least_nested": (1, partial(_BestNested, order_of_scalar)),
+    "greatest_nested": (1, partial(_BestNested, order_of_scalar, descending=True)),
     "any_value": (1, _AnyValue),
 }
-"""Numbers of arguments and class by SQL name."""
+"""Numbers of arguments, and what makes the aggregate, by SQL name."""

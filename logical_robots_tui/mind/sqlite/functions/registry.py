@@ -12,14 +12,14 @@ import sqlite3
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.bounds import (
+from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
+    Work,
     check_items,
     check_text,
     counted,
     guarded,
 )
-from logical_robots_tui.mind.sqlite.budget import Work
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
@@ -98,10 +98,6 @@ def _split(text: str, separator: str) -> str:
     return to_json(text.split(separator) if separator else list(text))
 
 
-def _sort(items: Scalar) -> str:
-    return to_json(in_order(list_in(items)))
-
-
 def _concat(left: Scalar, right: Scalar) -> str:
     return to_json(list_in(left) + list_in(right))
 
@@ -114,10 +110,6 @@ def _range(count: float) -> str:
 def _hash(value: Scalar) -> int:
     digest = hashlib.blake2b(_text(value).encode(), digest_size=8).digest()
     return int.from_bytes(digest, "big") >> 1
-
-
-def _record_as_json(record: Scalar) -> str:
-    return to_json(element(record))
 
 
 def _assemble(pairs: Scalar) -> str:
@@ -153,17 +145,18 @@ def _unary(function: Callable[[float], float]) -> Callable[[float], float | None
 _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "join_list": (2, _join),
     "split_text": (2, _split),
-    "sort_list": (1, _sort),
+    "sort_list": (1, lambda items: to_json(in_order(list_in(items)))),
     "concat_two_lists": (2, _concat),
     "number_range": (1, _range),
     "natural_hash": (1, _hash),
-    "record_as_json": (1, _record_as_json),
+    "record_as_json": (1, lambda record: to_json(element(record))),
     "assemble_record": (1, _assemble),
     "disassemble_record": (1, _disassemble),
     "compare_values": (2, compared),
     "concatenate": (2, _concatenate),
     "decimal_to_text": (2, texts.decimal_to_text),
     "divide": (2, _divide),
+    "formatted": (-1, texts.formatted),
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
     "modulo": (2, _modulo),
     "reverse": (1, lambda text: text[::-1]),
@@ -180,9 +173,9 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "upper_text": (1, texts.upper),
 }
 
-_NULL_MEANS_ABSENT: dict[str, tuple[int, Callable[..., Any]]] = {
-    "greatest": (-1, lambda *values: max(_present(values), key=order_of_scalar, default=None)),
-    "least": (-1, lambda *values: min(_present(values), key=order_of_scalar, default=None)),
+_NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
+    "greatest": lambda *values: max(_present(values), key=order_of_scalar, default=None),
+    "least": lambda *values: min(_present(values), key=order_of_scalar, default=None),
 }
 """Functions that accept null arguments."""
 
@@ -191,9 +184,6 @@ _QUICK: dict[str, Callable[..., Any]] = {
     "value_as_json": value_as_json,
 }
 """Functions of one argument that handle nulls and long texts themselves, for speed."""
-
-_OF_ANY_NUMBER: dict[str, Callable[..., Any]] = {"formatted": texts.formatted}
-"""Functions of one or more arguments."""
 
 _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
     "acos": (1, _unary(math.acos)),
@@ -221,9 +211,7 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
 """Functions that SQLite has only if it was built with mathematical functions."""
 
 
-NAMES = frozenset(
-    {*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_OF_ANY_NUMBER, *_QUICK, *_MATHS, *AGGREGATES, *REPLACED}
-)
+NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_QUICK, *_MATHS, *AGGREGATES, *REPLACED})
 """Names of all functions of this module, in lower case as SQLite's authorizer reports them."""
 
 
@@ -247,18 +235,16 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, (arities, function) in REPLACED.items():
         for arity in arities:
             create(name, arity, function, null_safe=True)
-    for name, (_, function) in _NULL_MEANS_ABSENT.items():
+    for name, function in _NULL_MEANS_ABSENT.items():
         for arity in range(1, _MOST_COMPARED + 1):
             create(name, arity, function, null_safe=False)
     for name, function in _QUICK.items():
         connection.create_function(name, 1, function, deterministic=True)
-    for name, function in _OF_ANY_NUMBER.items():
-        create(name, -1, function, null_safe=True)
     for name, (arity, aggregate) in AGGREGATES.items():
         connection.create_aggregate(name, arity, partial(_counting, aggregate, work))
 
 
-def _counting(aggregate: type[Any], work: Work) -> Any:
+def _counting(aggregate: Callable[[], Any], work: Work) -> Any:
     """Return an aggregate whose steps count as steps of some work."""
     made = aggregate()
     made.step = counted(made.step, work)

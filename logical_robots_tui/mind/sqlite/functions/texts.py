@@ -10,7 +10,7 @@ import math
 import re
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.bounds import TooLargeError, check_text
+from logical_robots_tui.mind.sqlite.budget import TooLargeError, check_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ import json
 from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.sqlite.bounds import MAX_ITEMS, check_long
+from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, check_long
 from logical_robots_tui.mind.sqlite.stored import to_input
 
 if TYPE_CHECKING:
