@@ -136,14 +136,9 @@ class Edits:
     def do(self, what: str, level: Level, *, goes_on: bool = False) -> bool:
         """Apply a step; steps that were undone before can no longer be redone.
 
-        Args:
-            what: A few words for the player, such as "paint walls".
-            level: The level after the step, made from the current one.
-            goes_on: Whether to merge it with the previous step, if that has the same description
-                and nothing was undone or saved since.
-
-        Returns:
-            False if nothing changed, and so no step was added.
+        `what` is a few words for the player, such as "paint walls". If it goes on, it is merged
+        with the previous step, if that has the same description and nothing was undone or saved
+        since. Returns False if nothing changed, and so no step was added.
         """
         if level is self._level:
             return False

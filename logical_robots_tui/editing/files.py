@@ -28,10 +28,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
 
     An existing file of this game is changed only where the levels differ, and left untouched if
     they are equal. The write is atomic. With `anew` an existing file is overwritten completely.
-    Missing folders are created.
-
-    Returns:
-        The level with the name and source of the file.
+    Missing folders are created. Returns the level with the name and source of the file.
 
     Raises:
         LevelError: The level could not be loaded again, or the file can't be written.

@@ -51,16 +51,14 @@ class Patch(NamedTuple):
 def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int]) -> Patch | None:
     """Return the units that a round brush covers along a path.
 
-    The path has no gaps, not even diagonal ones, through which a robot could slip.
+    The path has no gaps, not even diagonal ones, through which a robot could slip. The patch is
+    None if no unit of the map is covered.
 
     Args:
         points: The path, at least one point.
         width: Width of the brush in squares of the grid.
         grid: Size of a square in map units.
         shape: Shape of the map (height, width).
-
-    Returns:
-        The patch, or None if no unit of the map is covered.
 
     Raises:
         LevelError: A width, grid or point is out of range.

@@ -59,10 +59,7 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
     """Add a robot, beacon or area, as the last of its kind.
 
     A number is appended to the name of a robot if it is taken. Where there are teams, a robot
-    without one joins the first.
-
-    Returns:
-        The level, and a reference to the new object.
+    without one joins the first. Returns the level, and a reference to the new object.
 
     Raises:
         LevelError: There are too many of them, or a value is out of range.

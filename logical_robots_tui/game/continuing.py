@@ -107,10 +107,7 @@ def programs_to_begin_with(
 
     The player's team is the first one: one that is named, or else the first one of the level.
     `names` are by the order of the teams, `by_team` says whose each is; without any the usual ones
-    are taken.
-
-    Returns:
-        The programs by team, in a level without teams of "", and the text if it is to continue.
+    are taken. In a level without teams, the program is that of "".
 
     Raises:
         InputError: A program can't be read, or the level has no such team.

@@ -156,8 +156,7 @@ class Drafts:
     def adopt(self, kind: Kind) -> list[Draft]:
         """Take over the drafts of sessions that have ended.
 
-        Returns:
-            The adopted drafts of a kind, newest first, one per path.
+        Returns the adopted drafts of a kind, newest first, one per path.
 
         Raises:
             OSError: The folder can't be used.

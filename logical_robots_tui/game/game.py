@@ -313,8 +313,7 @@ class Game:
     ) -> bool:
         """Advance some ticks and show each, up to victory, the condition or a breakpoint.
 
-        Returns:
-            Whether the condition was true or a breakpoint was hit.
+        Returns whether the condition was true or a breakpoint was hit.
         """
         run, here, text = self.run_number, self._frame.tick, self.program.text
         together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)

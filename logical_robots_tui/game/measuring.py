@@ -58,10 +58,8 @@ async def measure(
     """Measure a program; cancelling the call ends the process at once.
 
     If its measures from the original start are not known, that start is played, too. `report` is
-    called on the event loop after each start.
-
-    Returns:
-        All measures; None if the program does not win from the original start.
+    called on the event loop after each start. Returns None if the program does not win from the
+    original start.
 
     Raises:
         MeasuringError: The process ended early, or the clock cut off a thought in it.

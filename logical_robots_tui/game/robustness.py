@@ -157,10 +157,7 @@ def try_starts(
     """Play a level from shifted starts. Blocks.
 
     The first starts are always the same. `report` is called after each one, with the numbers of
-    tried and won starts.
-
-    Returns:
-        The number of starts that were won.
+    tried and won starts. Returns the number of starts that were won.
 
     Raises:
         Stopped: `stop` was set.

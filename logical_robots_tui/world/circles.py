@@ -156,11 +156,7 @@ def _between_tangents(
 ) -> Chords:
     """Return the chords ahead of rays that have not hit something closer.
 
-    Args:
-        hits: As for `take_nearer_circles`.
-        least: Lower bound of the hits of a pair; of shape (pairs,).
-        rays: The rays to cast.
-        pairs: The candidates.
+    `least` is the lower bound of the hits of a pair, of shape (pairs,).
     """
     dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
     cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
@@ -260,15 +256,8 @@ def _take_one_by_one(
 ) -> bool:
     """Do the same as `take_nearer_circles`, one circle at a time.
 
-    Args:
-        hits: As there.
-        codes: As there.
-        rays: As there.
-        circles: As there.
-        most: The largest number of pairs of a robot and a circle within its reach.
-
-    Returns:
-        False if there were more pairs; nothing was done then.
+    If there are more than `most` pairs of a robot and a circle within its reach, nothing is done.
+    Returns whether it was done.
     """
     found = hits.tolist()
     each = list(zip(*(part.tolist() for part in circles), strict=True))

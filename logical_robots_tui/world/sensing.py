@@ -112,10 +112,7 @@ class Senses:
     ) -> tuple[list[SensorRow], frozenset[str]]:
         """Return every robot's reading, and which beacons are on any radar.
 
-        Args:
-            robots: All robots, in file order.
-            areas: All areas, in file order; the active solid ones are seen as walls.
-            clock: Number of the tick to report.
+        Robots and areas are in file order; the active solid areas are seen as walls.
 
         Returns:
             One ``{"robot_name": ..., "sensor": {...}}`` per robot, in file order; distances are
@@ -180,11 +177,8 @@ class Senses:
     ) -> None:
         """Choose among robots that a ray hits at once by their place instead of by their number.
 
-        Args:
-            hits: As for `take_nearer_circles`, changed in place.
-            rays: The rays that were cast.
-            robots: All robots, in file order.
-            order: The robots in the order that decides if they are at the very same place.
+        The hits are changed in place. `order` are the robots in the order that decides if they are
+        at the very same place.
         """
         places = np.array([(robots[i].x, robots[i].y) for i in order])
         between = np.hypot(*(places[:, None] - places).T)

@@ -126,12 +126,7 @@ class Walls:
     ) -> NDArray[np.int64]:
         """Return the same as `distances`, of shape (rays,).
 
-        Args:
-            x: Where rays start, of shape (rays,), as the next three.
-            y: The same.
-            cos: Of the rays' headings.
-            sin: The same.
-            free: Steps of every ray that are known to be outside walls.
+        The arrays are of shape (rays,); `free` steps of every ray are known to be outside walls.
         """
         # A ray behind a wall may be anywhere; only its first wall matters.
         x, y, cos, sin = x[:, None], y[:, None], cos[:, None], sin[:, None]

@@ -177,8 +177,7 @@ class World:
     def restore(self, state: WorldState) -> None:
         """Go back or forward to a saved state; the future from there is exactly reproducible.
 
-        Args:
-            state: A state that ``save`` returned for a world of the same level.
+        The state is one that ``save`` returned for a world of the same level.
 
         Raises:
             ValueError: The state has different robots, areas or tallies than the level.

@@ -46,10 +46,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
     """Prove a decision in both courses and find the first difference between the proofs.
 
     The robot is the first one that decides differently. Cancelling the call ends the work. The
-    game's current course is called "here".
-
-    Returns:
-        The comparison, or None if all robots decide the same.
+    game's current course is called "here". Returns None if all robots decide the same.
 
     Raises:
         NoSuchTickError: One of the courses no longer holds that tick.

@@ -123,8 +123,7 @@ class Inquiry:
     ) -> list[tuple[int, Suggestion]]:
         """Return the single changes that would have produced a row, for each rule without one.
 
-        Returns:
-            Lines of rules, each with a change; the smallest change of a rule first.
+        Each is given with the line of its rule; the smallest change of a rule comes first.
 
         Raises:
             QueryError: The program is too complex.

@@ -102,10 +102,8 @@ def pin_of_cell(
     """Return the pin of one value in a table, which finds its row again at other ticks.
 
     The row is identified by its robot, and by as many other columns as needed. Columns include
-    `MIND` where it matters.
-
-    Returns:
-        The pin, or None if only the value itself distinguishes the row from others.
+    `MIND` where it matters. Returns None if only the value itself distinguishes the row from
+    others.
     """
     mine = rows[row]
     others = [each for at, each in enumerate(rows) if at != row]

@@ -66,10 +66,8 @@ def condition_of(
 ) -> tuple[Node, Side] | None:
     """Return the condition because of which a row comes from different rules in two proofs.
 
-    The difference is of kind ``rule``; an explanation that is unknown is None.
-
-    Returns:
-        The condition that holds on one side only, and on which side; None if it is unknown.
+    The difference is of kind ``rule``; an explanation that is unknown is None. The condition holds
+    on one side only, which is returned with it; None if it is unknown.
     """
     stopped = _stopped(differing.there, here)
     if stopped is not None:

@@ -232,8 +232,7 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
 def _leaves(tally: Tally) -> list[list[Span]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
-    Returns:
-        For each place where it was chosen, that place and the sources of its values.
+    For each place where it was chosen, these are that place and the sources of its values.
     """
     found = [
         (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)

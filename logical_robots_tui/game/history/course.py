@@ -76,8 +76,7 @@ class Course:
     def add(self, frame: Frame, program: Program) -> bool:
         """Store the tick after the last one, and the program that decided it.
 
-        Returns:
-            Whether ticks were packed.
+        Returns whether ticks were packed.
         """
         before = self._loose[-1]
         self._loose.append(Moment.of(frame, before.driven + driven(frame.before, frame.after)))

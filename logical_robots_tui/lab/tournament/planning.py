@@ -174,10 +174,7 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
 
     The one that is left over, if the number is odd, is the last one that has always played so far.
     Ties are broken by the programs, not by names. `shares` are the average shares of the players by
-    name; none in the first round.
-
-    Returns:
-        The pairs; None if some player would have to meet another one again.
+    name; none in the first round. Returns None if some player would have to meet another one again.
     """
     players = manifest.players
 
