@@ -148,14 +148,14 @@ def _print(level: Level, *, plain: bool) -> None:
     from rich.console import Console
 
     from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
-    from logical_robots_tui.tui.library.card import draw_miniature
+    from logical_robots_tui.tui.library.card import miniature
 
     size = shutil.get_terminal_size((100, 40))
     console = Console(width=size.columns)
     plain = plain or not sys.stdout.isatty() or console.color_system is None or console.no_color
     rows = max(min(size.lines - 1, round(size.columns * level.height / level.width / 2)), 1)
     drawing = Drawing.ASCII if plain else Drawing.QUADRANTS
-    cells = draw_miniature(level, size.columns, rows, drawing, DARK, names=True)
+    cells = miniature(level, size.columns, rows, drawing, DARK, names=True)
     if plain:
         print(*(line.rstrip() for line in cells.plain()), sep="\n")
         return

@@ -14,6 +14,7 @@ from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.tui.app.settings import read_settings
+from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.table import COMMANDS
 from tests.house.examples import PAGES, blocks
 from tests.installed import CHECKOUT
@@ -31,7 +32,7 @@ LEVELS = ("<!-- levels: made from the files of the levels -->\n", "<!-- end of l
 def keys_table() -> str:
     """The commands that are offered at the bottom of the screen, as a table."""
     rows = [
-        f"| {' '.join(f'`{name}`' for name in entry.key_names.split(' · '))} | {entry.help} |"
+        f"| {' '.join(f'`{key_name(key)}`' for key in entry.keys)} | {entry.help} |"
         for entry in COMMANDS
         if entry.bar and entry.scope == "screen"
     ]

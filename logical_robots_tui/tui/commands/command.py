@@ -76,11 +76,6 @@ class Command(NamedTuple):
         """The first key as printed on a keyboard, or what to name instead."""
         return key_name(self.keys[0]) if self.keys else self.without_key
 
-    @property
-    def key_names(self) -> str:
-        """The keys as printed on a keyboard, such as ``space · F5``."""
-        return " · ".join(key_name(key) for key in self.keys)
-
     def bar_key(self, *, typing: bool) -> str:
         """The key that the command bar names, or "" if there is none."""
         keys = [

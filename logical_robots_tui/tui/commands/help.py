@@ -7,7 +7,6 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 from textual import on
-from textual.binding import Binding
 from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from textual.app import ComposeResult
+    from textual.binding import BindingType
     from textual.command import Hits
 
     from logical_robots_tui.tui.commands.command import Command
@@ -88,12 +88,12 @@ class Help(Dialog[None]):
     Help VerticalScroll { height: 1fr; scrollbar-gutter: stable; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("f1", "leave", "Close", show=False),
-        Binding("up", "scroll('up')", show=False),
-        Binding("down", "scroll('down')", show=False),
-        Binding("pageup", "scroll('page_up')", show=False),
-        Binding("pagedown", "scroll('page_down')", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("f1", "leave"),
+        ("up", "scroll('up')"),
+        ("down", "scroll('down')"),
+        ("pageup", "scroll('page_up')"),
+        ("pagedown", "scroll('page_down')"),
     ]
 
     keys = "letters filter   ↑↓ scroll   esc close"

@@ -225,7 +225,7 @@ def stop_editing(mode: EditMode) -> None:
 
     if mode.editor.cancel():
         return
-    if mode.is_saved:
+    if mode.levels.is_saved:
         mode.leave()
     else:
         mode.ui.spawn(partial(ask_what_to_keep, mode), "dialog", exclusive=True)

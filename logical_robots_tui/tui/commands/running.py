@@ -19,7 +19,7 @@ running = Group("Running")
 @running.command("Run or pause", "space", "f5", bar="Run", place="anywhere")
 def run(screen: MainScreen) -> None:
     """Run the robots or pause them; also cancels a computation under way."""
-    screen.labyrinth.close_briefing()
+    screen.labyrinth.briefing.close()
     state = screen.session.state
     if screen.session.game is None and state.phase == "mistake":
         screen.warn(f"The program has a mistake in line {state.mistakes[0].line}.")
@@ -29,7 +29,7 @@ def run(screen: MainScreen) -> None:
 @running.command("Step", "n", "full_stop", "f8", bar="Step")
 def step(screen: MainScreen) -> None:
     """Compute one tick."""
-    screen.labyrinth.close_briefing()
+    screen.labyrinth.briefing.close()
     screen.session.step()
 
 
@@ -63,7 +63,7 @@ time = Group("Time")
 @time.command("Ten steps", "N")
 def step_ten(screen: MainScreen) -> None:
     """Go forward ten ticks."""
-    screen.labyrinth.close_briefing()
+    screen.labyrinth.briefing.close()
     screen.session.step(_LEAP)
 
 
@@ -94,7 +94,7 @@ async def go_to(screen: MainScreen) -> None:
 @time.command("Run until tick…", "U")
 async def run_until(screen: MainScreen) -> None:
     """Run at full speed to a tick, or to victory or a breakpoint if that comes first."""
-    screen.labyrinth.close_briefing()
+    screen.labyrinth.briefing.close()
     await screen.timeline_controller.ask_how_far()
 
 

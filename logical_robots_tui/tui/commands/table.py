@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from logical_robots_tui.tui.commands.general import general
+from logical_robots_tui.tui.commands.general import general, looking
 from logical_robots_tui.tui.commands.levels import editing, levels
-from logical_robots_tui.tui.commands.looking import looking
 from logical_robots_tui.tui.commands.program import learning, program, writing
 from logical_robots_tui.tui.commands.rows import rows
 from logical_robots_tui.tui.commands.running import running, time

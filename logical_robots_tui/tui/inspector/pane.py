@@ -7,7 +7,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.widgets import OptionList
 
@@ -29,6 +28,7 @@ from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.layout.pane import Pane
 
 if TYPE_CHECKING:
+    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
@@ -54,9 +54,7 @@ class InspectorPane(Pane):
 
     command_id: ClassVar[str] = "inspector"
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("escape", "stop", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("escape", "stop")]
 
     DEFAULT_CSS = """
     InspectorPane #pages { width: 1fr; height: 1fr; }
@@ -79,8 +77,6 @@ class InspectorPane(Pane):
         self._following: Frame | None = None
         self._stale = False
         self._follower: Worker[None] | None = None
-
-    # -- pages ---------------------------------------------------------------------------------
 
     @property
     def pages(self) -> Pages:
@@ -140,8 +136,6 @@ class InspectorPane(Pane):
         """Whether the selected predicate is a function, which has calls instead of rows."""
         return self.questions.is_function(self._inspected)
 
-    # -- life ----------------------------------------------------------------------------------
-
     def on_mount(self) -> None:
         """Begin with the robots, and load the other pages in the background."""
         in_background(self, self._load_pages, "pages")
@@ -172,8 +166,6 @@ class InspectorPane(Pane):
     async def on_unmount(self) -> None:
         """Stop all queries."""
         await self.questions.close()
-
-    # -- commands ------------------------------------------------------------------------------
 
     def enter(self) -> None:
         """Focus the list."""
@@ -261,8 +253,6 @@ class InspectorPane(Pane):
         if self.page.pending is not None:
             self.page.pending.cancel()
 
-    # -- following the tick --------------------------------------------------------------------
-
     def follow(self) -> None:
         """Show the current tick: at once, or shortly if the game runs."""
         if self._list.predicates != self._session.predicates:
@@ -333,8 +323,6 @@ class InspectorPane(Pane):
     def _enter_page(self, name: str) -> None:
         self._select(name)
         self.screen.set_focus(self.page.view)
-
-    # -- messages ------------------------------------------------------------------------------
 
     @on(OptionList.OptionHighlighted)
     def _choice_moved(self, event: OptionList.OptionHighlighted) -> None:

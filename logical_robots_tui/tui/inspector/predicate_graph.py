@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.geometry import Region
 from textual.widgets import Static
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
+    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Program, QueryPlan
 
@@ -39,12 +39,12 @@ _ARROWS = 10  # columns for the two joints with their arrows
 class GraphView(LinesView):
     """The neighbours of a predicate."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "choose(-1)", show=False),
-        Binding("down", "choose(1)", show=False),
-        Binding("left", "along(-1)", show=False),
-        Binding("right", "along(1)", show=False),
-        Binding("enter", "open", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("up", "choose(-1)"),
+        ("down", "choose(1)"),
+        ("left", "along(-1)"),
+        ("right", "along(1)"),
+        ("enter", "open"),
     ]
 
     def __init__(self, program: Program, name: str, opened: Callable[[str], object]) -> None:
@@ -52,15 +52,10 @@ class GraphView(LinesView):
         self._program, self._opened = program, opened
         self._columns: tuple[Sequence[str], ...] = ((), (name,), ())
         self._at = (_MIDDLE, 0)
-        self._middle = name
+        self.middle = name
         self._tops = (0, 0, 0)
         self._widths = (0, 0, 0)
         self.centre(name)
-
-    @property
-    def middle(self) -> str:
-        """The predicate in the middle."""
-        return self._middle
 
     @property
     def chosen(self) -> str:
@@ -72,7 +67,7 @@ class GraphView(LinesView):
         """Move a predicate to the middle, with the cursor on it."""
         uses = self._program.uses
         users = [user for user, used in uses.items() if name in used]
-        self._middle = name
+        self.middle = name
         self._columns = (users, (name,), uses.get(name, ()))
         self._at = (_MIDDLE, 0)
         self.redraw()
@@ -86,7 +81,7 @@ class GraphView(LinesView):
         place = row - self._tops[column]
         if x >= 0 and 0 <= place < len(self._columns[column]):
             if column == _MIDDLE:
-                self._opened(self._middle)
+                self._opened(self.middle)
             else:
                 self.centre(self._columns[column][place])
 
@@ -148,14 +143,13 @@ class GraphView(LinesView):
         )
 
     def _span(self, column: int) -> range:
-        """The lines that a column fills."""
         top = self._tops[column]
         return range(top, top + len(self._columns[column]))
 
     def _label(self, name: str) -> Content:
         known = self._program.predicate(name)
         mark, colour = MARKS[known.kind] if known is not None else (" ", INK.dim)
-        style = f"bold {INK.title}" if name == self._middle else INK.text
+        style = f"bold {INK.title}" if name == self.middle else INK.text
         shown = clip(one_line(name), self.columns)
         return Content.assemble((f"{mark} ", colour), (shown, style))
 
@@ -186,9 +180,7 @@ class Graph(Dialog[str]):
     Graph #graph { margin: 1 0 0 0; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("q,R", "leave", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("q,R", "leave")]
 
     heading = "Users → predicate → what it uses"
     keys = "↑↓ choose   ← → go along   enter open in the inspector   esc close"

@@ -126,8 +126,6 @@ class Questions:
         if inquiry is not None:
             await inquiry.close()
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _inquiry(self) -> Inquiry:
         from logical_robots_tui.game import Inquiry
 

@@ -98,11 +98,7 @@ def least_covering(
     They hide as few robots and goals as possible. Corners are better than other places, and lines
     as they are written than narrower ones.
 
-    Args:
-        level: The level.
-        viewport: The part of it that is shown.
-        as_written: The text with the lines that its author wanted.
-        flowing: The text for less width.
+    `as_written` has the lines that its author wanted, `flowing` is for less width.
     """
     needed = as_written.get_optimal_width({}, viewport.columns)
     spots = []

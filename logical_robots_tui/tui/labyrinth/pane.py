@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
 from textual.content import Content
 from textual.widgets import Static
 
@@ -20,6 +19,8 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
 if TYPE_CHECKING:
+    from textual.binding import BindingType
+
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import Level, Robot, RobotState
@@ -37,11 +38,11 @@ class LabyrinthPane(Pane, can_focus=True):
     LabyrinthPane LabyrinthView { layer: picture; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "pan(-1, 0)", show=False),
-        Binding("right", "pan(1, 0)", show=False),
-        Binding("up", "pan(0, -1)", show=False),
-        Binding("down", "pan(0, 1)", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("left", "pan(-1, 0)"),
+        ("right", "pan(1, 0)"),
+        ("up", "pan(0, -1)"),
+        ("down", "pan(0, 1)"),
     ]
 
     def __init__(self) -> None:
@@ -101,10 +102,6 @@ class LabyrinthPane(Pane, can_focus=True):
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.briefing.place()
         self.select(self.view.selected)
-
-    def close_briefing(self) -> None:
-        """Hide the briefing."""
-        self.briefing.close()
 
     def close_overlays(self) -> None:
         """Hide the briefing and the banner."""

@@ -65,7 +65,7 @@ class VictoryAnnouncer(SessionListener):
         if before and not frame.tick:
             self._brief()
         elif frame.tick and not before:
-            self._pane.close_briefing()
+            self._pane.briefing.close()
         history = self._session.history
         if frame.tick != before + 1 or history is None:
             return
@@ -99,7 +99,7 @@ class VictoryAnnouncer(SessionListener):
         if not is_held and self._session.won_at is not None:
             self._announce()
 
-    def measured(self, level: Level, found: Measures, *, is_here: bool) -> None:
+    def measured(self, level: Level, found: Measures, is_here: bool) -> None:
         """Show the measures of a victory, unless the banner does."""
         if not (is_here and self._pane.banner.display):
             title = one_line(level.title)
@@ -110,7 +110,7 @@ class VictoryAnnouncer(SessionListener):
         if victory is None:
             return
         who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
-        self._pane.close_briefing()
+        self._pane.briefing.close()
         if victory.refusal:
             self._tell(victory.refusal)
         self._pane.banner.celebrate(victory.tick, who, self._recorder)

@@ -126,8 +126,6 @@ class LabyrinthView(Widget):
         highlight, frame = self._highlight or (None, None)
         return highlight if frame is self._frame else None
 
-    # -- the camera ----------------------------------------------------------------------------
-
     def look_at_next(self) -> None:
         """Switch to the next view: all, one robot, what robots sense, and all again."""
         self.camera = self.camera.next_sight()

@@ -187,11 +187,8 @@ class Arrangement:
     def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
         """Move an edge of a pane, and what is beyond it, at the next ``show``.
 
-        Args:
-            pane: The pane.
-            side: ``left``, ``right``, ``top`` or ``bottom``; outer edges stay.
-            columns: How far to the right.
-            rows: How far down.
+        `side` is ``left``, ``right``, ``top`` or ``bottom``; outer edges stay. `columns` count to
+        the right, `rows` down.
         """
         labyrinth, program, inspector = self.panes
         beside = self.layout is Layout.WIDE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.content import Content
@@ -25,12 +26,11 @@ _GAP = 2
 _WHILE_EDITING = ("run", "help")
 
 
+@dataclass
 class CommandChosen(Message):
     """A command was clicked."""
 
-    def __init__(self, command_id: str) -> None:
-        super().__init__()
-        self.command_id = command_id
+    command_id: str
 
 
 class Labels(Widget):

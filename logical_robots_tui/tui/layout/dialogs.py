@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 
 from textual import on
 from textual.await_complete import AwaitComplete
-from textual.binding import Binding
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen, Screen
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
+    from textual.binding import BindingType
 
 __all__ = ["ClosedOnce", "Dialog", "Find", "LinePrompt", "Listing", "Prompt", "Question", "Search"]
 
@@ -43,11 +43,7 @@ class ClosedOnce(Screen[Result]):
 
 
 class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
-    """A box over the game with a title; closing it without an answer returns None.
-
-    Attributes:
-        keys: What the last line says about keys; "" for no such line.
-    """
+    """A box over the game with a title; closing it without an answer returns None."""
 
     heading: ClassVar[str] = ""
     keys: ClassVar[str] = "esc close"
@@ -68,9 +64,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     Dialog OptionList:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("escape", "leave", "Close", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("escape", "leave")]
 
     def __init__(self, title: str = "") -> None:
         super().__init__()

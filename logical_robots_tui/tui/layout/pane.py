@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.containers import Container
@@ -38,6 +39,7 @@ class Pane(Container):
     class Retitled(Message):
         """The title has changed."""
 
+    @dataclass
     class Pulled(Message):
         """An edge is dragged with the mouse.
 
@@ -45,9 +47,9 @@ class Pane(Container):
             moved: Columns and rows since the last message.
         """
 
-        def __init__(self, pane: Pane, side: str, moved: Offset) -> None:
-            super().__init__()
-            self.pane, self.side, self.moved = pane, side, moved
+        pane: Pane
+        side: str
+        moved: Offset
 
     def __init__(self, *children: Widget, title: str) -> None:
         super().__init__(*children, id=self.command_id)

@@ -123,7 +123,7 @@ def fit(status: Status, width: int) -> Content:
     sign, sign_style = _SIGNS[status.activity]
     if status.thinking_for:
         sign, sign_style = _thinking(status.thinking_for), f"bold {INK.warn}"
-    thought = Content.styled(_thought(status), INK.dim)
+    thought = Content.styled(f"{status.think_milliseconds:.1f} ms" * bool(status.tick), INK.dim)
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
         (3, Content.styled(tick, INK.text)),
@@ -195,7 +195,3 @@ def _speed(status: Status) -> str:
     if status.achieved is None or status.achieved > 0.9 * status.speed:
         return wanted
     return f"{status.achieved:.0f} of {wanted}"
-
-
-def _thought(status: Status) -> str:
-    return f"{status.think_milliseconds:.1f} ms" if status.tick else ""

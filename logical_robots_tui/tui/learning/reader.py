@@ -5,7 +5,6 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Markdown, Static
@@ -20,17 +19,14 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
+    from textual.binding import BindingType
     from textual.widget import Widget
 
 __all__ = ["Hints", "Reader", "coloured", "markdown"]
 
 
 class Reader(Dialog[None]):
-    """A long text to scroll.
-
-    Args:
-        text: The text as a widget, from `markdown` or `coloured`.
-    """
+    """A long text to scroll."""
 
     DEFAULT_CSS = """
     Reader > #box { height: 90%; max-width: 88; }
@@ -44,10 +40,7 @@ class Reader(Dialog[None]):
     Reader MarkdownParagraph { margin: 0 0 1 0; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("q,t,W,K", "leave", "Close", show=False),
-        Binding("space", "page", "Next page", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("q,t,W,K", "leave"), ("space", "page")]
 
     keys = "↑↓ scroll   space next page   esc close"
 
@@ -86,8 +79,7 @@ def coloured(text: str) -> Static:
     for number, line in enumerate(lines):
         shown = Content(line)
         for start, end, kind in pieces(line, states.at(number, lines.__getitem__)):
-            if kind in SYNTAX:
-                shown = shown.stylize(SYNTAX[kind], start, end)
+            shown = shown.stylize(SYNTAX[kind], start, end)
         told.append(shown)
     return Static(Content("\n").join(told))
 
@@ -106,10 +98,7 @@ class Hints(Dialog[None]):
     Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("h,enter,space", "more", "Next hint", show=False),
-        Binding("q", "leave", "Close", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("h,enter,space", "more"), ("q", "leave")]
 
     def __init__(
         self, title: str, hints: Sequence[str], revealed: int, reveal: Callable[[int], None]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.widgets import Static
 
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual import events
+    from textual.binding import BindingType
 
     from logical_robots_tui.tui.layout.arrangement import Arrangement
     from logical_robots_tui.tui.layout.pane import Pane
@@ -75,10 +75,10 @@ class Tour(Static, can_focus=True):
         border: heavy $warning; border-title-color: $ink-warn; background: $panel;
     }
     """
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("enter,right", "move(1)", show=False),
-        Binding("left", "move(-1)", show=False),
-        Binding("escape", "end", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("enter,right", "move(1)"),
+        ("left", "move(-1)"),
+        ("escape", "end"),
     ]
 
     def __init__(self, *, moved: Callable[[], None], ended: Callable[[], None]) -> None:

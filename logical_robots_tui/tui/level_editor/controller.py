@@ -26,11 +26,7 @@ __all__ = ["LevelEditing"]
 
 
 class LevelEditing(SessionListener):
-    """Starts and ends level editing.
-
-    Args:
-        view: Creates the view of an edited level, which handles keys and mouse.
-    """
+    """Starts and ends level editing."""
 
     def __init__(
         self,

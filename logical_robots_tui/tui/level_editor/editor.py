@@ -50,9 +50,6 @@ class LevelEditor:
     """A level, the current tool, the cursor and the selection.
 
     An invalid change is reported and has no effect.
-
-    Args:
-        complain: Called with the message of an invalid change.
     """
 
     def __init__(
@@ -94,8 +91,6 @@ class LevelEditor:
         """Change the tools' settings; ends a stroke."""
         self.finish()
         self.settings = replace(self.settings, **values)
-
-    # -- strokes -------------------------------------------------------------------------------
 
     def press(self, x: float, y: float, units: float) -> None:
         """Start a stroke with the current tool.
@@ -156,8 +151,6 @@ class LevelEditor:
         if stroke is not None and stroke.has_done:
             self.undo()
         return stroke is not None
-
-    # -- changes -------------------------------------------------------------------------------
 
     def do(self, what: str, work: Callable[[Level], Level], *, goes_on: bool = False) -> bool:
         """Change the level; return whether anything changed."""
@@ -263,8 +256,6 @@ class LevelEditor:
         thing = self.thing
         if thing is not None:
             self.cursor = (thing.x, thing.y)
-
-    # -- inside --------------------------------------------------------------------------------
 
     def _changed(self) -> None:
         ref = self.selected

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from textual import on
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.message import Message
@@ -37,11 +37,7 @@ class Text(Input):
 
 
 class Number(Input):
-    """A number.
-
-    Args:
-        said: The subject of a message about it.
-    """
+    """A number."""
 
     def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
         super().__init__(f"{value:.10g}", id=name, select_on_focus=False)
@@ -80,9 +76,7 @@ class Choice(Select[str]):
         nothing: The label for no name, or "" if one must be chosen.
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("enter", "submit", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("enter", "submit")]
 
     class Submitted(Message):
         """Enter was pressed while the list was closed."""
@@ -191,9 +185,7 @@ class Form(Dialog[bool]):
     Form #keys { margin: 0; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("f2", "take", show=False, priority=True),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("f2", "take", priority=True)]
 
     keys = "tab next   F2 or enter apply   esc cancel"
     verb: ClassVar[str] = "Apply"

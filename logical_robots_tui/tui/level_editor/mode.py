@@ -111,13 +111,6 @@ class EditMode:
         self._checked: Level | None = None
         self.view = view(self)
 
-    @property
-    def is_saved(self) -> bool:
-        """Whether a file holds the edited level."""
-        return self.levels.is_saved
-
-    # -- in and out ----------------------------------------------------------------------------
-
     def enter(self) -> None:
         """Let keys and mouse edit the level; restores unsaved changes."""
         self.is_on, self.is_testing = True, False
@@ -165,8 +158,6 @@ class EditMode:
         if self.is_on:
             self.view.redraw()
 
-    # -- saving and following the game ---------------------------------------------------------
-
     def follow_game(self) -> None:
         """Adopt the level that the game shows now, as one undo step."""
         if not alike(self.levels.shown, self.levels.edited):
@@ -206,8 +197,6 @@ class EditMode:
         self._is_unwanted = True
         self.autosave.drop(("level", self._path))
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _bring_back(self) -> None:
         key: Key = "level", self._path
         draft = self._drafts.get(key) or self._drafts.take(key)
@@ -224,7 +213,7 @@ class EditMode:
 
     def _unsaved(self) -> tuple[str, str, Level | None]:
         """Return path, title, and the level if it must be kept."""
-        is_wanted = not (self.is_saved or self._is_unwanted)
+        is_wanted = not (self.levels.is_saved or self._is_unwanted)
         return self._path, self.levels.saved.title, self.levels.edited if is_wanted else None
 
     def _edited(self) -> None:
@@ -233,7 +222,6 @@ class EditMode:
         self._noted()
 
     def _noted(self) -> None:
-        """Note that the level has changed."""
         self.autosave.edited()
         self._look_through()
 

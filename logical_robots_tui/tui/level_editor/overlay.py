@@ -80,7 +80,6 @@ def _dot_grid(cells: Cells, view: Viewport, editor: LevelEditor, dot: str, look:
 def _cells_of(
     length: int, spacing: int, first: float, units: float, count: int
 ) -> NDArray[np.intp]:
-    """Return the columns or rows of a picture with grid lines."""
     places = np.arange(spacing, length, spacing)
     found = np.floor((places - first) / units).astype(np.intp)
     return np.unique(found[(found >= 0) & (found < count)])
@@ -135,7 +134,6 @@ def _rectangle(
 
 
 def _tint(cells: Cells, where: NDArray[np.bool_], colour: RGB) -> None:
-    """Tint cells with a colour."""
     style = cells.style[where]
     mixed = style & BOLD
     for shift, wanted in zip((40, 32, 24, 16, 8, 0), colour * 2, strict=True):

@@ -53,8 +53,6 @@ class EditPanel(EditView):
         self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
         self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
 
-    # -- in and out ----------------------------------------------------------------------------
-
     def enter(self) -> None:
         """Let keys and mouse edit."""
         pane = self._pane
@@ -83,8 +81,6 @@ class EditPanel(EditView):
         for line in (self._tools, self._info):
             if line.is_attached:
                 line.remove()
-
-    # -- keys ----------------------------------------------------------------------------------
 
     def handles(self, key: str) -> bool:
         """Run the editing command of a key; return whether there is one."""
@@ -152,8 +148,6 @@ class EditPanel(EditView):
         if columns or rows:
             self._pane.view.pan(columns, rows)
 
-    # -- the mouse -----------------------------------------------------------------------------
-
     def press(self, x: float, y: float) -> None:
         """Press the button at a point of the map."""
         editor = self._mode.editor
@@ -180,8 +174,6 @@ class EditPanel(EditView):
         editor = self._mode.editor
         if editor.settings.tool is Tool.HAND and editor.thing is not None:
             self.do("properties")
-
-    # -- drawing -------------------------------------------------------------------------------
 
     @property
     def cursor(self) -> tuple[float, float]:

@@ -47,7 +47,7 @@ async def _save_in(mode: EditMode, file: Path) -> bool | None:
         on_disk = await asyncio.to_thread(mode.on_disk)
         if on_disk == "another":
             return None
-        if mode.is_saved and on_disk == "same":
+        if mode.levels.is_saved and on_disk == "same":
             mode.ui.tell("It is already saved.")
             return True
         level = mode.levels.edited
@@ -76,7 +76,7 @@ async def save_as(mode: EditMode) -> bool:
 async def ask_what_to_keep(mode: EditMode) -> None:
     """Leave editing, and ask what to do with the changes, after any saving in progress."""
     async with mode.saving:
-        is_saved = mode.is_saved
+        is_saved = mode.levels.is_saved
     if is_saved:
         mode.leave()
         return

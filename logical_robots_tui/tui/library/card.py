@@ -36,7 +36,6 @@ __all__ = [
     "SIGNS",
     "LevelCard",
     "card_strips",
-    "draw_miniature",
     "miniature",
     "shipped_level",
 ]
@@ -186,12 +185,7 @@ def shipped_level(name: str) -> Level:
 
 
 @lru_cache(maxsize=128)
-def miniature(level: Level, columns: int, rows: int, drawing: Drawing, palette: Palette) -> Cells:
-    """Return a level at its start as a miniature. Takes milliseconds the first time."""
-    return draw_miniature(level, columns, rows, drawing, palette)
-
-
-def draw_miniature(
+def miniature(
     level: Level,
     columns: int,
     rows: int,
@@ -200,7 +194,7 @@ def draw_miniature(
     *,
     names: bool = False,
 ) -> Cells:
-    """Return a level at its start, without rays, with names on request."""
+    """Return a level at its start, without rays. Takes milliseconds the first time."""
     state = World(level).save()
     start = Frame(0, state, state, (), {}, (), {}, 0.0)
     viewport = Viewport.fit(level.width, level.height, columns, rows)

@@ -52,8 +52,6 @@ class LevelCards(ScrollView, can_focus=False):
         self._pictures: dict[str, Cells] = {}
         self._strips: dict[int, list[Strip]] = {}
 
-    # -- sizes ---------------------------------------------------------------------------------
-
     @property
     def across(self) -> int:
         """The number of cards in a row."""
@@ -85,8 +83,6 @@ class LevelCards(ScrollView, can_focus=False):
     def page(self) -> int:
         """The number of visible cards, at least one row."""
         return max(self.size.height // self._card_height, 1) * self.across
-
-    # -- content -------------------------------------------------------------------------------
 
     def show(self, cards: Sequence[LevelCard], chosen: int) -> None:
         """Show cards, one of them chosen."""
@@ -135,8 +131,6 @@ class LevelCards(ScrollView, can_focus=False):
         order = range(len(self._cards))
         near = set(range(first, first + self.page + self.across))
         return sorted(order, key=lambda index: (index not in near, index))
-
-    # -- drawing -------------------------------------------------------------------------------
 
     def on_resize(self) -> None:
         """Lay out the cards again."""

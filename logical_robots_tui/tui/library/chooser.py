@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
 from textual import on
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widgets import Input, OptionList, Static
@@ -43,11 +43,7 @@ _PREVIEW_FROM = 70  # columns
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """The details of an entry.
-
-    Attributes:
-        is_error: Whether the text says why it can't be used.
-    """
+    """The details of an entry."""
 
     headline: str
     preview: str
@@ -85,11 +81,11 @@ class Chooser(Dialog[T], Generic[T]):
     Chooser.-narrow #preview { display: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "go('cursor_up')", show=False, priority=True),
-        Binding("down", "go('cursor_down')", show=False, priority=True),
-        Binding("pageup", "go('page_up')", show=False, priority=True),
-        Binding("pagedown", "go('page_down')", show=False, priority=True),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "go('cursor_up')", priority=True),
+        Binding("down", "go('cursor_down')", priority=True),
+        Binding("pageup", "go('page_up')", priority=True),
+        Binding("pagedown", "go('page_down')", priority=True),
     ]
 
     keys = "enter open   ↑↓ choose   esc close"
@@ -147,7 +143,6 @@ class Chooser(Dialog[T], Generic[T]):
         return None if highlighted is None else self._shown[highlighted]
 
     def _list(self, wanted: str | None) -> None:
-        """List the entries that match the filter."""
         text = self._filter.value.strip()
         words = text.casefold().split()
         self._shown = [

@@ -55,8 +55,6 @@ class LibraryController:
         self._own, self._own_levels = data_dir / "programs", data_dir / "levels"
         self._drawing, self._make_level = drawing, make_level
 
-    # -- levels --------------------------------------------------------------------------------
-
     async def choose_level(self) -> None:
         """Ask for a level and open it."""
         from logical_robots_tui.tui.library.level_screen import LevelScreen, NewLevel
@@ -127,8 +125,6 @@ class LibraryController:
         source, applied = self._session.sources.of(team)
         self._leave_text_for(source, applied, tells=False)
         self._session.look_at(team)
-
-    # -- programs ------------------------------------------------------------------------------
 
     async def choose_program(self) -> None:
         """Ask for a program and use it."""
@@ -227,8 +223,6 @@ class LibraryController:
             self._ui.tell("Your program for this level has been restored.")
         self._program.load(text)
         return text
-
-    # -- drafts --------------------------------------------------------------------------------
 
     async def offer(self, offers: Offers) -> None:
         """Offer the text that an earlier session left unsaved, if there is one."""

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widgets import Input, Static
 
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.progress import LevelRecord, Progress
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
@@ -61,14 +60,14 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     LevelScreen #keys { margin: 0; padding: 0 1; background: $panel; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "go('left')", show=False, priority=True),
-        Binding("right", "go('right')", show=False, priority=True),
-        Binding("up", "go('up')", show=False, priority=True),
-        Binding("down", "go('down')", show=False, priority=True),
-        Binding("pageup", "go('page_up')", show=False, priority=True),
-        Binding("pagedown", "go('page_down')", show=False, priority=True),
-        Binding("ctrl+n", "new", show=False, priority=True),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "go('left')", priority=True),
+        Binding("right", "go('right')", priority=True),
+        Binding("up", "go('up')", priority=True),
+        Binding("down", "go('down')", priority=True),
+        Binding("pageup", "go('page_up')", priority=True),
+        Binding("pagedown", "go('page_down')", priority=True),
+        Binding("ctrl+n", "new", priority=True),
     ]
 
     keys = "enter play   ←↑↓→ choose   ^N new level   esc close"
@@ -122,8 +121,6 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         steps = {"left": -1, "right": 1, "up": -across, "down": across}
         self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
 
-    # -- content -------------------------------------------------------------------------------
-
     def _list(self) -> None:
         """Show the names before the first key."""
         shipped, own = list_shipped(), own_levels(self._own)
@@ -140,7 +137,9 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self.call_after_refresh(painted.set)
         await painted.wait()  # reading would delay the first picture
         keys = [str(card.file.absolute()) if card.file else card.name for card in self._all]
-        records = await self._recorder.ask(partial(_records, keys))
+        records = await self._recorder.ask(
+            lambda progress: {key: progress.record(key) for key in keys}
+        )
         for index, name in enumerate(card.name for card in self._all):
             card = replace(self._all[index], record=records[keys[index]])
             try:
@@ -219,8 +218,6 @@ class LevelScreen(Dialog["Level | NewLevel"]):
                 told = Content("\n").join([told, *scales, *goals])
         self.query_one("#detail", Static).update(told)
 
-    # -- messages ------------------------------------------------------------------------------
-
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
         self.complain("")
@@ -257,10 +254,6 @@ def _level_of(card: LevelCard) -> Level:
 
 def _load(name_or_path: str) -> Level:
     return load_level(typed_path(name_or_path) if "/" in name_or_path else name_or_path)
-
-
-def _records(names: list[str], progress: Progress) -> dict[str, LevelRecord]:
-    return {name: progress.record(name) for name in names}
 
 
 def own_levels(folder: Path) -> dict[str, Path]:

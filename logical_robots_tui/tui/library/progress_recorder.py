@@ -6,7 +6,7 @@ import asyncio
 import queue
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game import level_key
 from logical_robots_tui.game.continuing import keep_if_own, note_level
@@ -33,13 +33,6 @@ THEME, TOUR = "theme", "tour"
 """Facts in the player's record: which theme was chosen, and that the tour is over."""
 
 T = TypeVar("T")
-
-
-class Measured(Protocol):
-    """Is notified when a victory has been measured."""
-
-    def __call__(self, level: Level, found: Measures, *, is_here: bool) -> None:
-        """Receive the level, the measures, and whether it is the current level."""
 
 
 class ProgressRecorder(SessionListener):
@@ -73,8 +66,14 @@ class ProgressRecorder(SessionListener):
         self._has_begun = False
         self._is_closed = False
 
-    def attach(self, ui: Ui, *, changed: Callable[[], None], measured: Measured) -> None:
-        """Start to work for a screen."""
+    def attach(
+        self,
+        ui: Ui,
+        *,
+        changed: Callable[[], None],
+        measured: Callable[[Level, Measures, bool], None],
+    ) -> None:
+        """Start to work for a screen; `measured` gets a victory, and whether its level is here."""
         self._ui, self._changed, self._measured = ui, changed, measured
 
     async def close(self) -> None:
@@ -82,8 +81,6 @@ class ProgressRecorder(SessionListener):
         self._is_closed = True
         await asyncio.get_running_loop().run_in_executor(self._writer, self.progress.close)
         self._writer.shutdown(wait=False)
-
-    # -- queries -------------------------------------------------------------------------------
 
     @property
     def trial(self) -> Trial | None:
@@ -105,8 +102,6 @@ class ProgressRecorder(SessionListener):
         """Return the versions for the current level, the last used first."""
         key = self._key
         return await self.ask(lambda progress: progress.versions(key))
-
-    # -- writing -------------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
         """Switch to a level."""
@@ -178,8 +173,6 @@ class ProgressRecorder(SessionListener):
         self._changed()
         return True
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _write(self, work: Callable[[Progress], None]) -> None:
         if self._is_closed:
             return
@@ -222,7 +215,7 @@ class ProgressRecorder(SessionListener):
         else:
             found = known
             self._write(lambda progress: progress.win(key, text, found))
-            self._measured(level, found, is_here=key == self._key)
+            self._measured(level, found, key == self._key)
             if key == self._key:
                 self.latest = found
                 self._changed()

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.text import Text
-from textual.binding import Binding
+from textual.binding import Binding, BindingType
 from textual.geometry import Offset
 from textual.message import Message
 from textual.widgets import TextArea
@@ -19,7 +20,7 @@ from logical_robots_tui.tui.program.completion import (
     word_around,
     words_for,
 )
-from logical_robots_tui.tui.program.lexer import LONGEST_LINE, LineStates, pieces
+from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import marked
 from logical_robots_tui.tui.program.text_operations import WIDTH, indentation_after, shifted
 from logical_robots_tui.tui.theme.safe_text import visible
@@ -45,35 +46,30 @@ _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 
 
 class Editor(TextArea):
-    """Edits the text of a program; escape leaves it.
-
-    Attributes:
-        completes: Whether a dot or a capital letter opens the list of words.
-    """
+    """Edits the text of a program; escape leaves it."""
 
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }
     Editor:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("ctrl+underscore,ctrl+slash", "toggle_comment", show=False),
-        Binding("ctrl+@,ctrl+space", "complete", show=False),
-        Binding("tab", "indent", show=False),
-        Binding("shift+tab", "dedent", show=False),
-        Binding("ctrl+home", "go_to_start", show=False),
-        Binding("ctrl+end", "go_to_end", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("ctrl+underscore,ctrl+slash", "toggle_comment"),
+        ("ctrl+@,ctrl+space", "complete"),
+        ("tab", "indent"),
+        ("shift+tab", "dedent"),
+        ("ctrl+home", "go_to_start"),
+        ("ctrl+end", "go_to_end"),
     ]
 
     class Leave(Message):
         """The player leaves the editor."""
 
+    @dataclass
     class Copied(Message):
         """A text was copied or cut."""
 
-        def __init__(self, text: str) -> None:
-            super().__init__()
-            self.text = text
+        text: str
 
     def __init__(self) -> None:
         super().__init__(
@@ -114,8 +110,6 @@ class Editor(TextArea):
         self.register_theme(colours)
         self.theme = colours.name
 
-    # -- content -------------------------------------------------------------------------------
-
     def put(self, text: str) -> None:
         """Replace the whole text as one edit that can be undone; the cursor stays in its line."""
         place = self.cursor_location
@@ -151,8 +145,6 @@ class Editor(TextArea):
             self._marks = marks
             self.notify_style_update()
             self.refresh()
-
-    # -- keys ----------------------------------------------------------------------------------
 
     async def on_key(self, event: events.Key) -> None:
         """Handle keys before the text area does.
@@ -194,8 +186,6 @@ class Editor(TextArea):
         before = self.document.get_line(start[0])[: start[1]]
         indentation = "" if as_it_is else indentation_after(before)
         self.replace(f"\n{indentation}", start, end, maintain_selection_offset=False)
-
-    # -- help while typing ---------------------------------------------------------------------
 
     @property
     def before_cursor(self) -> str:
@@ -307,7 +297,6 @@ class Editor(TextArea):
         self.move_cursor(self.document.end)
 
     def _chosen_rows(self) -> tuple[int, int]:
-        """Return the first and last line of the selection."""
         (first, _), (last, column) = sorted(self.selection)
         return first, last - (last > first and column == 0)
 
@@ -346,16 +335,13 @@ class Editor(TextArea):
         """Keep the cursor in view."""
         self.scroll_cursor_visible()
 
-    # -- drawing -------------------------------------------------------------------------------
-
     def get_line(self, line_index: int) -> Text:
         """Return a line with its colours, and with visible control characters."""
         line = self.document.get_line(line_index)
         text = Text(visible(line, tabs=True), end="", no_wrap=True)
-        if len(line) <= LONGEST_LINE:
-            state = self._states.at(line_index, self.document.get_line)
-            for start, end, kind in pieces(line, state):
-                text.stylize(self._syntax[kind], start, end)
+        state = self._states.at(line_index, self.document.get_line)
+        for start, end, kind in pieces(line, state):
+            text.stylize(self._syntax[kind], start, end)
         if self._marks.get(line_index):
             text.stylize(self._syntax["mistake"])
         return text

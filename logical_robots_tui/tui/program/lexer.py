@@ -55,54 +55,38 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _ENDS = {"/*": "*/", '"""': '"""'}
-# Tokens that change the state; all others can be skipped.
-_SWITCH = re.compile(r'#|/\*|"""|"(?:[^"\\]|\\.)*"?|\'(?:[^\'\\]|\\.)*\'?|`[^`]*`?')
 
 
 def pieces(line: str, state: State = "") -> list[Piece]:
     """Return the coloured parts of a line, from left to right."""
-    if len(line) > LONGEST_LINE:
-        return []
-    found: list[Piece] = []
-    at = 0
-    while at < len(line):
-        if state:
-            end = line.find(_ENDS[state], at)
-            stop = len(line) if end < 0 else end + len(_ENDS[state])
-            found.append(Piece(at, stop, "comment" if state == "/*" else "string"))
-            at, state = stop, state if end < 0 else ""
-            continue
-        match = _TOKEN.search(line, at)
-        if match is None:
-            break
-        kind, start, at = match.lastgroup, *match.span()
-        if kind in ("block", "long"):
-            state = match.group()
-            at = start + len(state)
-            end = line.find(_ENDS[state], at)
-            stop = len(line) if end < 0 else end + len(_ENDS[state])
-            found.append(Piece(start, stop, "comment" if kind == "block" else "string"))
-            at, state = stop, state if end < 0 else ""
-        elif kind is not None:
-            found.append(Piece(start, at, "comment" if kind == "line_comment" else kind))
-    return found
+    return [] if len(line) > LONGEST_LINE else _scan(line, state)[0]
 
 
 def state_after(line: str, state: State) -> State:
     """Return the state at the start of the next line."""
-    at = 0
+    return _scan(line, state)[1]
+
+
+def _scan(line: str, state: State) -> tuple[list[Piece], State]:
+    found: list[Piece] = []
+    start = at = 0
     while True:
         if state:
             end = line.find(_ENDS[state], at)
+            at = len(line) if end < 0 else end + len(_ENDS[state])
+            if at > start:
+                found.append(Piece(start, at, "comment" if state == "/*" else "string"))
             if end < 0:
-                return state
-            at, state = end + len(_ENDS[state]), ""
-        match = _SWITCH.search(line, at)
-        if match is None or match.group() == "#":
-            return ""
-        at = match.end()
-        if match.group() in _ENDS:
+                return found, state
+            state = ""
+        match = _TOKEN.search(line, at)
+        if match is None:
+            return found, ""
+        kind, start, at = match.lastgroup, *match.span()
+        if kind in ("block", "long"):
             state = match.group()
+        elif kind is not None:
+            found.append(Piece(start, at, "comment" if kind == "line_comment" else kind))
 
 
 class LineStates:

@@ -35,11 +35,7 @@ def drawing_for(
 ) -> Drawing:
     """Return the drawing that suits a terminal.
 
-    Args:
-        environ: Has its name.
-        colours: What it can show, in Rich's words, such as ``truecolor``; None for no colours.
-        encoding: The encoding of the output.
-        colourless: Whether the player wants no colours.
+    `colours` is what it can show, in Rich's words, such as ``truecolor``; None for no colours.
     """
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import (
         Drawing,  # slow to load because of numpy
@@ -57,9 +53,8 @@ def may_use_mouse(environ: Mapping[str, str]) -> bool:
 
     GNU screen (4.9) delays the escape key until the next key while the mouse is enabled.
 
-    Args:
-        environ: Has the terminal's name: ``screen`` or ``screen.xterm`` there. In tmux it may be
-            the same, and ``screen-256color`` is more often tmux than GNU screen.
+    TERM is ``screen`` or ``screen.xterm`` there. In tmux it may be the same, and
+    ``screen-256color`` is more often tmux than GNU screen.
     """
     name = environ.get("TERM", "").lower()
     inside, in_tmux = "STY" in environ, "TMUX" in environ

@@ -223,7 +223,6 @@ def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
 
 
 def _is_second_half(cell: Cell | None) -> bool:
-    """Return whether a cell is the second half of a wide character."""
     return cell is not None and cell[0] == ""
 
 
@@ -276,7 +275,6 @@ def _same(look: Look) -> Look:
 
 @lru_cache(maxsize=40_000)
 def _change(pen: Look, look: Look) -> str:
-    """Return the codes to change from one style to another."""
     if pen == look:
         return ""
     adds_only = pen.attributes == "" and (look.ink or not pen.ink) and (look.paper or not pen.paper)
@@ -288,7 +286,6 @@ def _change(pen: Look, look: Look) -> str:
 
 
 def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
-    """Return the codes to move the cursor to a cell."""
     if at is None or at[0] != row or at[1] > column:
         return f"\x1b[{row + 1};{column + 1}H"
     steps = column - at[1]

@@ -38,11 +38,7 @@ class BugReport(Exception):  # noqa: N818 - it is called what it is
 
 
 class CrashSafeApp(App[None]):
-    """An app that ends cleanly after an unexpected exception.
-
-    Attributes:
-        mistake: The first such exception, or None.
-    """
+    """An app that ends cleanly after an unexpected exception."""
 
     mistake: Exception | None = None
     _reserve = bytes(_RESERVE)

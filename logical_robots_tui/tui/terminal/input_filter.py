@@ -67,9 +67,7 @@ class InputFilter:
     def take(self, data: bytes, now: float) -> tuple[list[str | Pasted], int]:
         """Return what was typed and pasted, in order, and the number of answers.
 
-        Args:
-            data: The input; incomplete sequences are kept for the next call.
-            now: The time in seconds.
+        Incomplete sequences are kept for the next call; `now` is in seconds.
         """
         is_forsaken = now - self._last > _FORSAKEN and len(data) <= _ONE_KEY
         self._last = now

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
 from textual.content import Content
 from textual.suggester import SuggestFromList
 from textual.widgets import Input, OptionList, Static
@@ -19,6 +18,7 @@ from logical_robots_tui.tui.timeline.prompts import QuestionCheck
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
+    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
@@ -38,11 +38,11 @@ class BreakpointList(Dialog[None]):
     BreakpointList #none { color: $ink-dim; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("a,plus", "add", show=False),
-        Binding("space", "switch", show=False),
-        Binding("d,delete,backspace", "delete", show=False),
-        Binding("q,B", "leave", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("a,plus", "add"),
+        ("space", "switch"),
+        ("d,delete,backspace", "delete"),
+        ("q,B", "leave"),
     ]
 
     heading = "Breakpoints"
@@ -68,7 +68,6 @@ class BreakpointList(Dialog[None]):
         return self.query_one(OptionList).highlighted
 
     def _list(self, at: int) -> None:
-        """List all, with the cursor at a place."""
         self._shown = tuple(self._session.breakpoints)
         entries = self.query_one(OptionList)
         entries.clear_options()
@@ -145,9 +144,9 @@ class BreakpointForm(Dialog[Breakpoint]):
     }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("down", "app.focus_next", show=False),
-        Binding("up", "app.focus_previous", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("down", "app.focus_next"),
+        ("up", "app.focus_previous"),
     ]
 
     heading = "Stop when…"

@@ -5,6 +5,7 @@ Dialogs are loaded when first used, so that the first picture comes sooner.
 
 from __future__ import annotations
 
+from math import inf
 from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
@@ -33,6 +34,9 @@ _SOUGHT: tuple[MarkKind, ...] = (
     "area",
     "notice",
 )
+
+
+_NO_PROGRAM = "There is no program yet."
 
 
 class TimelineController(SessionListener):
@@ -78,11 +82,9 @@ class TimelineController(SessionListener):
 
     async def ask_for_tick(self) -> None:
         """Ask for a tick of the history, and go there."""
-        from logical_robots_tui.tui.timeline.prompts import TickPrompt
-
-        history, here = self._history, self._session.frame.tick
+        history = self._history
         if history is None:
-            self._ui.tell("There is no program yet.")
+            self._ui.tell(_NO_PROGRAM)
             return
 
         def complaint(tick: int) -> str:
@@ -93,27 +95,28 @@ class TimelineController(SessionListener):
                 kept += " There was no room for more."
             return f"{kept}{self._elsewhere(tick)}"
 
-        found = await self._ui.ask(TickPrompt("Go to tick", here, complaint))
+        found = await self._ask("Go to tick", complaint)
         if found is not None:
             self.go_to(found)
 
     async def ask_how_far(self) -> None:
         """Ask for a tick, and run to it."""
-        from logical_robots_tui.tui.timeline.prompts import TickPrompt
-
         here = self._session.frame.tick
 
         def complaint(tick: int) -> str:
             return "" if tick > here else f"The robots are already at tick {here}."
 
         if self._history is None:
-            self._ui.tell("There is no program yet.")
+            self._ui.tell(_NO_PROGRAM)
             return
-        found = await self._ui.ask(TickPrompt("Run until tick", here, complaint))
+        found = await self._ask("Run until tick", complaint)
         if found is not None:
             self._session.run_until(found)
 
-    # -- the other future ----------------------------------------------------------------------
+    async def _ask(self, title: str, problem: Callable[[int], str]) -> int | None:
+        from logical_robots_tui.tui.timeline.prompts import TickPrompt
+
+        return await self._ui.ask(TickPrompt(title, self._session.frame.tick, problem))
 
     def change_course(self) -> None:
         """Switch to the other future."""
@@ -149,8 +152,6 @@ class TimelineController(SessionListener):
         other = self._history.other if self._history is not None else None
         return " The other future holds it." if other is not None and tick in other else ""
 
-    # -- breakpoints ---------------------------------------------------------------------------
-
     def breakpoints(self) -> None:
         """Show the breakpoints."""
         from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
@@ -173,8 +174,7 @@ class TimelineController(SessionListener):
             self._ui.tell(f"◉ Stopped at tick {hit.tick}. {words}")
 
 
-_PATIENCE = 0.5  # seconds before the first message
-_NO_PROGRAM = "There is no program yet."
+_PATIENCE = 0.5  # seconds of a search before a message
 
 
 class Search:
@@ -212,12 +212,15 @@ class Search:
         if game is None:
             self._ui.tell(_NO_PROGRAM)
             return
-        about, patience = self._about(game), _Patience(self._ui)
+        about, patient_until = self._about(game), monotonic() + _PATIENCE
 
         def told(tick: int) -> None:
+            nonlocal patient_until
             if about != self._about(session.game):
                 raise Superseded  # the player has moved on
-            patience.told(tick)
+            if monotonic() > patient_until:
+                patient_until = inf
+                self._ui.tell(f"Searching, at tick {tick}… Go to any tick to stop.")
 
         from logical_robots_tui.game import search_ticks
 
@@ -253,18 +256,3 @@ class Search:
         if game is None:
             return None
         return game, game.program, game.history.turns, game.frame.tick, self._question
-
-
-class _Patience:
-    """Reports once that a long search is still running."""
-
-    def __init__(self, ui: Ui) -> None:
-        self._ui = ui
-        self._began = monotonic()
-        self._has_told = False
-
-    def told(self, tick: int) -> None:
-        """Note the progress."""
-        if not self._has_told and monotonic() > self._began + _PATIENCE:
-            self._has_told = True
-            self._ui.tell(f"Searching, at tick {tick}… Go to any tick to stop.")

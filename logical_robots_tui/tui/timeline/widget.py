@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import groupby, islice
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual import events
+    from textual.binding import BindingType
 
     from logical_robots_tui.game import Mark
     from logical_robots_tui.game.history.history import History
@@ -141,29 +142,24 @@ class Timeline(Widget, can_focus=True):
     Timeline:focus { background: $panel; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "screen.command('back')", show=False),
-        Binding("right", "screen.command('step')", show=False),
-        Binding("pageup", "screen.command('back_ten')", show=False),
-        Binding("pagedown", "screen.command('step_ten')", show=False),
-        Binding("home", "screen.command('first')", show=False),
-        Binding("end", "screen.command('last')", show=False),
-        Binding("up", "screen.command('previous_mark')", show=False),
-        Binding("down", "screen.command('next_mark')", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("left", "screen.command('back')"),
+        ("right", "screen.command('step')"),
+        ("pageup", "screen.command('back_ten')"),
+        ("pagedown", "screen.command('step_ten')"),
+        ("home", "screen.command('first')"),
+        ("end", "screen.command('last')"),
+        ("up", "screen.command('previous_mark')"),
+        ("down", "screen.command('next_mark')"),
     ]
     FOCUS_ON_CLICK: ClassVar[bool] = False
     ALLOW_SELECT: ClassVar[bool] = False
 
+    @dataclass
     class Pointed(Message):
-        """The mouse points at a tick.
+        """The mouse points at a column; `tick` is the first one of it."""
 
-        Attributes:
-            tick: The tick; the first one of its column.
-        """
-
-        def __init__(self, tick: int) -> None:
-            super().__init__()
-            self.tick = tick
+        tick: int
 
     def __init__(self) -> None:
         super().__init__(id="timeline")
@@ -206,7 +202,6 @@ class Timeline(Widget, can_focus=True):
 
     @property
     def _width(self) -> int:
-        """The columns of the track."""
         least, most = _NOTE_WIDTHS
         note = min(max(self.size.width // _NOTE_SHARE, least), most)
         return max(self.size.width - note - 2, 1)
@@ -249,8 +244,6 @@ class Timeline(Widget, can_focus=True):
         elif mark.kind in ("victory", "program", "edit"):
             words = {"victory": "won", "program": "program changed", "edit": "edited"}[mark.kind]
         return Content.assemble((f"{sign} ", style), (words, INK.text))
-
-    # -- the mouse -----------------------------------------------------------------------------
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """Go to the tick under the pointer, and start dragging."""

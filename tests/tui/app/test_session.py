@@ -295,11 +295,11 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
         mode = t.editing.mode
         assert mode is not None
         t.paint((10, 8), (20, 8))
-        assert not mode.is_saved
+        assert not mode.levels.is_saved
         await t.until(lambda: t.session.levels.shown is t.session.levels.edited)
         other = replace(t.session.levels.edited, name="other", source=str(tmp_path / "other.toml"))
         mode.saved(t.session.levels.edited, other)
-        assert mode.is_saved
+        assert mode.levels.is_saved
         assert t.session.opened is other
         assert t.chronicle.events.count("saved other") == 1
         await t.win()

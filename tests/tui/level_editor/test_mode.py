@@ -164,7 +164,7 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
         await game.sees("Saved as room")
         x = s.level.beacons[0].x
         assert said(room_file) == ROOM.replace("x = 200", f"x = {x:g}")
-        assert s.mode.is_saved
+        assert s.mode.levels.is_saved
         say(room_file, ROOM.replace("A room", "Another room", 1))
         await s.press("b")
         await s.drag((100, 50))
@@ -190,7 +190,7 @@ async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
         saving.go_on.set()
         await game.until(lambda: not game.main.editing.is_on)
         assert game.app.screen is game.main
-        assert s.mode.is_saved
+        assert s.mode.levels.is_saved
         assert load_level(room_file).beacons == s.level.beacons
 
 
@@ -308,13 +308,13 @@ async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(
     async with studio(data_dir, room_file) as s:
         game, areas, beacons = s.game, len(s.level.areas), len(s.level.beacons)
         await s.press("c", "enter", "a", "enter", "s")
-        await game.until(lambda: s.mode.is_saved)
+        await game.until(lambda: s.mode.levels.is_saved)
         await s.press("t")
         await game.until(lambda: game.tick > 1)
         await s.press("t")
         await game.until(lambda: game.main.editing.is_on and game.tick == 0)
         assert (len(s.level.areas), len(s.level.beacons)) == (areas + 1, beacons + 1)
-        assert s.mode.is_saved
+        assert s.mode.levels.is_saved
         await s.press("a", "enter", "escape")
         assert len(s.level.areas) == areas + 1
 
@@ -324,7 +324,7 @@ async def test_all_that_can_become_of_the_changes_is_in_sight(
 ) -> None:
     async with studio(data_dir, room_file, size=(80, 24)) as s:
         await s.press("a", "enter", "s")
-        await s.game.until(lambda: s.mode.is_saved)
+        await s.game.until(lambda: s.mode.levels.is_saved)
         await s.press("c", "enter", "h", "M")
         await s.game.sees("What should happen to your changes")
         answers = ("Save", "Keep as a level", "Just for this game", "Throw away")

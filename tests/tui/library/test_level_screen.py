@@ -16,7 +16,7 @@ from textual.widgets import Input
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
 from logical_robots_tui.tui.library import level_screen as screen
-from logical_robots_tui.tui.library.card import LINES_AROUND, LevelCard, card_strips, draw_miniature
+from logical_robots_tui.tui.library.card import LINES_AROUND, LevelCard, card_strips, miniature
 from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_arenas, list_levels, load_level
@@ -212,7 +212,7 @@ def test_a_card_fills_its_room_whatever_it_tells(
 ) -> None:
     level = replace(load_level(NAMES[0]), title=title, idea=idea)
     card = LevelCard("99-x", level, record, is_here=chosen)
-    picture = draw_miniature(load_level(NAMES[0]), width - 2, rows, Drawing.ASCII, DARK)
+    picture = miniature(load_level(NAMES[0]), width - 2, rows, Drawing.ASCII, DARK)
     for shown in (picture, None):
         strips = card_strips(card, shown, width, rows, chosen)
         assert [strip.cell_length for strip in strips] == [width] * (rows + LINES_AROUND)

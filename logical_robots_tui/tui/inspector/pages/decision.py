@@ -7,7 +7,6 @@ from functools import partial
 from itertools import zip_longest
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.content import Content
 
 from logical_robots_tui.mind import Table
@@ -20,6 +19,8 @@ from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from textual.binding import BindingType
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
@@ -37,9 +38,7 @@ _LONGEST = 400
 class DecisionPage(Page):
     """The decision of the selected robot."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("enter", "screen.command('open_value')", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("enter", "screen.command('open_value')")]
 
     view: LinesView
     depends_on_robot = True

@@ -48,14 +48,9 @@ class DiagnosisPage(Page):
         self._extent = Static(id="extent", markup=False)
         view = Listing(id="findings", markup=False)
         super().__init__(session, questions, view, above=(self._extent,))
-        self._found: Diagnosis | None = None
+        self.found: Diagnosis | None = None
         self._worker: Worker[None] | None = None
         self._shown: tuple[object, ...] | None = None
-
-    @property
-    def found(self) -> Diagnosis | None:
-        """The last diagnosis, or None."""
-        return self._found
 
     @property
     def is_diagnosing(self) -> bool:
@@ -70,7 +65,7 @@ class DiagnosisPage(Page):
     def _list(self) -> None:
         game = self._session.game
         last = 0 if game is None else game.history.last
-        shown = (self._found, self.is_diagnosing, last)
+        shown = (self.found, self.is_diagnosing, last)
         if shown == self._shown:
             return
         self._shown = shown
@@ -78,15 +73,15 @@ class DiagnosisPage(Page):
         self.view.clear_options()
         offer = "Stop looking" if self.is_diagnosing else f"Look through the run up to tick {last}"
         options = [Option(Content.styled(offer, f"bold {INK.key}"), id=_START)]
-        findings = self._found.findings if self._found is not None else ()
+        findings = self.found.findings if self.found is not None else ()
         options += [Option(_described(each), id=str(n)) for n, each in enumerate(findings)]
         self.view.add_options(options)
         self.view.highlighted = min(at or 0, len(options) - 1)
         if not self.is_diagnosing:
-            self._describe("" if self._found is None else extent(self._found))
+            self._describe("" if self.found is None else extent(self.found))
 
     def _describe(self, text: str) -> None:
-        nothing = self._found is not None and not self._found.findings and not self.is_diagnosing
+        nothing = self.found is not None and not self.found.findings and not self.is_diagnosing
         self._extent.update(one_line(f"{text} Nothing stands out." if nothing else text))
 
     async def _look(self) -> None:
@@ -95,7 +90,7 @@ class DiagnosisPage(Page):
             self._describe(NO_PROGRAM)
             return
         try:
-            self._found = await diagnose(game, report=self._report)
+            self.found = await diagnose(game, report=self._report)
         except QueryError as error:
             self._describe(str(error))
         except Superseded:
@@ -136,9 +131,9 @@ class DiagnosisPage(Page):
             self.post_message(Placed(game.program.own.text, place))
 
     def _finding(self, option: str | None) -> Finding | None:
-        if self._found is None or option in (None, _START):
+        if self.found is None or option in (None, _START):
             return None
-        return self._found.findings[int(option)]
+        return self.found.findings[int(option)]
 
 
 def _described(finding: Finding) -> Content:

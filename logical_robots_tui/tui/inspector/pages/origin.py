@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.widgets import Static
 
@@ -26,6 +25,8 @@ from logical_robots_tui.wording import counted
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from textual.binding import BindingType
+
     from logical_robots_tui.game import Frame, Game, Link, Origin
     from logical_robots_tui.mind.why.sourcing import Read
     from logical_robots_tui.tui.app.session import Session
@@ -45,10 +46,7 @@ _INCOMPLETE = "This is not all of it: more values were read than are traced here
 class LinksView(CursorView):
     """The links of the chain, the value itself first; enter goes to one, escape leaves."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("enter", "open", show=False),
-        Binding("escape,backspace", "leave", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("enter", "open"), ("escape,backspace", "leave")]
 
     def __init__(
         self,

@@ -8,22 +8,23 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS
+from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
+from logical_robots_tui.world.sensing import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from typing import Any
 
     from textual import events
+    from textual.binding import BindingType
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
@@ -34,18 +35,13 @@ if TYPE_CHECKING:
 
 __all__ = ["RobotsPage", "RobotsView", "radar_strip"]
 
-_FARTHEST = 200
-_OBJECTS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
 _CHOSEN = "on $row"
 
 
 class RobotsView(LinesView):
     """A line for each robot, and notes below; up, down or a click chooses a robot."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "choose(-1)", show=False),
-        Binding("down", "choose(1)", show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [("up", "choose(-1)"), ("down", "choose(1)")]
 
     @dataclass
     class Chosen(Message):
@@ -190,14 +186,14 @@ def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
     """The rays from left to right as bars, by distance, coloured by object."""
     return Content.assemble(
         *(
-            ("".join(map(_bar, rays)), _OBJECTS.get(what, INK.nothing))
+            ("".join(map(_bar, rays)), OBJECT_INKS.get(what, INK.nothing))
             for what, rays in groupby(radar, itemgetter("object"))
         )
     )
 
 
 def _bar(ray: Mapping[str, Any]) -> str:
-    free = math.sqrt(ray["distance"] / _FARTHEST)  # more of the bar for what is near
+    free = math.sqrt(ray["distance"] / SENSOR_RANGE)  # more of the bar for what is near
     return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
 
 
@@ -221,8 +217,8 @@ def _columns(level: Level, width: int) -> list[_Column]:
     longest = max(len(one_line(robot.name)) for robot in level.robots)
     columns = [
         _Column("robot", min(max(longest, 5), 12) + 3, 0, _name),
-        _Column("x", 5, 6, lambda robot: _number(robot.state.x, 0), right=True),
-        _Column("y", 5, 6, lambda robot: _number(robot.state.y, 0), right=True),
+        _Column("x", 5, 6, lambda robot: _number(robot.state.x), right=True),
+        _Column("y", 5, 6, lambda robot: _number(robot.state.y), right=True),
         _Column("head", 5, 4, _heading, right=True),
         _Column("front", 16, 3, _front),
         _Column("radar, left to right", 31, 1, lambda robot: radar_strip(robot.sensor["radar"])),
@@ -267,7 +263,7 @@ def _front(robot: _Robot) -> Content:
     name = "wall" if what == "wall" and label == "wall" else one_line(str(label))
     distance = f"{robot.sensor['forward_distance']:g}"
     text = f"{clip(name, 15 - len(distance))} {distance}"
-    return Content.styled(text, _OBJECTS.get(what, INK.text))
+    return Content.styled(text, OBJECT_INKS.get(what, INK.text))
 
 
 def _engine(robot: _Robot, side: str) -> Content:
@@ -291,8 +287,8 @@ def _memory(robot: _Robot, width: int) -> Content:
     return Content.styled(f" {written(robot.memory, width - 1)}", INK.dim)
 
 
-def _number(value: float, digits: int) -> Content:
-    return Content.styled(f"{value:.{digits}f}", INK.text)
+def _number(value: float) -> Content:
+    return Content.styled(f"{value:.0f}", INK.text)
 
 
 def _aligned(content: Content, width: int, right: bool = False) -> Content:

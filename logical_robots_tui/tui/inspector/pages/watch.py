@@ -8,7 +8,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
-from textual.binding import Binding
 from textual.content import Content
 from textual.message import Message
 
@@ -16,10 +15,10 @@ from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Page
-from logical_robots_tui.tui.inspector.pin_history import PinHistory, window
+from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS
 from logical_robots_tui.tui.inspector.widgets.cells import cell
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import scale, sparkline
+from logical_robots_tui.tui.inspector.widgets.plots import Sample, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -27,8 +26,9 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
+    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame, Pin, Reading
@@ -47,16 +47,17 @@ _SCALE = 17  # columns for the lowest and the highest number
 
 _PAUSE = 0.03  # seconds between two past ticks while the robots run, which comes first
 _REDRAW = 0.1  # seconds between two redraws while past ticks are read
+_MOST_TICKS = 2000
 
 
 class WatchView(CursorView):
     """Two lines for each pin: its value, and a plot of its values in the ticks around."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("left", "change(-1)", show=False),
-        Binding("right", "change(1)", show=False),
-        Binding("enter", "open", show=False),
-        Binding("delete,backspace", "remove", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("left", "change(-1)"),
+        ("right", "change(1)"),
+        ("enter", "open"),
+        ("delete,backspace", "remove"),
     ]
 
     class Changed(Message):
@@ -175,6 +176,66 @@ class WatchView(CursorView):
         )
 
 
+def _window(before: range, width: int, tick: int, last: int) -> range:
+    """The ticks to plot; they stay the same while the current tick is among them."""
+    stop = max(before.stop, tick + 1)
+    if tick < stop - width:
+        stop = tick + width // 2
+    stop = max(min(stop, last + 1), tick + 1)
+    return range(max(0, stop - width), stop)
+
+
+class PinHistory:
+    """Reads pins at ticks and keeps their values until the program or the run is another one."""
+
+    def __init__(self, session: Session, questions: Questions) -> None:
+        self._session = session
+        self._questions = questions
+        self._about: object = None
+        self._ticks: dict[int, dict[Pin, Sample]] = {}
+
+    def of(self, pin: Pin, ticks: range) -> list[Sample | None]:
+        """The known values of a pin at each tick."""
+        return [self._ticks.get(tick, {}).get(pin) for tick in ticks]
+
+    def missing(self, pins: Sequence[Pin], ticks: range) -> tuple[int, list[Pin]] | None:
+        """The nearest tick at which pins are still to be read, and which ones."""
+        game, here = self._session.game, self._session.frame.tick
+        if game is None or len(self._session.level.robots) > MOST_ROBOTS:
+            return None
+        for tick in sorted(ticks, key=lambda tick: abs(tick - here)):
+            known = self._ticks.get(tick, {})
+            wanted = [pin for pin in pins if pin not in known]
+            if wanted and game.history.first <= tick <= game.history.last:
+                return tick, wanted
+        return None
+
+    async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
+        """Read pins at a frame.
+
+        Raises:
+            Superseded: There is no program yet, or other pins were asked for meanwhile.
+        """
+        game = self._session.game
+        about = None if game is None else (game, game.program, game.history.turns)
+        if about != self._about:
+            self._about, self._ticks = about, {}
+        inquiry, program = self._questions.about()
+        readings = await inquiry.readings(program, frame, list(pins))
+        if about == self._about:
+            known = self._ticks.setdefault(frame.tick, {})
+            known.update({pin: _sample(reading) for pin, reading in readings.items()})
+            if len(self._ticks) > _MOST_TICKS:
+                del self._ticks[next(iter(self._ticks))]
+        return readings
+
+
+def _sample(reading: Reading) -> Sample:
+    if reading.problem:
+        return Sample(None, None)
+    return Sample(reading.number, hash(repr(reading.value)))
+
+
 class WatchPage(Page):
     """Reads the pins at the current tick first, then at the ticks around it."""
 
@@ -206,10 +267,10 @@ class WatchPage(Page):
         """Read one tick after the other while the page is on the screen."""
         shown_at = perf_counter()
         while self.display and (missing := self._samples.missing(self.view.pins, self.view.ticks)):
-            tick, pins = missing
-            if not self._is_reading:
+            (tick, pins), game = missing, self._session.game
+            if game is not None and not self._is_reading:
                 with suppress(Superseded, NoSuchTickError):
-                    await self._samples.read_past(pins, tick)
+                    await self._samples.read(pins, game.frame_at(tick))
             if perf_counter() > shown_at + _REDRAW:
                 shown_at = perf_counter()
                 self._show()
@@ -221,7 +282,7 @@ class WatchPage(Page):
         plain = any(view.drawing is Drawing.ASCII for view in views)
         game, (tick, readings) = self._session.game, self._shown
         last = tick if game is None else game.history.last
-        ticks = window(self.view.ticks, self.view.room, tick, last)
+        ticks = _window(self.view.ticks, self.view.room, tick, last)
         self.view.show(ticks, tick, readings, plain)
 
     @on(WatchView.Changed)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from textual import events
+    from textual.binding import BindingType
     from textual.content import Content
 
 __all__ = ["CursorView", "LinesView"]
@@ -113,13 +113,13 @@ class LinesView(ScrollView, can_focus=True):
 class CursorView(LinesView):
     """Lines with a cursor on an item: one line, or several that belong together."""
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "move(-1)", show=False),
-        Binding("down", "move(1)", show=False),
-        Binding("pageup", "page(-1)", show=False),
-        Binding("pagedown", "page(1)", show=False),
-        Binding("home", f"move({-_END})", show=False),
-        Binding("end", f"move({_END})", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("up", "move(-1)"),
+        ("down", "move(1)"),
+        ("pageup", "page(-1)"),
+        ("pagedown", "page(1)"),
+        ("home", f"move({-_END})"),
+        ("end", f"move({_END})"),
     ]
 
     def __init__(self, *, id: str) -> None:  # noqa: A002 - the name that widgets have
@@ -178,10 +178,7 @@ class CursorView(LinesView):
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         """React to a click.
 
-        Args:
-            x: The column.
-            line: The line within the item, which is now under the cursor.
-            again: Whether the cursor was there before.
+        `x` is a column, `line` one of the item, now under the cursor; `again`: it was before, too.
         """
 
     def action_move(self, down: int) -> None:

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, NamedTuple
 from textual.content import Content
 
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.world.sensing import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Any
 
-__all__ = ["BARS", "Sample", "radar_plot", "scale", "sparkline"]
+__all__ = ["BARS", "OBJECT_INKS", "Sample", "radar_plot", "scale", "sparkline"]
 
-_FARTHEST = 200.0
 _BRAILLE = 0x2800
 _DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
-_COLOURS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
+OBJECT_INKS = {"wall": INK.wall, "beacon": INK.beacon, "robot": INK.robot}
 
 BARS = "▁▂▃▄▅▆▇█"
 _PLAIN_BARS = "_.-:=+*#"
@@ -41,7 +41,7 @@ def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
     across, down = 2 * columns, 4 * rows
     dots: dict[tuple[int, int], int] = {}
     colours: dict[tuple[int, int], str] = {}
-    scale = (down - 1) / _FARTHEST
+    scale = (down - 1) / SENSOR_RANGE
 
     def put(distance: float, angle: float, colour: str) -> None:
         x = round(across / 2 - math.sin(angle) * distance * scale)
@@ -56,7 +56,7 @@ def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
         end = float(ray["distance"])
         for step in range(1, 10):
             put(end * step / 10, ray["angle"], INK.faint)
-        put(end, ray["angle"], _COLOURS.get(ray["object"], INK.faint))
+        put(end, ray["angle"], OBJECT_INKS.get(ray["object"], INK.faint))
     colours[rows - 1, columns // 2] = INK.key
     dots[rows - 1, columns // 2] = 0xC0
     return [

@@ -53,11 +53,7 @@ class ProofLine(NamedTuple):
 
 
 class ProofTree:
-    """Which nodes are expanded.
-
-    Attributes:
-        lines: The nodes whose parents are all expanded, in order.
-    """
+    """Which nodes are expanded."""
 
     def __init__(self) -> None:
         self.lines: list[ProofLine] = []
@@ -129,8 +125,6 @@ class ProofTree:
             line = self.lines[number]
             known = self._line(line.node, line.depth, key)
             self.lines[number : self._end(number)] = [known, *self._below(known)]
-
-    # -- inside --------------------------------------------------------------------------------
 
     def _end(self, number: int) -> int:
         """Number of the first line behind a line's descendants."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from textual.binding import Binding
 from textual.geometry import Region, Size
 from textual.message import Message
 
@@ -22,6 +21,7 @@ from logical_robots_tui.tui.layout.command_bar import CommandChosen
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from textual.binding import BindingType
     from textual.content import Content
 
     from logical_robots_tui.mind import Ask, Node
@@ -35,11 +35,11 @@ class WhyView(CursorView):
     Right expands, left collapses, enter asks why one level deeper, backspace goes back.
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("right", "inward", show=False),
-        Binding("left", "outward", show=False),
-        Binding("enter", "deeper", show=False),
-        Binding("backspace", "back", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("right", "inward"),
+        ("left", "outward"),
+        ("enter", "deeper"),
+        ("backspace", "back"),
     ]
 
     @dataclass
@@ -219,8 +219,6 @@ class WhyView(CursorView):
     def action_back(self) -> None:
         """Return to the question before."""
         self.post_message(self.Back())
-
-    # -- inside --------------------------------------------------------------------------------
 
     def _restore_cursor(self) -> None:
         """Put the cursor back on its line, if that is still there, and paint everything."""

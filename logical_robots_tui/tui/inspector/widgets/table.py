@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from rich.style import Style
-from textual.binding import Binding
 from textual.geometry import Region, Size
 from textual.message import Message
 from textual.scroll_view import ScrollView
@@ -30,6 +29,7 @@ from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
     from textual import events
+    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
@@ -47,26 +47,22 @@ _CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
-    """Rows under the names of their columns, with a cursor on a value.
-
-    Attributes:
-        shown: The rows as they are filtered, sorted and transposed.
-    """
+    """Rows under the names of their columns, with a cursor on a value."""
 
     DEFAULT_CSS = """
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("up", "go(-1, 0)", show=False),
-        Binding("down", "go(1, 0)", show=False),
-        Binding("left", "go(0, -1)", show=False),
-        Binding("right", "go(0, 1)", show=False),
-        Binding("pageup", "go(-10, 0)", show=False),
-        Binding("pagedown", "go(10, 0)", show=False),
-        Binding("home", "go(-1000000, 0)", show=False),
-        Binding("end", "go(1000000, 0)", show=False),
-        Binding("enter", "open", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("up", "go(-1, 0)"),
+        ("down", "go(1, 0)"),
+        ("left", "go(0, -1)"),
+        ("right", "go(0, 1)"),
+        ("pageup", "go(-10, 0)"),
+        ("pagedown", "go(10, 0)"),
+        ("home", "go(-1000000, 0)"),
+        ("end", "go(1000000, 0)"),
+        ("enter", "open"),
     ]
 
     class Pointed(Message):

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.text import Text
 from textual import on
-from textual.binding import Binding
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static, Tree
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from textual.app import ComposeResult
+    from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
     from logical_robots_tui.game import Path, Pin
@@ -55,8 +55,6 @@ class _Part:
 
     Attributes:
         value: The value; of a group, the whole list or record.
-        branch: The branch that it is in.
-        path: The path from there.
         within: The parts in a group; None for a value.
         radar: The rays that it belongs to, or None.
     """
@@ -84,10 +82,10 @@ class ValueTree(Dialog[None]):
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
 
-    BINDINGS: ClassVar[list[Binding | tuple[str, str] | tuple[str, str, str]]] = [
-        Binding("at", "pin", show=False),
-        Binding("less_than_sign", "origin", show=False),
-        Binding("q,X", "leave", show=False),
+    BINDINGS: ClassVar[list[BindingType]] = [
+        ("at", "pin"),
+        ("less_than_sign", "origin"),
+        ("q,X", "leave"),
     ]
 
     keys = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
@@ -179,7 +177,6 @@ class ValueTree(Dialog[None]):
 
 
 def _size(value: Value) -> int:
-    """Number of parts of a value."""
     return len(value) if isinstance(value, Mapping | list | tuple) else 0
 
 
@@ -206,7 +203,6 @@ def _items(value: Value) -> Iterator[tuple[str | int, Value]]:
 
 
 def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:
-    """The value if it is a radar."""
     if not isinstance(value, list | tuple) or not value:
         return None
     is_radar = all(_is_ray(each) for each in value)

@@ -90,12 +90,8 @@ class Cells:
     ) -> None:
         """Write texts of width 1 into cells, on what those look like from afar.
 
-        Args:
-            rows: Of the cells, shape (n,); of two texts for a cell the last one stays.
-            columns: Of the cells, shape (n,).
-            texts: Their numbers, shape (n,).
-            inks: Their colours, 0xRRGGBB, shape (n,).
-            bold: `BOLD` for all or some, shape (n,), else 0.
+        All arrays have the shape (n,), and of two texts for a cell the last one stays. Inks are
+        0xRRGGBB; `bold` is `BOLD` for all or some, else 0.
         """
         self.text[rows, columns] = texts
         self.style[rows, columns] = inks << 24 | self.tone[rows, columns] | bold

@@ -37,10 +37,7 @@ _FLAT = 40.0
 def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]:
     """Return the dots of each cell.
 
-    Args:
-        image: Shape (rows * down, columns * across, 3).
-        across: Dots of a cell, across.
-        down: Dots of a cell, down.
+    The image has the shape (rows * down, columns * across, 3).
 
     Returns:
         Shape (cells, down * across, 3), cells and dots in reading order.
@@ -117,10 +114,7 @@ _BLOCK_IDS = {
 def fitted(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
     """Return the cells that approximate dots best.
 
-    Args:
-        dots: Shape (rows * columns, dots of a cell, 3), as ``split`` gives them.
-        rows: Cells down.
-        columns: Cells across.
+    Dots have the shape (rows * columns, dots of a cell, 3), as ``split`` gives them.
     """
     cells = Cells.blank(rows, columns)
     refit(cells, dots, np.arange(len(dots)))
@@ -130,10 +124,7 @@ def fitted(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
 def refit(cells: Cells, dots: NDArray[np.uint8], which: NDArray[np.int64]) -> None:
     """Fit some cells anew.
 
-    Args:
-        cells: Changed in place.
-        dots: Of all cells.
-        which: Numbers of the cells to fit, in reading order.
+    `which` are their numbers, in reading order; `cells` is changed in place, `dots` is of all.
     """
     pattern, ink, paper = fit(dots[which])
     cells.text.ravel()[which] = _BLOCK_IDS[dots.shape[1]][pattern]

@@ -51,16 +51,11 @@ class GlyphSet(NamedTuple):
 
     Attributes:
         headings: Clockwise from the right, evenly spread.
-        dead: A robot without charge.
         blocked: Behind the name of a robot that a wall stopped.
         undecided: Behind the name of a robot for which the program decided nothing.
-        beacon: A beacon.
-        charger: A beacon that charges.
         goal: Before the name of a goal area.
         hit_wall: The end of a ray at a wall, from afar.
         hit_wall_near: The same where rays end far apart.
-        hit_beacon: The end of a ray at a beacon.
-        hit_robot: The end of a ray at a robot.
         thread: A cell that a trail or a ray goes through, where it is not drawn in braille.
         cut: At the end of a name that was cut.
         unknown: In place of a character that can't be shown.

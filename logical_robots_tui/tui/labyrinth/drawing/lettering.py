@@ -11,7 +11,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
-from logical_robots_tui.tui.labyrinth.drawing.name_labels import FreeCells, Label, fit_name
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import FreeCells, Label, fit_into
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, mix, packed, parse
 from logical_robots_tui.tui.labyrinth.drawing.rays import mark_ends
 
@@ -260,10 +260,4 @@ def _name_cells(name: str, viewport: Viewport, look: Look) -> tuple[str, ...]:
     if not look.names or viewport.columns < _MIN_COLUMNS or viewport.rows < _MIN_ROWS:
         return ()
     width = min(max(viewport.columns // 4, 6), 20)
-    glyphs, plain = look.drawing.glyphs, look.drawing is Drawing.ASCII
-    return _fitted(name, width, glyphs.cut, glyphs.unknown, plain)
-
-
-@lru_cache(maxsize=4096)
-def _fitted(name: str, width: int, cut: str, unknown: str, ascii_only: bool) -> tuple[str, ...]:
-    return tuple(fit_name(name, width, cut, unknown, ascii_only))
+    return fit_into(name, width, look.drawing)

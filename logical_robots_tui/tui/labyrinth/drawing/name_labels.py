@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import unicodedata
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich.cells import cell_len
 
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["FreeCells", "Label", "fit_name"]
+__all__ = ["FreeCells", "Label", "fit_into", "fit_name"]
 
 
 def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:
@@ -44,6 +47,13 @@ def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = F
     if cells and cell_len(cells[-1]) == 2:
         cells.pop()
     return [*cells, cut][:width]
+
+
+@lru_cache(maxsize=4096)
+def fit_into(name: str, width: int, drawing: Drawing) -> tuple[str, ...]:
+    """Return a name as `fit_name` does, with the signs of a drawing."""
+    glyphs = drawing.glyphs
+    return tuple(fit_name(name, width, glyphs.cut, glyphs.unknown, drawing is Drawing.ASCII))
 
 
 class Label(NamedTuple):

@@ -13,7 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing.discs import blend
 from logical_robots_tui.tui.labyrinth.drawing.dots import fitted, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour, write
-from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
+from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_into
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
@@ -175,7 +175,7 @@ def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
         cell = view.cell(x, y)
         if cell is None or not look.names:
             continue
-        name = _fit(label, view.columns // 2, look)
+        name = fit_into(label, view.columns // 2, look.drawing)
         row, first = cell[0] - 1, min(max(cell[1] - len(name) // 2, 0), view.columns - len(name))
         if row >= 0:
             style = packed(signs[kind][1]) << 24 | packed(palette.plate)
@@ -189,11 +189,6 @@ def _titled(cells: Cells, name: str, colour: RGB, look: Look) -> Cells:
     paper = packed(mix(look.palette.plate, colour, 0.2))
     titled.style[0], titled.tone[0] = paper, paper
     titled.text[1:], titled.style[1:], titled.tone[1:] = cells.text, cells.style, cells.tone
-    text = _fit(name, columns - 2, look)
+    text = fit_into(name, columns - 2, look.drawing)
     write(titled, 0, 1, text, BOLD | packed(look.palette.strong(colour)) << 24 | paper)
     return titled
-
-
-def _fit(name: str, width: int, look: Look) -> list[str]:
-    glyphs, plain = look.drawing.glyphs, look.drawing is Drawing.ASCII
-    return fit_name(name, width, glyphs.cut, glyphs.unknown, ascii_only=plain)
