@@ -171,12 +171,10 @@ def _goals(level: Level) -> Iterator[Finding]:
 def _open_rim(walls: NDArray[np.bool_]) -> Iterator[Finding]:
     """Yield gaps through which robots can leave the map."""
     height, width = walls.shape
-    for side, rim in (("top", walls[0]), ("bottom", walls[-1])):
-        y = 0.5 if side == "top" else height - 0.5
+    for side, rim, y in (("top", walls[0], 0.5), ("bottom", walls[-1], height - 0.5)):
         for middle, size in _gaps(rim):
             yield Finding(_open(side, size), middle, y)
-    for side, rim in (("left", walls[:, 0]), ("right", walls[:, -1])):
-        x = 0.5 if side == "left" else width - 0.5
+    for side, rim, x in (("left", walls[:, 0], 0.5), ("right", walls[:, -1], width - 0.5)):
         for middle, size in _gaps(rim):
             yield Finding(_open(side, size), x, middle)
 
@@ -189,8 +187,7 @@ def _gaps(rim: NDArray[np.bool_]) -> list[tuple[float, int]]:
 
 
 def _open(side: str, size: int) -> str:
-    units = "1 unit" if size == 1 else f"{size} units"
-    return f"The outer wall has a gap on the {side}, {units} wide."
+    return f"The outer wall has a gap on the {side}, {size} unit{'' if size == 1 else 's'} wide."
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -102,18 +102,14 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
         lines = _bars("Students who win from the given start", winners)
         counts = Counter(math.floor(point) for point in points)
         return lines + _bars("Students by points", {str(n): counts[n] for n in sorted(counts)})
+    has_levels = len({cell.level_name for cell in manifest.cells}) > 1
+    has_programs = len({cell.program_name for cell in manifest.cells}) > 1
     shares = {}
     for cell, runs in by_cell(done)[:_MOST_BARS]:
-        label = setting_text(cell) or cell.program_name
-        names = (cell.level_name, cell.program_name)
-        several = [len({c[i] for c in _names(manifest)}) > 1 for i in (0, 1)]
-        prefix = [name for name, shown in zip(names, several, strict=True) if shown]
-        shares[" ".join([*prefix, label])] = share_of(runs).share
+        names = [cell.level_name] * has_levels + [cell.program_name] * has_programs
+        label = " ".join([*names, setting_text(cell) or cell.program_name])
+        shares[label] = share_of(runs).share
     return _bars("Starts won", shares)
-
-
-def _names(manifest: Manifest) -> set[tuple[str, str]]:
-    return {(cell.level_name, cell.program_name) for cell in manifest.cells}
 
 
 def _bars(title: str, values: Mapping[str, float]) -> list[str]:
