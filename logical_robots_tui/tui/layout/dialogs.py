@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
@@ -13,10 +14,11 @@ from textual.content import Content
 from textual.screen import ModalScreen, Screen
 from textual.widgets import Button, Input, OptionList, Static
 
+from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.tui.theme.safe_text import one_line, visible_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from textual import events
     from textual.app import ComposeResult
@@ -88,6 +90,15 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     def action_leave(self) -> None:
         """Close without an answer."""
         self.dismiss(None)
+
+    async def leave_with(self, load: Callable[[str], Result], name: str) -> None:
+        """Return what is loaded by a name, in a thread, or show what is wrong with it."""
+        try:
+            result = await asyncio.to_thread(load, name)
+        except LogicalRobotsError as error:
+            self.complain(str(error))
+        else:
+            self.dismiss(result)
 
     def complain(self, message: str) -> None:
         """Show what is wrong in the line for that; "" hides the line."""

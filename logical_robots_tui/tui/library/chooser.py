@@ -14,7 +14,7 @@ from textual.content import Content
 from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.paths import typed_path
 from logical_robots_tui.tui.app.background import in_background
@@ -197,15 +197,8 @@ class Chooser(Dialog[T], Generic[T]):
             self._take(event.option_id)
 
     def _take(self, name: str) -> None:
-        in_background(self, partial(self._open, name), "take", exclusive=True)
-
-    async def _open(self, name: str) -> None:
-        try:
-            result = await asyncio.to_thread(self._shelf.take, name)
-        except LogicalRobotsError as error:
-            self.complain(str(error))
-        else:
-            self.dismiss(result)
+        work = partial(self.leave_with, self._shelf.take, name)
+        in_background(self, work, "take", exclusive=True)
 
 
 def is_path(text: str) -> bool:

@@ -232,20 +232,11 @@ class LevelScreen(Dialog["Level | NewLevel"]):
     @on(Input.Submitted, "#filter")
     @on(LevelCards.Taken)
     def _take(self) -> None:
-        text = self._typed
-        if is_path(text):
-            in_background(self, partial(self._open, text), "take", exclusive=True)
-        elif self._chosen is not None:
-            wanted = str(self._chosen.file or self._chosen.name)
-            in_background(self, partial(self._open, wanted), "take", exclusive=True)
-
-    async def _open(self, name_or_path: str) -> None:
-        try:
-            level = await asyncio.to_thread(_load, name_or_path)
-        except LogicalRobotsError as error:
-            self.complain(str(error))
-        else:
-            self.dismiss(level)
+        wanted, card = self._typed, self._chosen
+        if not is_path(wanted):
+            wanted = "" if card is None else str(card.file or card.name)
+        if wanted:
+            in_background(self, partial(self.leave_with, _load, wanted), "take", exclusive=True)
 
 
 def _level_of(card: LevelCard) -> Level:
