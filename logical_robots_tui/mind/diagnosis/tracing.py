@@ -17,12 +17,12 @@ from logical_robots_tui.mind.clauses.scopes import (
     in_order,
     names,
 )
-from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of, variable_of
-from logical_robots_tui.mind.diagnosis.expressions import (
+from logical_robots_tui.mind.clauses.trees import (
     as_expression,
     filled,
     outer_calls,
 )
+from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of, variable_of
 from logical_robots_tui.mind.diagnosis.values import ValueTracing, head_value
 from logical_robots_tui.mind.diagnosis.watching import At, Segment, Trail
 from logical_robots_tui.mind.program import INPUTS

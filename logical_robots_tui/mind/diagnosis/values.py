@@ -11,6 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope, column_name, flat, names
+from logical_robots_tui.mind.clauses.trees import (
+    compared,
+    field_of,
+    filled,
+    parameters,
+)
 from logical_robots_tui.mind.compiling.rules import (
     CONDITIONS,
     JUNCTIONS,
@@ -19,12 +25,6 @@ from logical_robots_tui.mind.compiling.rules import (
     text_of,
     value_of,
     variable_of,
-)
-from logical_robots_tui.mind.diagnosis.expressions import (
-    compared,
-    field_of,
-    filled,
-    parameters,
 )
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.diagnosis.watching import At, Segment, Stands, Trail, Watching

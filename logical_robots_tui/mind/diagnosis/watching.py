@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.mind.clauses.scopes import names
-from logical_robots_tui.mind.clauses.trees import span_of
+from logical_robots_tui.mind.clauses.trees import as_part, counted, filled, parameters, span_of
 from logical_robots_tui.mind.compiling.rules import (
     VALUE,
     called,
@@ -16,7 +16,6 @@ from logical_robots_tui.mind.compiling.rules import (
     value_of,
     variable_of,
 )
-from logical_robots_tui.mind.diagnosis.expressions import as_part, counted, filled, parameters
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
 from logical_robots_tui.mind.program import INPUTS
 

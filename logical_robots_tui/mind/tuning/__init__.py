@@ -114,7 +114,7 @@ def _only_counts(tree: exp.Expr) -> bool:
     if tree.find(exp.Placeholder, exp.Parameter):
         return False
     for star in tree.find_all(exp.Star):
-        select = sql.nearest_select(star)
+        select = star.find_ancestor(exp.Select)
         if (
             select is not None
             and star.parent is select

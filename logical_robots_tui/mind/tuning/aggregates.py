@@ -26,7 +26,7 @@ def untangled(tree: exp.Expr) -> None:
     An aggregate belongs to the select that its columns come from. The compiler writes
     ``IIF(x.value = 0, expression, NULL)`` over a table of a single 0 to make sure of that.
     """
-    for select in list(sql.selects(tree)):
+    for select in list(tree.find_all(exp.Select)):
         zeros = {name for name, table in sql.sources(select).items() if _is_zero(table)}
         for name in zeros:
             columns = [c for c in select.find_all(exp.Column) if c.table == name]
@@ -43,7 +43,7 @@ def native_arg_min(tree: exp.Expr) -> None:
 
     A bare column beside MIN comes from the first row that has the least value.
     """
-    for select in reversed(list(sql.selects(tree))):
+    for select in reversed(list(tree.find_all(exp.Select))):
         if len(select.expressions) != 1 or _is_grouped(select):
             continue
         named = select.expressions[0]
@@ -75,7 +75,7 @@ def grouped_arg_min(tree: exp.Expr) -> None:
 
     There must be no second MIN or MAX, as then it is not said which row a bare column comes from.
     """
-    for select in list(sql.selects(tree)):
+    for select in list(tree.find_all(exp.Select)):
         if not select.args.get("group") or select.args.get("having") or select.args.get("order"):
             continue
         calls = [call for item in select.expressions for call in _own_calls(item)]
@@ -135,7 +135,7 @@ def _tied(column: exp.Column) -> exp.Expr | None:
 def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
     """Return whether a tied expression has a column of the select itself, or no column at all."""
     columns = list(tied.expressions[1].find_all(exp.Column))
-    if any(sql.nearest_select(column) is not select for column in columns):
+    if any(column.find_ancestor(exp.Select) is not select for column in columns):
         return False
     own = sql.sources(select).keys() - zeros
     return not columns or any(column.table in own for column in columns)

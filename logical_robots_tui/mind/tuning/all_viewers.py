@@ -180,7 +180,7 @@ class _Lifting:
     def _bind(self, select: exp.Select, leader: str, viewer: exp.Column) -> None:
         """Let all that a select computes see what the viewer sees."""
         for bounds in list(self._bounds_in(select)):
-            if bounds.this.table != leader or sql.nearest_select(bounds) is not select:
+            if bounds.this.table != leader or bounds.find_ancestor(exp.Select) is not select:
                 _narrow(bounds, viewer)
         for inner in list(select.find_all(exp.Select)):
             if inner is not select and not _is_read_by(inner, select):

@@ -61,7 +61,7 @@ def one_alias_per_robot(tree: exp.Expr) -> None:
 
     A robot has one row in each, so it is the same row.
     """
-    for select in list(sql.selects(tree)):
+    for select in list(tree.find_all(exp.Select)):
         here = sql.sources(select)
         for names in _same_robots(select):
             kept: dict[str, str] = {}
@@ -79,7 +79,7 @@ def one_alias_per_robot(tree: exp.Expr) -> None:
 
 def rays_as_rows(tree: exp.Expr) -> None:
     """Read rays from a table of rays; where they must end at robots or beacons, of such rays."""
-    for select in list(sql.selects(tree)):
+    for select in list(tree.find_all(exp.Select)):
         here = sql.sources(select)
         followers = {}
         for name, table in here.items():
@@ -123,7 +123,7 @@ def bound_to_viewer(tree: exp.Expr) -> None:
     """Let every mention of an input see only the rows between the bounds of a viewer."""
     for table in list(tree.find_all(exp.Table)):
         bounds = _BOUNDS.get(sql.table_name(table))
-        select = sql.nearest_select(table)
+        select = table.find_ancestor(exp.Select)
         if bounds and select is not None:
             low, high = (exp.Var(this=name) for name in bounds)
             sql.restrict(

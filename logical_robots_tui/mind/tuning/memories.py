@@ -116,7 +116,7 @@ def items_as_rows(
     by_column = {column: name for name, column in fields.items()}
     read: set[str] = set()
     for table in list(tree.find_all(exp.Table)):
-        select, items = sql.nearest_select(table), _list_of(table)
+        select, items = table.find_ancestor(exp.Select), _list_of(table)
         if select is None or items is None or not _joins_before(select, table, items.table):
             continue
         alias = table.alias_or_name

@@ -67,7 +67,7 @@ def looked_up(tree: exp.Query) -> None:
     """
     named, often = _named(tree), asked_often(tree)
     for table in list(tree.find_all(exp.Table)):
-        select = sql.nearest_select(table) if table.name in often else None
+        select = table.find_ancestor(exp.Select) if table.name in often else None
         if select is None or len(sql.sources(select)) > 1 or not _compares(select):
             continue
         if _is_asked_often(table, named):
@@ -129,7 +129,7 @@ def found_by_number(tree: exp.Query) -> None:
 
     Those of one radar or list have numbers that follow each other, and come in this order.
     """
-    for select in list(sql.selects(tree)):
+    for select in list(tree.find_all(exp.Select)):
         for equal in sql.conjuncts(select):
             if isinstance(equal, exp.EQ) and _finds_numbered(equal, select):
                 _without_index(equal)
@@ -141,7 +141,7 @@ def memories_by_name(tree: exp.Query) -> None:
     There is one at most, and an index for many robots. SQLite would rather begin with all memories
     that some condition leaves, and look among the rays of everybody for each.
     """
-    for select in list(sql.selects(tree)):
+    for select in list(tree.find_all(exp.Select)):
         before: set[str] = set()
         for name, source in sql.sources(select).items():
             join = source.parent
@@ -173,7 +173,7 @@ def indexed_where_lists_are_joined(tree: exp.Query) -> None:
     queries = _queries_of_lists(tree)
     equals = [
         condition
-        for select in sql.selects(tree)
+        for select in tree.find_all(exp.Select)
         for condition in sql.conjuncts(select)
         if isinstance(condition, exp.EQ)
     ]
@@ -238,7 +238,7 @@ def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
 
 def _looks_up(equal: exp.EQ) -> bool:
     """Return whether rows that a query keeps are looked up by a column."""
-    select = sql.nearest_select(equal)
+    select = equal.find_ancestor(exp.Select)
     return select is not None and _ZERO in sql.sources(select)
 
 

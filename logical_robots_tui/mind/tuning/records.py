@@ -157,7 +157,7 @@ def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
 def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
     """Return the calls of ArgMin that split a column of a named query; [] if it has other uses."""
     for table in tree.find_all(exp.Table):
-        select = sql.nearest_select(table)
+        select = table.find_ancestor(exp.Select)
         if table.name == query and (select is None or select.is_star):
             return []
     calls: dict[int, exp.Anonymous] = {}

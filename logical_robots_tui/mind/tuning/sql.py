@@ -22,12 +22,10 @@ __all__ = [
     "drop_condition",
     "drop_source",
     "extracted",
-    "nearest_select",
     "own_aggregates",
     "parse",
     "read_after",
     "restrict",
-    "selects",
     "source",
     "sources",
     "table_name",
@@ -104,11 +102,6 @@ def written(tree: exp.Expr, *, pretty: bool = False) -> str:
     return _DIALECT.generate(tree, copy=False, pretty=pretty, normalize_functions=functions)
 
 
-def selects(tree: exp.Expr) -> Iterator[exp.Select]:
-    """All selects of a tree, outer ones first."""
-    yield from tree.find_all(exp.Select)
-
-
 def sources(select: exp.Select) -> dict[str, exp.Expr]:
     """Return what a select reads from, by the name that columns are qualified with."""
     found: dict[str, exp.Expr] = {}
@@ -117,11 +110,6 @@ def sources(select: exp.Select) -> dict[str, exp.Expr]:
         table = item.this
         found[table.alias_or_name] = table
     return found
-
-
-def nearest_select(node: exp.Expr) -> exp.Select | None:
-    """Return the select that a node stands in."""
-    return node.find_ancestor(exp.Select)
 
 
 def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:

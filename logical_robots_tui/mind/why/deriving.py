@@ -100,13 +100,13 @@ class Telling:
         elif step.kind == "denial":
             inside: tuple[Node, ...] = ()
             if step.denied is not None:
-                inside = self._refute(step.denied.clauses, self.given(step.denied, way))
+                inside = self.refuted(step.denied, way)
             text, said = denied(text, holds=True)
             yield Node("denial", text, said, True, span=span, children=inside)
 
-    def given(self, body: Body, way: Way) -> list[Scalar]:
-        """Return the values that a body within this one is given."""
-        return [way.get(place) for place in body.given.values()]
+    def refuted(self, body: Body, way: Way) -> tuple[Node, ...]:
+        """Return why a body within this one has no derivation, or a derivation if it has one."""
+        return self._refute(body.clauses, [way.get(place) for place in body.given.values()])
 
     def ask(self, call: Call, way: Way) -> Ask:
         """Return the question about what a step calls."""
@@ -233,7 +233,7 @@ class Telling:
 
     def _aggregate(self, body: Body, result: Value, way: Way) -> Iterator[Node]:
         found: list[tuple[Clause, Collected, Way]] = []
-        given = self.given(body, way)
+        given = [way.get(place) for place in body.given.values()]
         most = MOST_ELEMENTS + 1
         for clause in body.clauses:
             sql = self._queries.get(clause.query)
@@ -244,7 +244,7 @@ class Telling:
             found += [(clause, clause.collected[0], inner) for inner in ways]
         is_all = len(found) < most
         if not found:
-            yield Node("note", "goes over nothing", children=self._refute(body.clauses, given))
+            yield Node("note", "goes over nothing", children=self.refuted(body, way))
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 

@@ -92,12 +92,11 @@ class Nearest:
         self, probing: Probing, rule: RuleParts, arguments: Mapping[str, Value]
     ) -> Stop | None:
         """Return the step of a rule that nothing gets past."""
-        refuting = Refuting(self._relations, probing.queries)
         wanted = {c: v for c, v in arguments.items() if c not in probing.given}
+        given = [to_sql(arguments.get(column)) for column in probing.given]
         try:
             self._derivations.prepare(probing)
-            given = [to_sql(arguments.get(column)) for column in probing.given]
-            return refuting.stop(rule, given, wanted)
+            return Refuting(self._relations, probing.queries, given, wanted).stop(rule)
         except FailureError:
             return None
 

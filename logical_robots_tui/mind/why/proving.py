@@ -87,7 +87,8 @@ class Prover:
         row: Row | None,
     ) -> RuleFound:
         arguments = [to_sql(given[column]) for column in probing.given]
-        refuting = Refuting(self.derivations.relations, probing.queries)
+        wanted = {c: v for c, v in given.items() if c not in probing.given}
+        refuting = Refuting(self.derivations.relations, probing.queries, arguments, wanted)
         try:
             number = self._number(rule, probing, given, arguments, rows)
             if row is not None:
@@ -102,8 +103,7 @@ class Prover:
             if number:
                 said = f"gives {_counted(number)}, but not the first"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
-            wanted = {c: v for c, v in given.items() if c not in probing.given}
-            others, stopped, children = refuting.rule(rule, arguments, wanted)
+            others, stopped, children = refuting.rule(rule)
             if row is None and stopped is None and is_aggregated(rule):
                 unlike = self._unlike(rule, probing, given)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)

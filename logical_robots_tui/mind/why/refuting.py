@@ -45,69 +45,78 @@ class Stop:
 class Refuting:
     """Tells why bodies have no derivation.
 
+    Args:
+        relations: The rows of predicates at the moment in question.
+        queries: SQL by name of a query.
+        given: The given values that the bodies read.
+        alike: Values that columns of a head are to have.
+
     Attributes:
         telling: Tells derivations with the same queries.
     """
 
-    def __init__(self, relations: Relations, queries: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        relations: Relations,
+        queries: Mapping[str, str],
+        given: Sequence[Scalar],
+        alike: Mapping[str, Value],
+    ) -> None:
         self._relations, self._queries = relations, queries
-        self.telling = Telling(relations, queries, self.bodies)
+        self._given, self._alike = given, alike
 
-    def rule(
-        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
+        def refuted(clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
+            return Refuting(relations, queries, given, {}).of(clauses)
+
+        self.telling = Telling(relations, queries, refuted)
+
+    def rule(self, rule: RuleParts) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
         """Return why a rule has no row.
 
         Returns:
             The values of its head that are never those asked for; what stopped it; its nodes.
         """
-        others = self._others(rule, given, alike)
+        others = self._others(rule)
         if others:
             return others, None, tuple(Node("column", c, values=(v,)) for c, v in others.items())
-        found = [self._clause(clause, given, alike) for clause in rule.clauses]
+        found = [self._clause(clause) for clause in rule.clauses]
         nodes = _joined(rule.clauses, [nodes for _, nodes in found])
         return {}, _stopped(found), nodes
 
-    def stop(
-        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> Stop | None:
+    def stop(self, rule: RuleParts) -> Stop | None:
         """Return what stops the clause that comes furthest, or None if nothing does."""
-        if self._others(rule, given, alike):
+        if self._others(rule):
             return None
-        reached = [(clause, *self._reached(clause, given, alike)) for clause in rule.clauses]
+        reached = [(clause, *self._reached(clause)) for clause in rule.clauses]
         clause, number, query, now, _ = max(reached, key=lambda each: each[1])
         sql = self._queries.get(query)
         if number == len(clause.steps) or sql is None:
             return None
-        ways = self._relations.ways(sql, given, now, most=_MOST_WAYS)
+        ways = self._relations.ways(sql, self._given, now, most=_MOST_WAYS)
         return Stop(clause, clause.steps[number], ways)
 
-    def bodies(self, clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
+    def of(self, clauses: Sequence[Clause]) -> tuple[Node, ...]:
         """Return why none of some clauses has a derivation, or a derivation of one that has."""
         for clause in clauses:
-            way = self._first(clause.query, given, ())
+            way = self._first(clause.query)
             if way is not None:
                 return self.telling.derivation(clause, way)
-        return _joined(clauses, [self._clause(clause, given, {})[1] for clause in clauses])
+        return _joined(clauses, [self._clause(clause)[1] for clause in clauses])
 
     # -- inside ----------------------------------------------------------------------------------
 
-    def _others(
-        self, rule: RuleParts, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> dict[str, Value]:
+    def _others(self, rule: RuleParts) -> dict[str, Value]:
         """Fixed values of the head that are not those asked for."""
         clause = rule.clauses[0]
-        way = self._first(clause.before, given, ())
+        way = self._first(clause.before)
         return {
             column: value_of(way, place)
             for column, place in clause.head.items()
-            if way is not None and column in alike and place in way and column != VALUE
-            if not same(value_of(way, place), alike[column])
+            if way is not None and column in self._alike and place in way and column != VALUE
+            if not same(value_of(way, place), self._alike[column])
         }
 
-    def _reached(
-        self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> tuple[int, str, list[tuple[str, Value]], int]:
+    def _reached(self, clause: Clause) -> tuple[int, str, list[tuple[str, Value]], int]:
         """Return how many steps hold.
 
         Also the query for the ways in which they do, the conditions on it, and the number of ways.
@@ -117,24 +126,21 @@ class Refuting:
             sql = self._queries.get(step.query)
             if sql is None:
                 continue  # the next step answers for this one, too
-            now = self._alike(clause, step.query, alike)
-            found = self._relations.count(sql, given, now, _MOST_WAYS)
+            now = self._conditions(clause, step.query)
+            found = self._relations.count(sql, self._given, now, _MOST_WAYS)
             if not found:
                 return number, *reached
             reached = step.query, now, found
         return len(clause.steps), *reached
 
-    def _clause(
-        self, clause: Clause, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> tuple[int, tuple[Node, ...]]:
+    def _clause(self, clause: Clause) -> tuple[int, tuple[Node, ...]]:
         """Return how many steps hold, and the nodes up to the first that does not."""
-        number, query, now, ways = self._reached(clause, given, alike)
-        before = self._first(query, given, now)
+        number, query, now, ways = self._reached(clause)
+        before = self._first(query, now)
         held = self._held(clause, number, before, ways)
         if number == len(clause.steps):
-            return number, (*held, *self._unlike(clause, query, given, alike))
-        failed = self._failed(clause, clause.steps[number], query, before, ways, given, alike)
-        return number, (*held, failed)
+            return number, (*held, *self._unlike(clause, query))
+        return number, (*held, self._failed(clause, clause.steps[number], query, before, ways))
 
     def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
         """Return the nodes of the steps that hold, as they are in one way."""
@@ -151,13 +157,11 @@ class Refuting:
         before: str,
         way: Way | None,
         ways: int,
-        given: Sequence[Scalar],
-        alike: Mapping[str, Value],
     ) -> Node:
         """Return the node of a step that nothing gets past."""
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
-        elsewhere = self._relations.count(sql, given, (), _MOST_WAYS) if alike else 0
+        elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
         said = "in no way"
         if elsewhere:
             number = counted(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
@@ -166,17 +170,17 @@ class Refuting:
         asked = None
         is_one = ways == 1
         if way is not None and step.denied is not None:
-            children = self.bodies(step.denied.clauses, self.telling.given(step.denied, way))
+            children = self.telling.refuted(step.denied, way)
             text, found = denied(text, holds=False)
             said = said if elsewhere else found
         elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
-            asked = self.telling.ask(step.call, way | self._known(clause, alike))
+            asked = self.telling.ask(step.call, way | self._known(clause))
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and is_one:
             children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
         elif before:
-            columns = self._alike(clause, before, alike)
-            children = (*children, *self._examples(terms, before, given, columns))
+            columns = self._conditions(clause, before)
+            children = (*children, *self._examples(terms, before, columns))
         if asked is not None:
             arguments = (Node("value", c, values=(v,)) for c, v in asked.given.items())
             children = (*children, *arguments)
@@ -194,7 +198,6 @@ class Refuting:
         self,
         terms: Sequence[Term],
         query: str,
-        given: Sequence[Scalar],
         alike: Sequence[tuple[str, Value]],
     ) -> Iterator[Node]:
         """Yield the different values that expressions have over all ways."""
@@ -204,7 +207,7 @@ class Refuting:
                 continue
             try:
                 found = self._relations.ways(
-                    sql, given, alike, f"DISTINCT {term.column}", _MOST_WAYS
+                    sql, self._given, alike, f"DISTINCT {term.column}", _MOST_WAYS
                 )
             except FailureError:
                 continue
@@ -218,38 +221,32 @@ class Refuting:
                 span=term.span,
             )
 
-    def _unlike(
-        self, clause: Clause, query: str, given: Sequence[Scalar], alike: Mapping[str, Value]
-    ) -> Iterator[Node]:
+    def _unlike(self, clause: Clause, query: str) -> Iterator[Node]:
         """Yield what the rule gives where all its steps hold, but not with the values asked for."""
-        way = self._first(query, given, self._alike(clause, query, alike))
+        way = self._first(query, self._conditions(clause, query))
         for column, place in clause.head.items() if way is not None else ():
-            if column in alike and not same(value_of(way or {}, place), alike[column]):
+            if column in self._alike and not same(value_of(way or {}, place), self._alike[column]):
                 value = value_of(way or {}, place)
                 yield Node("column", column, "is another", False, (value,))
 
-    @staticmethod
-    def _known(clause: Clause, alike: Mapping[str, Value]) -> Way:
+    def _known(self, clause: Clause) -> Way:
         """Return the values that follow from those that the head is to have."""
-        return {place: to_sql(alike[c]) for c, place in clause.head.items() if c in alike}
+        head, alike = clause.head, self._alike
+        return {place: to_sql(alike[c]) for c, place in head.items() if c in alike}
 
-    def _first(
-        self, query: str, given: Sequence[Scalar], alike: Sequence[tuple[str, Value]]
-    ) -> Way | None:
+    def _first(self, query: str, alike: Sequence[tuple[str, Value]] = ()) -> Way | None:
         sql = self._queries.get(query)
         if sql is None:
             return None
-        return next(iter(self._relations.ways(sql, given, alike)), None)
+        return next(iter(self._relations.ways(sql, self._given, alike)), None)
 
-    def _alike(
-        self, clause: Clause, query: str, alike: Mapping[str, Value]
-    ) -> list[tuple[str, Value]]:
+    def _conditions(self, clause: Clause, query: str) -> list[tuple[str, Value]]:
         """Return the conditions on a query for columns of the head that are known by then."""
         sql = self._queries[query]
         return [
-            (place, alike[column])
+            (place, self._alike[column])
             for column, place in clause.head.items()
-            if column in alike and column != VALUE and re.search(rf"\bAS {place}\b", sql)
+            if column in self._alike and column != VALUE and re.search(rf"\bAS {place}\b", sql)
         ]
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour
-from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette, mix, parse
+from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, mix, parse
 from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour as _hex
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
@@ -30,24 +30,22 @@ _FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
 _FONT_SIZE = 12  # map units
 
 
-def svg(
-    level: Level, palette: Palette = DARK, paths: Mapping[str, Sequence[Point]] | None = None
-) -> str:
-    """Return a level at its start as SVG; one map unit is one unit of the drawing."""
+def svg(level: Level, paths: Mapping[str, Sequence[Point]] | None = None) -> str:
+    """Return a level at its start as SVG in dark colours; one map unit is one unit of it."""
     paths = paths or {}
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {level.width} {level.height}"'
             f' font-family="{_FONT}" font-size="{_FONT_SIZE}" text-anchor="middle">',
-            f'<rect width="{level.width}" height="{level.height}" fill="{_hex(palette.floor)}"/>',
-            f'<path d="{"".join(_rectangles(level.walls))}" fill="{_hex(palette.rock)}"'
-            f' stroke="{_hex(palette.rock)}" stroke-width="0.2"/>',
-            f'<path d="{"".join(_edges(level.walls))}" stroke="{_hex(palette.rim)}"'
+            f'<rect width="{level.width}" height="{level.height}" fill="{_hex(DARK.floor)}"/>',
+            f'<path d="{"".join(_rectangles(level.walls))}" fill="{_hex(DARK.rock)}"'
+            f' stroke="{_hex(DARK.rock)}" stroke-width="0.2"/>',
+            f'<path d="{"".join(_edges(level.walls))}" stroke="{_hex(DARK.rim)}"'
             ' stroke-width="1.5" fill="none"/>',
-            *(_area(area, palette) for area in level.areas),
-            *(_beacon(beacon, palette) for beacon in level.beacons),
-            *(_path(robot, paths.get(robot.name, ()), palette) for robot in level.robots),
-            *(_robot(robot, palette) for robot in level.robots),
+            *(_area(area) for area in level.areas),
+            *(_beacon(beacon) for beacon in level.beacons),
+            *(_path(robot, paths.get(robot.name, ())) for robot in level.robots),
+            *(_robot(robot) for robot in level.robots),
             "</svg>",
             "",
         ]
@@ -78,8 +76,8 @@ def _runs(row: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-def _area(area: Area, palette: Palette) -> str:
-    colour = palette.legible(parse(area.color))
+def _area(area: Area) -> str:
+    colour = DARK.legible(parse(area.color))
     look = f'fill="{_hex(colour)}" fill-opacity="{0.5 if area.impenetrable else 0.22}"'
     if area.on_beacon:  # off at the start
         look = 'fill="none" stroke-dasharray="6 6"'
@@ -88,11 +86,11 @@ def _area(area: Area, palette: Palette) -> str:
     circle = f'<circle {place} r="{_number(area.radius)}" {look} {ring}/>'
     if area.victory_robots and area.radius > 6:
         circle += f'<circle {place} r="{_number(area.radius - 5)}" fill="none" {ring}/>'
-    return circle + _name(area.name, area.x, area.y + 4, palette.strong(parse(area.color)))
+    return circle + _name(area.name, area.x, area.y + 4, DARK.strong(parse(area.color)))
 
 
-def _beacon(beacon: Beacon, palette: Palette) -> str:
-    colour = beacon_colour(beacon, palette)
+def _beacon(beacon: Beacon) -> str:
+    colour = beacon_colour(beacon, DARK)
     size = _number(BEACON_RADIUS * 0.8)
     left, top = _number(beacon.x - BEACON_RADIUS * 0.8), _number(beacon.y)
     path = f"M{left} {top}l{size} -{size} {size} {size} -{size} {size}z"
@@ -101,9 +99,9 @@ def _beacon(beacon: Beacon, palette: Palette) -> str:
     )
 
 
-def _robot(robot: Robot, palette: Palette) -> str:
-    colour = robot_colour(robot.color, palette)
-    nose = mix(colour, palette.bright, 0.72)
+def _robot(robot: Robot) -> str:
+    colour = robot_colour(robot.color, DARK)
+    nose = mix(colour, DARK.bright, 0.72)
     place = f"{_number(robot.x)} {_number(robot.y)}"
     turn = _number(math.degrees(robot.angle))
     return (
@@ -111,15 +109,15 @@ def _robot(robot: Robot, palette: Palette) -> str:
         f'<circle r="{_number(ROBOT_RADIUS)}" fill="{_hex(colour)}"'
         f' stroke="{_hex(mix(colour, (0, 0, 0), 0.45))}"/>'
         f'<path d="M8 0L-2 4V-4z" fill="{_hex(nose)}"/></g>'
-        + _name(robot.name, robot.x, robot.y - ROBOT_RADIUS - 4, palette.strong(colour))
+        + _name(robot.name, robot.x, robot.y - ROBOT_RADIUS - 4, DARK.strong(colour))
     )
 
 
-def _path(robot: Robot, points: Sequence[Point], palette: Palette) -> str:
+def _path(robot: Robot, points: Sequence[Point]) -> str:
     """Return the line that a robot drove, and a ring where it was last."""
     if not points:
         return ""
-    colour = _hex(robot_colour(robot.color, palette))
+    colour = _hex(robot_colour(robot.color, DARK))
     line = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
     x, y = points[-1]
     return (

@@ -165,10 +165,9 @@ class Arrangement:
                 return True
         return False
 
-    def toggle_large(self) -> bool:
-        """Give the active pane the whole screen, or share it again; return whether it has it."""
+    def toggle_large(self) -> None:
+        """Give the active pane the whole screen, or share it again."""
         self.is_one_large = not self.is_one_large
-        return self.is_one_large
 
     def hide(self, pane: Pane) -> Pane:
         """Hide a pane and return the pane to focus; if one is hidden already, show all instead."""
