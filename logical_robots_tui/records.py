@@ -1,4 +1,4 @@
-"""Frozen dataclasses out of JSON, every type checked."""
+"""Reading dataclasses from JSON, with every type checked."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ T = TypeVar("T")
 
 
 def record(kind: type[T], data: Any) -> T:
-    """A dataclass from what `dataclasses.asdict` made of it, after a journey through JSON.
+    """Return a dataclass from the JSON data that `dataclasses.asdict` gives.
 
-    Its module has to import the types of its fields, but Mapping and Sequence, when it is run.
+    Its module must import the types of its fields at run time, except Mapping and Sequence.
 
     Raises:
         ValueError: A field is missing, unknown or of another type.

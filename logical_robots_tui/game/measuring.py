@@ -101,7 +101,7 @@ class _Work:
             self._process = process = self._begin()
         with process:
             try:
-                return self._hear(process, report)
+                return self._results_of(process, report)
             except (OSError, ValueError) as error:
                 raise MeasuringError from error
             finally:
@@ -117,7 +117,7 @@ class _Work:
             start_new_session=True,  # keyboard interrupts must reach only the game
         )
 
-    def _hear(
+    def _results_of(
         self, process: subprocess.Popen[bytes], report: Callable[[Trial], None]
     ) -> Measures | None:
         assert process.stdin is not None

@@ -83,7 +83,7 @@ class Store:
     def close(self) -> None:
         """Close the file."""
         with self._guard:
-            self._let_go()
+            self._disconnect()
             if self._nothing is not None:
                 self._nothing.close()
                 self._nothing = None
@@ -118,9 +118,9 @@ class Store:
         if self._connection is not None:
             if self._opened == _identity(self._file):
                 return self._connection
-            self._let_go()
+            self._disconnect()
         self._file.parent.mkdir(parents=True, exist_ok=True)
-        with self._alone():
+        with self._locked():
             connection = _connect(str(self._file))
             try:
                 connection.execute("PRAGMA synchronous = EXTRA")
@@ -132,7 +132,7 @@ class Store:
         return connection
 
     @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
+    def _locked(self) -> Iterator[None]:
         """Keep other games from opening or setting aside the file in the meantime."""
         assert self._file is not None
         handle = os.open(
@@ -149,9 +149,9 @@ class Store:
         """Rename a damaged file, unless another game has done so."""
         assert self._file is not None
         damaged = self._opened
-        self._let_go()
+        self._disconnect()
         try:
-            with self._alone():
+            with self._locked():
                 if damaged is not None and damaged != _identity(self._file):
                     return
                 if damaged is None and _is_sound(self._file):
@@ -174,7 +174,7 @@ class Store:
 
     def _give_up(self, message: str, *, copy: bool = True) -> None:
         """Continue in memory, with whatever can be read from the file."""
-        self._let_go()
+        self._disconnect()
         if self._in_memory is not None:
             return
         self._in_memory = _empty()
@@ -182,7 +182,7 @@ class Store:
             self._in_memory = _copy_of(self._file) or self._in_memory
         self._tell(message)
 
-    def _let_go(self) -> None:
+    def _disconnect(self) -> None:
         if self._connection is not None:
             self._connection.close()
         self._connection = self._opened = None

@@ -124,7 +124,7 @@ class Course:
             frame.think_milliseconds,
             before.driven,
         )
-        self.marks.speak_of(frame.after)
+        self.marks.refer_to(frame.after)
         if frame.tick > self._oldest:
             self.marks.note(frame.tick, "edit")
         self.levels.change(frame.tick, level)

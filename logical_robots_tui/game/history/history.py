@@ -89,7 +89,7 @@ class History:
     def add(self, frame: Frame, program: Program) -> None:
         """Store a finished tick; if that tick was stored already, another course begins."""
         if frame.tick <= self.last:
-            self._leave(self._course.up_to(frame.tick - 1))
+            self._abandon(self._course.up_to(frame.tick - 1))
         packed = self._course.add(frame, program)
         self._look_for_divergence(frame.tick)
         if packed:
@@ -102,7 +102,7 @@ class History:
         """
         tick = frame.tick
         if tick < self.last:
-            self._leave(self._course.up_to(tick))
+            self._abandon(self._course.up_to(tick))
         self._course.change_level(frame, level)
         self._look_for_divergence(tick)
 
@@ -114,12 +114,12 @@ class History:
 
     def begin_anew(self, start: Frame, level: Level) -> None:
         """Abandon the current course for one that begins at the start of a level."""
-        self._leave(Course(start, level, self._length))
+        self._abandon(Course(start, level, self._length))
 
     def forget_future(self, tick: int) -> None:
         """Discard all later ticks permanently."""
         if tick < self.last:
-            self._go_over_to(self._course.up_to(tick))
+            self._switch_to(self._course.up_to(tick))
 
     def change_course(self) -> None:
         """Switch to the other course; the current one becomes the other one.
@@ -256,14 +256,14 @@ class History:
         if self.divergence is None and there is not None and there.first <= tick <= there.last:
             self.divergence = find_divergence(self._course.moment(tick), there.moment(tick))
 
-    def _leave(self, new: Course) -> None:
+    def _abandon(self, new: Course) -> None:
         """Switch to a truncated copy of the current course, and keep the full one."""
         left = self._course
-        self._go_over_to(new)
+        self._switch_to(new)
         if self._other is None or self._other.last <= left.last:
             self._other, self.divergence = left, None
 
-    def _go_over_to(self, new: Course) -> None:
+    def _switch_to(self, new: Course) -> None:
         self._course = new
         self.turns += 1
         if self.divergence is not None and self.divergence.tick > new.last:

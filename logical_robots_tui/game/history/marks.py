@@ -79,7 +79,7 @@ class Marks:
         self._areas: list[str] = []
         self._ticks: dict[MarkKind, array[int]] = {kind: array("q") for kind in MARK_KINDS}
         self._who: dict[MarkKind, list[int]] = {kind: [] for kind in MARK_KINDS}
-        self.speak_of(state)
+        self.refer_to(state)
 
     def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
         """Store a mark; fastest for a tick after all others.
@@ -96,7 +96,7 @@ class Marks:
             ticks.insert(at, tick)
             everyone.insert(at, who)
 
-    def speak_of(self, state: WorldState) -> None:
+    def refer_to(self, state: WorldState) -> None:
         """Use the robots and areas of another world for indices from now on."""
         robots = _places([robot.name for robot in state.robots], self._robots)
         areas = _places([area.name for area in state.areas], self._areas)
