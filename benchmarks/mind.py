@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, median_of, seconds_for
 from benchmarks.subjects import LARGEST, PROGRAMS, program_text, rows_for
-from logical_robots_tui import Mind, Program, load_level
+from logical_robots_tui import Mind, Program, caching, load_level
 from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.compilation import stop_compiling
@@ -72,11 +72,11 @@ def _compile(text: str) -> float:
 
 @contextmanager
 def _cache_folder() -> Iterator[None]:
-    before = os.environ.get(cache.FOLDER_VARIABLE, "")
+    before = os.environ.get(caching.FOLDER_VARIABLE, "")
     with tempfile.TemporaryDirectory() as folder:
-        os.environ[cache.FOLDER_VARIABLE] = folder
+        os.environ[caching.FOLDER_VARIABLE] = folder
         yield
-        os.environ[cache.FOLDER_VARIABLE] = before
+        os.environ[caching.FOLDER_VARIABLE] = before
 
 
 def _find_kept(program: Program) -> float:

@@ -19,8 +19,6 @@ from logical_robots_tui.confinement import is_confined
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["FOLDER_VARIABLE", "CacheFolder", "cache_place", "digest_of_code"]
-
 FOLDER_VARIABLE = "LOGICAL_ROBOTS_CACHE_DIR"
 """Environment variable that names another folder; if empty, there is no cache on disk."""
 

@@ -15,17 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = [
-    "MOST_BYTES",
-    "MOST_FILES",
-    "WHY",
-    "check_mine",
-    "check_quota",
-    "check_room",
-    "confine",
-    "is_confined",
-]
-
 MOST_FILES = 2_000
 MOST_BYTES = 200 * 2**20
 """Total size of all files in a player's folder."""

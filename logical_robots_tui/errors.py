@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["InputError", "LogicalRobotsError", "is_out_of_memory"]
-
 
 class LogicalRobotsError(Exception):
     """Base of every error that this package raises on purpose."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import gc
 
-__all__ = ["collect_later", "collect_seldom"]
-
 
 def collect_seldom() -> None:
     """Run the cycle collector a thirtieth as often as by default.

@@ -13,15 +13,6 @@ from pathlib import Path
 from logical_robots_tui.confinement import WHY, check_mine, is_confined
 from logical_robots_tui.errors import InputError
 
-__all__ = [
-    "is_file",
-    "is_folder",
-    "is_there",
-    "read_ordinary",
-    "real",
-    "typed_path",
-]
-
 _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
 

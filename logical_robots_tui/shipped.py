@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["ARENAS", "ShippedKind", "did_you_mean", "shipped_folder", "shipped_names"]
-
 ShippedKind: TypeAlias = Literal["levels", "programs"]
 
 

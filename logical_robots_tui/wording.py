@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["counted"]
-
 
 def counted(number: int, what: str) -> str:
     """Return how many there are of something in words, such as ``1 row`` or ``1,200 rows``."""

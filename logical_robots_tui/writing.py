@@ -14,8 +14,6 @@ from logical_robots_tui.paths import is_file, is_there, real
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["write_atomically"]
-
 _TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Diagnostic
 
-__all__ = ["declare"]
-
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
 

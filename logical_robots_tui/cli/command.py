@@ -16,29 +16,6 @@ if TYPE_CHECKING:
 
     Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
-__all__ = [
-    "UNRELIABLE",
-    "Commands",
-    "add_data_dir",
-    "add_json",
-    "add_no_solutions",
-    "add_programs",
-    "add_start",
-    "columns",
-    "finite",
-    "folder_of",
-    "harmless",
-    "is_set",
-    "line_of_json",
-    "named_programs",
-    "new_command",
-    "new_group",
-    "number_from",
-    "own_programs",
-    "prefers_json",
-    "written",
-]
-
 
 def new_command(
     commands: Commands,

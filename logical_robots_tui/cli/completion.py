@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
 
-__all__ = ["declare"]
-
 SHELLS = ("bash", "zsh", "fish")
 NAMES = ("levels", "programs")
 FILES, FOLDERS = "file", "directory"  # shtab's names

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
 
-__all__ = ["declare"]
-
 FINE, PROBLEM = 0, 1
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 

@@ -20,16 +20,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Diagnostic, ProgramError
 
-__all__ = [
-    "BAD_INPUT",
-    "BUG",
-    "CrashLog",
-    "ProgramFileError",
-    "report",
-    "report_bug",
-    "report_output",
-]
-
 BAD_INPUT = 2
 BUG = 70  # EX_SOFTWARE in sysexits.h
 

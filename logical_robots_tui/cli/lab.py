@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.folder import Folder, Manifest
     from logical_robots_tui.lab.ledger import Ledger
 
-__all__ = ["declare"]
-
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
 
 STATUS = "exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input\n"

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.checks import Finding
     from logical_robots_tui.world import Level
 
-__all__ = ["declare"]
-
 EPILOG = """\
 examples:
   logical-robots level new maze.toml --labyrinth 8x6 --seed 3

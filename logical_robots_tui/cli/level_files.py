@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.world import Level
 
-__all__ = ["declare_convert", "declare_new", "write"]
-
 _NEW_EPILOG = """\
 examples:
   logical-robots level new room.toml --room 600x400

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.reference import FunctionHelp
     from logical_robots_tui.world import Level
 
-__all__ = ["declare"]
-
 
 def declare(commands: Commands) -> None:
     """Add the commands to the list."""

@@ -19,8 +19,6 @@ from logical_robots_tui.garbage import collect_seldom
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["PROGRAM", "main"]
-
 PROGRAM = "logical-robots"
 
 _HOMES = {

@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["play_in_lines"]
-
 MOST = 5000
 """The default tick limit of ``run``."""
 

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game.replay import Replay
 
-__all__ = ["declare", "play_replay"]
-
 SIZES = ("small", "medium", "large")
 
 EPILOG = """\

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.progress import Bests, LevelRecord
 
-__all__ = ["declare"]
-
 FORMAT = 1
 """The version of the exported document."""
 

@@ -22,8 +22,6 @@ from logical_robots_tui.confinement import WHY, confine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.shipped import shipped_folder
 
-__all__ = ["LIMITS", "MOST_GAMES", "restrict"]
-
 MOST_GAMES = 4
 """Games that one player may have open at the same time, of at most three processes each."""
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["Finding", "Reach", "always_solid", "check", "refusals", "units_of"]
-
 _UNTOLD = {
     "robots": "; each needs a unique name",
     "beacons": "; a radar can't distinguish them",

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["Delta", "Edits"]
-
 
 class Delta(NamedTuple):
     """The change from one level to another, in both directions.

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["save_level"]
-
 
 def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
     """Write a level to a file, in the format given by its ending.

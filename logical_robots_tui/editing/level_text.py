@@ -32,23 +32,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = [
-    "KINDS",
-    "Kind",
-    "Record",
-    "Thing",
-    "all_things",
-    "block_text",
-    "kind_of",
-    "lost_in_web",
-    "needs_leniency",
-    "record_of",
-    "toml_text",
-    "words_of",
-    "write_native",
-    "write_web",
-]
-
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 
 KINDS: tuple[Kind, ...] = ("robots", "beacons", "areas")

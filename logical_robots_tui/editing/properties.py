@@ -16,8 +16,6 @@ from logical_robots_tui.world.levels.native import Words, read_words
 if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
 
-__all__ = ["resize", "set_words"]
-
 
 def set_words(level: Level, **values: Any) -> Level:
     """Set texts, what programs may see, or names that are meant to be shared.

@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["Block", "Blocks", "rewritten"]
-
 _INSTEAD = {"angle": "heading", "heading": "angle"}
 
 

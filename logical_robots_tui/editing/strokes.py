@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Patch", "Point", "rectangle", "stroke"]
-
 Point = tuple[float, float]
 """Map units (x, y)."""
 

@@ -21,19 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.changing import Pose
     from logical_robots_tui.world.level import Level
 
-__all__ = [
-    "Poses",
-    "Ref",
-    "add",
-    "as_it_stands",
-    "change",
-    "duplicate",
-    "ref_at",
-    "remove",
-    "reread",
-    "thing",
-]
-
 _SMALLER = ROBOT_RADIUS - BEACON_RADIUS  # handicap of beacons in map units when picking an object
 _READ: dict[Kind, Callable[[Fields], Thing]] = {
     "robots": read_robot,

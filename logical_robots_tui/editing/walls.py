@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Level
 
-__all__ = ["Regions", "fill", "paint", "paint_rectangle"]
-
 
 def paint(
     level: Level, points: Sequence[Point], *, width: int = 1, grid: int = 1, wall: bool = True

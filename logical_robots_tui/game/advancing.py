@@ -23,18 +23,6 @@ if TYPE_CHECKING:
 
     Decide = Callable[[int, tuple[Decision, ...]], tuple[Decision, ...]]
 
-__all__ = [
-    "Advance",
-    "Known",
-    "Worlds",
-    "advance",
-    "after_change",
-    "fresh_frame",
-    "is_thought_alike",
-    "known_frame",
-    "start_frame",
-]
-
 
 class Advance(NamedTuple):
     """The next tick."""

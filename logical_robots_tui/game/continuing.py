@@ -26,16 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.levels.labyrinths import DailySize
 
-__all__ = [
-    "Place",
-    "daily_level",
-    "keep_if_own",
-    "level_to_begin_with",
-    "note_level",
-    "place_of",
-    "programs_to_begin_with",
-]
-
 _LAST_LEVEL = "level"
 
 _PROVING = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops

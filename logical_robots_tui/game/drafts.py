@@ -16,8 +16,6 @@ from logical_robots_tui.writing import write_atomically
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["OLD_DRAFTS_KEPT", "Draft", "Drafts", "Key", "Kind"]
-
 OLD_DRAFTS_KEPT = 50
 """How many discarded drafts are kept in the folder ``old``."""
 

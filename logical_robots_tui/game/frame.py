@@ -17,20 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = [
-    "Frame",
-    "Goal",
-    "NoSuchTickError",
-    "Superseded",
-    "driven",
-    "ends",
-    "events_between",
-    "goals",
-    "is_match_over",
-    "standing",
-    "standing_words",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Frame:

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Game"]
-
 _KNOWN_TOGETHER = 16  # ticks taken from history at once
 _SECONDS_SHOWN = 0.008  # of computing at once when each tick is to be shown soon
 _SECONDS_AWAY = 0.03  # when only the end matters: switching threads costs half a tick

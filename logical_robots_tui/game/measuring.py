@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["MOST_TICKS", "MeasuringError", "Trial", "measure", "patience_for"]
-
 MOST_TICKS = 20_000
 """Ticks within which every level can be won."""
 

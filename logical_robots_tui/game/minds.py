@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level
 
-__all__ = ["TeamMind", "mind_for"]
-
 
 def mind_for(program: Program, level: Level, limits: Limits | None = None) -> Mind:
     """Return what thinks for all robots of a level; its input and output must not be changed.

@@ -6,8 +6,6 @@ import asyncio
 from collections import deque
 from time import perf_counter
 
-__all__ = ["FLAT_OUT", "SPEEDS", "Pace"]
-
 FLAT_OUT: float | None = None
 """The speed "as fast as possible"."""
 

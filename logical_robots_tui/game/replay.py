@@ -40,17 +40,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision, Program
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "NO_PROGRAM",
-    "SUFFIX",
-    "Replay",
-    "Stage",
-    "Text",
-    "Verifier",
-    "load_replay",
-    "play_into",
-]
-
 SUFFIX = ".replay"
 EVERY = 100
 """Ticks from one hash of the world to the next."""

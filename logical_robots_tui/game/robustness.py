@@ -19,18 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level, WorldState
 
-__all__ = [
-    "STARTS",
-    "LateError",
-    "Played",
-    "Thought",
-    "named_start_of",
-    "play_through",
-    "shifted",
-    "start_of",
-    "try_starts",
-]
-
 STARTS = 20
 """The number of shifted starts to try."""
 

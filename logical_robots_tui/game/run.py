@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Mind, Program
     from logical_robots_tui.world import Level
 
-__all__ = ["Run", "run_key", "simulation_digest"]
-
 T = TypeVar("T")
 
 _CODE = Path(__file__).parents[1]

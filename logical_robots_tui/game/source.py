@@ -23,24 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "DEFAULT_PROGRAM",
-    "MAX_PROGRAM_BYTES",
-    "SUFFIX",
-    "Source",
-    "compile_program",
-    "hide_solutions",
-    "is_hidden",
-    "list_programs",
-    "load_program",
-    "mistake_in_question",
-    "programs_for",
-    "reference_names",
-    "save_program",
-    "shipped_texts",
-    "target",
-]
-
 DEFAULT_PROGRAM = "obstacle-avoider"
 """The program for levels that don't name a starter."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Limits, Mind, Program
     from logical_robots_tui.world import Level
 
-__all__ = ["Thinker"]
-
 T = TypeVar("T")
 
 

@@ -21,25 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "FIELDS",
-    "FILE_NAME",
-    "Verdict",
-    "Victory",
-    "count_rules",
-    "is_by_the_book",
-    "is_reference",
-    "is_shipped",
-    "keep_victory",
-    "level_key",
-    "measures_of",
-    "reference_for",
-    "reference_table",
-    "references_for",
-    "result_line",
-    "victory_of",
-]
-
 FILE_NAME = "reference.csv"
 FIELDS = ("level", "program", "ticks", "rules", "distance", "wins", "starts", "goals")
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.lab.running import Task
 
-__all__ = ["ClusterEngine"]
-
 _AHEAD = 2
 """Tasks for each thread of a worker, so that none waits for the coordinator."""
 

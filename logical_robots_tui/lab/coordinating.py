@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.ledger import Ledger
     from logical_robots_tui.lab.running import Answer
 
-__all__ = ["Coordinator", "Engine", "Tally", "starts_due", "text_of"]
-
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2
 

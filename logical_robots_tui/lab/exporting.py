@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
     from logical_robots_tui.lab.ledger import Ledger
 
-__all__ = ["Done", "Table", "csv_of", "done_runs", "export_runs", "harmless_cell", "replay"]
-
 Row: TypeAlias = "tuple[Any, ...]"
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["Cell", "Folder", "Manifest", "Player", "Student", "digest"]
-
 _FORMAT = 1
 
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.ledger import Ledger
     from logical_robots_tui.lab.running import Result
 
-__all__ = ["Grade", "LevelGrade", "duplicates", "export_grades", "grades_of"]
-
 _LONGEST_FILE = 60
 
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-__all__ = ["ATTEMPTS", "Entry", "Ledger", "LedgerError", "Results"]
-
 ATTEMPTS = 3
 """Attempts after which a run that could not be finished counts as `infrastructure`."""
 

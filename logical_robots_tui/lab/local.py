@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.lab.running import Task
 
-__all__ = ["LocalEngine"]
-
 _MOST_FALSE_STARTS = 2  # in a row
 
 _GRACE = 60.0

@@ -10,8 +10,6 @@ from logical_robots_tui.lab.exporting import harmless_text
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["Html", "as_code", "as_page", "as_percent", "as_table", "shaded"]
-
 _MOST_ROWS = 1_000
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">

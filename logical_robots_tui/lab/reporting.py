@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.ledger import Ledger
     from logical_robots_tui.lab.summary import Share
 
-__all__ = ["write_report"]
-
 _BARS = 20
 
 

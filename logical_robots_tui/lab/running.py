@@ -36,19 +36,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Question
     from logical_robots_tui.world import Level, WorldState
 
-__all__ = [
-    "CHUNK_SECONDS",
-    "Answer",
-    "Asked",
-    "Outcome",
-    "Result",
-    "Series",
-    "Task",
-    "engine",
-    "execute",
-    "fingerprint",
-]
-
 CHUNK_SECONDS = 5.0
 """Time after which a worker gives back what it has; at most this and one run are lost with it."""
 

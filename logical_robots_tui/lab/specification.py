@@ -17,24 +17,6 @@ from logical_robots_tui.shipped import did_you_mean
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = [
-    "BUILT_IN",
-    "Assignment",
-    "Case",
-    "Experiment",
-    "Limit",
-    "Path_",
-    "Query",
-    "Scalar",
-    "Specification",
-    "SpecificationError",
-    "Tournament",
-    "Vary",
-    "read_assignment",
-    "read_experiment",
-    "values_of",
-]
-
 Scalar: TypeAlias = bool | int | float | str
 Path_: TypeAlias = tuple[str | int, ...]
 

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = ["Submission", "entries_of", "plan_grading", "stems_of"]
-
 _MOST_BYTES = 1_000_000
 _LONGEST_NAME = 200
 

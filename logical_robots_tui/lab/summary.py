@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.folder import Cell, Manifest
     from logical_robots_tui.lab.ledger import Ledger
 
-__all__ = ["Share", "by_cell", "by_level", "lines_of", "setting_text", "share_of"]
-
 _WIDTH = 78
 _MOST_BARS = 40
 

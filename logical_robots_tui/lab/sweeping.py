@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.specification import Experiment, Path_, Scalar
     from logical_robots_tui.world import Level
 
-__all__ = ["level_to_run", "level_with_text", "plan_sweep"]
-
 _TICKS = re.compile(r"(?:(\d+)\s*\*\s*)?reference(?:\s*\+\s*(\d+))?")
 _MOST_CELLS = 100_000
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
-__all__ = ["Answer", "Asking"]
-
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
 

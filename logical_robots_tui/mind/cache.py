@@ -13,13 +13,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from logical_robots_tui.caching import FOLDER_VARIABLE, CacheFolder, cache_place, digest_of_code
+from logical_robots_tui.caching import CacheFolder, cache_place, digest_of_code
 from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-
-__all__ = ["FOLDER_VARIABLE", "MAX_BYTES", "MAX_ENTRIES", "find", "folder", "keep"]
 
 MAX_ENTRIES = 5_000
 MAX_BYTES = 50_000_000

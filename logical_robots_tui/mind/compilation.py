@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from _typeshed import DataclassInstance
 
-__all__ = ["Report", "check_text", "compiled", "stop_compiling"]
-
 Report: TypeAlias = "Callable[[int, int], None]"
 """Called with the number of compiled predicates and of all."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
-__all__ = ["blame", "cut_offs", "decide", "note_stranger"]
-
 
 def note_stranger(name: Value, notices: list[Notice]) -> None:
     """Note, once, a row of `Robot` for a robot that is not in the level."""

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 if TYPE_CHECKING:
     from logical_robots_tui.values import Desire, Value
 
-__all__ = ["UNRELIABLE", "Decision", "Notice", "NoticeKind"]
-
 NoticeKind: TypeAlias = Literal[
     "no row",
     "several rows",

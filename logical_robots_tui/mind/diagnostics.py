@@ -7,8 +7,6 @@ from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
 
-__all__ = ["Diagnostic", "ProgramError", "QueryError", "Stopped", "printable"]
-
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.sqlite.moment import Within
 
-__all__ = ["SQLITE_ERRORS", "FailureError", "failures_in_words", "in_plain_words"]
-
 SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
 """Exceptions that SQLite may raise for a query."""
 

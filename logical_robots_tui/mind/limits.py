@@ -13,15 +13,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
 
-__all__ = [
-    "HEAVIEST_CHARACTER",
-    "Limits",
-    "weight_of",
-    "weight_of_row",
-    "weight_of_text",
-]
-
-
 _LEAST_WEIGHT = 8_000  # also for one of a thousand robots
 
 

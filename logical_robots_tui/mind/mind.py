@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Program, Question
     from logical_robots_tui.mind.why.explainer import Explainer
 
-__all__ = ["Mind"]
-
 _ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
 
 Memories = Mapping[str, Value]

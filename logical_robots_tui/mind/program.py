@@ -16,20 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = [
-    "INPUTS",
-    "STEPS",
-    "TRUTH_MARK",
-    "VALUE",
-    "Predicate",
-    "Program",
-    "Question",
-    "TeamProgram",
-    "Tuned",
-    "join_teams",
-    "split_teams",
-]
-
 INPUTS: Mapping[str, tuple[str, ...]] = {
     "Sensor": ("robot_name", "sensor"),
     "Memory": ("robot_name", "memory"),

@@ -13,8 +13,6 @@ from logical_robots_tui.mind.similar_names import closest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["REFERENCE", "FunctionHelp", "find_help", "similar"]
-
 Kind = Literal["function", "aggregate", "operator"]
 
 

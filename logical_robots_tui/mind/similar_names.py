@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["closest", "distance"]
-
 
 def closest(name: str, known: Iterable[str], cutoff: float = 0.76) -> str:
     """Return the known name closest to a name, ignoring case, or ""."""

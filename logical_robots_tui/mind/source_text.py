@@ -13,8 +13,6 @@ from logical_robots_tui.mind.diagnostics import Diagnostic
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["INNER_QUOTE", "Prepared", "diagnostic_at", "diagnostic_for", "prepare", "statements"]
-
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")

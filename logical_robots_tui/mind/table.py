@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
 
-__all__ = ["QueryPlan", "Table", "plan_lines", "table_of"]
-
 
 @dataclass(frozen=True, slots=True)
 class Table:

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.progress.records import State
 
-__all__ = ["FILE_NAME", "MOST_VERSIONS", "Progress"]
-
 FILE_NAME = "progress.sqlite"
 
 MOST_VERSIONS = 200

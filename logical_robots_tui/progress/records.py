@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 if TYPE_CHECKING:
     from datetime import datetime
 
-__all__ = ["NEW", "Bests", "LevelRecord", "Measures", "State", "Version"]
-
 State: TypeAlias = Literal["new", "in work", "won"]
 
 

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     import sqlite3
     from collections.abc import Sequence
 
-__all__ = ["APPLICATION_ID", "MIGRATIONS", "DamagedError", "NewerError", "prepare"]
-
 APPLICATION_ID = 0x4C524F42
 """Identifies the file as ours in its header ("LROB")."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
-__all__ = ["BUSY_SECONDS", "Store"]
-
 T = TypeVar("T")
 
 BUSY_SECONDS = 10.0

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.level import Area, Level, Robot
 
-__all__ = ["Pose", "changed_state", "former_names", "start_state"]
-
 Pose: TypeAlias = tuple[float, float, float]
 """Position in map units (x, y), and heading in radians."""
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.rays import Circles, Rays
 
-__all__ = ["FEW", "FEWEST", "Pairs", "take_nearer_circles"]
-
 FEWEST = 80
 """Up to this many pairs of robot and circle are faster tested one by one."""
 

@@ -15,24 +15,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Area, Level, Robot
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = [
-    "CHARGING_RADIUS",
-    "CHARGING_RATE",
-    "PUSH_MARGIN",
-    "WHEEL_BASE",
-    "Mover",
-    "charging_sources",
-    "drive",
-    "is_dead",
-    "is_inside",
-    "is_won",
-    "push_out",
-    "run_batteries",
-    "run_battery",
-    "starts_active",
-    "switched",
-]
-
 WHEEL_BASE = 20
 """Map units between the wheels; engines that differ by 1 turn a robot by 1/20 radian a tick."""
 

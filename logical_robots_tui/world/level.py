@@ -12,23 +12,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = [
-    "AREA_COLOR",
-    "COMPARED",
-    "ROBOT_COLOR",
-    "Area",
-    "Beacon",
-    "Level",
-    "LevelError",
-    "Robot",
-    "Score",
-    "ScoreKind",
-    "SecondGoal",
-    "Team",
-    "Visibility",
-    "alike",
-]
-
 ROBOT_COLOR = "#4a9eff"
 AREA_COLOR = "#3fb950"
 

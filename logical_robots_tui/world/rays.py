@@ -14,19 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.state import RobotState
 
-__all__ = [
-    "FORWARD",
-    "MIDDLE",
-    "PER_RADIAN",
-    "RADAR_RAYS",
-    "RADAR_SPAN",
-    "RAYS",
-    "SENSOR_RANGE",
-    "Circles",
-    "Rays",
-    "rays_of",
-]
-
 SENSOR_RANGE = 200
 """Map units; also the distance that a ray reports when it hits nothing."""
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Area, Level, Score
     from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
-__all__ = ["points", "tallied", "tallies_at_start"]
-
 _PER_UNIT = 1000
 """A tally of distance counts thousandths of map units."""
 

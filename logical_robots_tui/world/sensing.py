@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.rays import Rays
     from logical_robots_tui.world.state import AreaState, RobotState
 
-__all__ = ["BEACON_RADIUS", "ROBOT_RADIUS", "SENSOR_RANGE", "Senses"]
-
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["AreaState", "RobotState", "WorldState"]
-
 
 @dataclass(frozen=True, slots=True)
 class RobotState:

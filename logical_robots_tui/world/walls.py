@@ -12,8 +12,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["FEW", "FEWEST", "PackedBits", "Walls", "changed_box", "clearances", "row_clearances"]
-
 FEWEST = 64
 """Up to this many rays are faster tested at every step at once."""
 

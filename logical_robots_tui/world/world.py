@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Desire, SensorRow
     from logical_robots_tui.world.level import Level
 
-__all__ = ["World"]
-
 _ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
 
 

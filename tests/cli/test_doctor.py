@@ -6,7 +6,7 @@ import io
 import tomllib
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.cache import FOLDER_VARIABLE
+from logical_robots_tui.caching import FOLDER_VARIABLE
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ PROGRAM = Program(
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     place = tmp_path / "compiled"
-    monkeypatch.setenv(cache.FOLDER_VARIABLE, str(place))
+    monkeypatch.setenv(caching.FOLDER_VARIABLE, str(place))
     return place
 
 
@@ -214,9 +214,9 @@ def test_without_a_folder_everything_works(
         folder.write_text("in the way", encoding="ascii")
     elif hindrance == "a file above":
         folder.write_text("in the way", encoding="ascii")
-        monkeypatch.setenv(cache.FOLDER_VARIABLE, str(folder / "below"))
+        monkeypatch.setenv(caching.FOLDER_VARIABLE, str(folder / "below"))
     else:
-        monkeypatch.setenv(cache.FOLDER_VARIABLE, "")
+        monkeypatch.setenv(caching.FOLDER_VARIABLE, "")
     monkeypatch.setattr(compilation._compiler, "_kept", type(compilation._compiler._kept)())
     assert Program.compile(ROBOT + "m = 4712;").statements
 

@@ -35,17 +35,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "check_name",
-    "compiled",
-    "frame_at",
-    "new_run_command",
-    "opened",
-    "progress_bar",
-    "run_shown",
-    "show",
-]
-
 _SOON = 0.5  # seconds before the progress bar appears
 
 

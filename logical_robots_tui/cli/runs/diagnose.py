@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.world import Level
 
-__all__ = ["declare"]
-
 NOTHING, FOUND = 0, 1
 DEFAULT_TICKS = 3000
 NARROWEST, WIDEST = 40, 96  # columns

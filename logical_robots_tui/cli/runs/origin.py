@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.sourcing import Path, Read
     from logical_robots_tui.world import Level
 
-__all__ = ["declare"]
-
 _LONGEST = 60  # characters of a value
 _SHOWN_READS = 5
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program, Question, Table
     from logical_robots_tui.world import Level
 
-__all__ = ["declare"]
-
 FOUND, NOTHING = 0, 1
 DEFAULT_TICKS = 5000
 WIDEST = 60  # characters of a value in a table

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay, Verifier
 
-__all__ = ["declare"]
-
 SAME, DIFFERENT = 0, 3
 DEFAULT_TICKS = 5000
 

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["declare", "play_out"]
-
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
 SAMPLE = 10  # notices reported in full

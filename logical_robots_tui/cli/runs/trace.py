@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     _Tables: TypeAlias = dict[str, Table | QueryError]
 
-__all__ = ["declare"]
-
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.world import Level
 
-__all__ = ["declare"]
-
 GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, if the terminal's width is unknown
 DEEPEST = 100

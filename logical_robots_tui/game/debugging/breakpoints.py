@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["EVENTS", "Breakpoint", "Breakpoints", "Event", "Hit", "mistake_in", "subjects"]
-
 Event: TypeAlias = Literal[
     "rows", "no rows", "change", "enters", "leaves", "blocked", "loses sight", "notice"
 ]

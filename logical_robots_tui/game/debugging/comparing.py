@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
     from logical_robots_tui.mind.why.explainer import Explainer
 
-__all__ = ["Comparison", "compare_proofs"]
-
 _DECISIONS = ("desire", "memory", "notices")
 
 

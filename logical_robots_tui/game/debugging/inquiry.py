@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
-__all__ = ["Inquiry"]
-
 T = TypeVar("T")
 
 _LIMITS = Limits()

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind, Program, Question
 
-__all__ = ["Matches", "SearchResult", "find_matches", "search_ticks"]
-
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
 SUFFIX = ".when"

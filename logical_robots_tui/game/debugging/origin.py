@@ -29,15 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.sourcing import Made, Path, Read
     from logical_robots_tui.values import Value
 
-__all__ = [
-    "Link",
-    "Origin",
-    "origin_in_game",
-    "origin_in_run",
-    "origin_of",
-    "read_path",
-]
-
 _MOST_LINKS = 24
 _MOST_READS = 4  # per link that are traced
 

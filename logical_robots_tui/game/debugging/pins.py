@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
 
-__all__ = ["MIND", "ROBOT_COLUMNS", "Path", "Pin", "Reading", "pin_of_cell", "read", "written_path"]
-
 MIND = "in the mind of"
 """Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""
 

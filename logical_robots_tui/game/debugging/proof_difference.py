@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Explanation, Node, Proof
     from logical_robots_tui.values import Value
 
-__all__ = ["ProofDifference", "Side", "condition_of", "first_difference"]
-
 Side: TypeAlias = Literal["here", "there"]
 
 _DECIDED_AT_ONCE = ("call", "denial")

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision, Mind, Question
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["Watch", "matching_rows"]
-
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
 _FEW = 3  # values that are reported
 _LONGEST = 60  # characters of each

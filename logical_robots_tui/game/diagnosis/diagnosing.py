@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.diagnosis.telling import Finding
 
-__all__ = ["Diagnosis", "diagnose", "extent"]
-
 _FEWEST = 20  # ticks that are examined
 _QUESTIONS = 20_000  # most probes of all robots when only some ticks are examined
 _MORE_QUESTIONS = 60_000  # the same when searching the other ticks for what seems never to happen

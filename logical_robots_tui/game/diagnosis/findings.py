@@ -14,10 +14,9 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.diagnosis.observations import Observations, Stretch
     from logical_robots_tui.mind.diagnosis.counting import Tally
-    from logical_robots_tui.mind.diagnosis.sites import Checkup, Span
+    from logical_robots_tui.mind.diagnosis.sites import Checkup
+    from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.world import Level
-
-__all__ = ["findings_of"]
 
 _SEEN = ("wall", "beacon", "robot", "nothing")
 """The kinds of objects that a ray can hit."""

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import RobotState
 
-__all__ = ["Loss", "Observations", "Stretch", "observe"]
-
 _LONG = 150
 """Ticks for which a robot must be blocked or stand still to be reported."""
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level, RobotState
 
-__all__ = ["Course", "Levels"]
-
 _TOGETHER = 32  # moments in a pack, unless they are heavy
 _HEAVY = 12_000_000  # bytes of objects in a pack, unless a single moment has more
 

@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Decision
 
-__all__ = ["Difference", "Divergence", "Matter", "find_divergence"]
-
 Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]
 
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-__all__ = ["DEFAULT_LENGTH", "History", "Past"]
-
 DEFAULT_LENGTH = 20_000
 _MOST_BYTES = 100_000_000
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import WorldState
 
-__all__ = ["MARK_KINDS", "STUCK_AFTER", "Mark", "MarkKind", "Marks", "marks_of"]
-
 MarkKind: TypeAlias = Literal[
     "victory", "breakpoint", "program", "edit", "stuck", "circling", "area", "notice", "memory"
 ]

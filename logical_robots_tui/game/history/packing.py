@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
-__all__ = ["Moment", "Packed", "is_moment", "is_state", "laid_out", "moment_in"]
-
 _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
 _KEPT_OPEN = 4  # for stepping through them
 _BODY_BYTES = 1_000  # of a robot's state and decision

@@ -26,15 +26,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "MAX_BYTES",
-    "MAX_ENTRIES",
-    "MAX_FOLDER_BYTES",
-    "MAX_HELD_BYTES",
-    "DamagedError",
-    "Recording",
-]
-
 MAX_BYTES = 64_000_000
 """The largest file; of a longer run only the first ticks are kept."""
 

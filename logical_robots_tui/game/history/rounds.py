@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import RobotState
 
-__all__ = ["ROUNDS", "Rounds", "last_rounds"]
-
 ROUNDS = 3
 """How often in a row a robot that goes round in circles has gone the same way."""
 

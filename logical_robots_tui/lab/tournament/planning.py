@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.submissions import Submission
     from logical_robots_tui.world import Level
 
-__all__ = ["next_round", "pair_off", "plan_tournament"]
-
 SWISS_FROM = 40
 """The number of players from which on not everybody plays everybody."""
 

@@ -20,17 +20,6 @@ if TYPE_CHECKING:
 
     Numbers: TypeAlias = NDArray[np.float64]
 
-__all__ = [
-    "Pairing",
-    "Ranking",
-    "Standing",
-    "ranking_of",
-    "ranking_of_shares",
-    "share_of_match",
-    "share_of_points",
-    "strengths",
-]
-
 RESAMPLES = 1_000
 """Resamples of the starts for intervals."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.ledger import Ledger
     from logical_robots_tui.lab.tournament.ranking import Ranking
 
-__all__ = ["export_tournament", "tournament_lines", "tournament_parts"]
-
 _WIDEST = 30  # players of a matrix in a terminal
 _MOST_CYCLES = 20
 _DIGITS = 4

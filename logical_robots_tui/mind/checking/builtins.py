@@ -11,8 +11,6 @@ from logica.compiler import expr_translate
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
 from logical_robots_tui.mind.sqlite.database import Database
 
-__all__ = ["arity", "is_built_in", "names", "runs"]
-
 _QL = expr_translate.QL
 _SPECIAL = frozenset({"Aggr", "Cast"})
 """Functions that the package compiles without a template."""

@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
-__all__ = ["IGNORED", "MAIN", "check"]
-
 _CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
 _ANNOTATIONS = frozenset(
     {

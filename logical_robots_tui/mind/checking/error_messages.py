@@ -14,15 +14,6 @@ from logical_robots_tui.mind.source_text import Prepared, diagnostic_at
 if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
-__all__ = [
-    "COMPLAINTS",
-    "FUNCTION",
-    "explain",
-    "is_function",
-    "plain_message",
-    "unassigned",
-]
-
 COMPLAINTS = (
     parse.ParsingException,
     rule_translate.RuleCompileException,

@@ -11,21 +11,14 @@ import re
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.checking.shapes import SENSOR, ListOf, Record, Scalar, Shape
-from logical_robots_tui.mind.compiling.rules import (
-    VALUE,
-    head_name,
-    heads,
-    mentioned_by_make,
-    value_of,
-)
+from logical_robots_tui.mind.compiling.rules import head_name, heads, mentioned_by_make, value_of
+from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.similar_names import closest
 from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-
-__all__ = ["Inference"]
 
 _ROUNDS = 6  # how far a shape is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
-__all__ = ["MAIN", "engines", "main_predicate"]
-
 MAIN = "Robot"
 _ENGINES = ("left_engine", "right_engine")
 _COLUMNS = ("robot_name", "desire", "memory")

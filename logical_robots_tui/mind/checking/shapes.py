@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["RAY", "SENSOR", "ListOf", "Record", "Scalar", "Shape"]
-
 
 @dataclass(frozen=True, slots=True)
 class Scalar:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.mind.checking import builtins
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.compiling.rules import (
-    VALUE,
     calls,
     fields,
     head_name,
@@ -21,7 +20,7 @@ from logical_robots_tui.mind.compiling.rules import (
     value_of,
     variable_of,
 )
-from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.similar_names import closest
 from logical_robots_tui.mind.source_text import diagnostic_for
 
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-
-__all__ = ["Signature", "collisions", "given_twice", "signatures", "wrong_calls"]
 
 
 @dataclass(frozen=True, slots=True)

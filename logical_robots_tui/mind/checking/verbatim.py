@@ -6,7 +6,6 @@ import re
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.compiling.rules import (
-    VALUE,
     calls,
     head_name,
     nodes,
@@ -14,6 +13,7 @@ from logical_robots_tui.mind.compiling.rules import (
     text_of,
     value_of,
 )
+from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.source_text import diagnostic_for
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.checking.signatures import Signature
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.diagnostics import Diagnostic
-
-__all__ = ["verbatim"]
 
 _TYPES = (
     *("BIGINT", "BOOL", "BOOLEAN", "DOUBLE", "FLOAT", "FLOAT64", "INT", "INT64", "INTEGER"),

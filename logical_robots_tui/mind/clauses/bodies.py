@@ -21,21 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.why.probing import TermKind
 
-__all__ = [
-    "Names",
-    "TooManyError",
-    "alternatives",
-    "chain_root",
-    "chains",
-    "head_of",
-    "is_denial",
-    "kind_of",
-    "names_of",
-    "parts_of",
-    "plain_text",
-    "values_in",
-]
-
 MOST_CLAUSES = 32
 
 

@@ -16,8 +16,8 @@ from logical_robots_tui.mind.clauses.normal_form import Builder
 from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
 from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, called, head_name, is_aggregate, nodes
-from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.compiling.rules import called, head_name, is_aggregate, nodes
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.why.probing import (
     DECIDED_BY_ONE,
     GIVEN,
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.clauses.functors import Expanded
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
-
-__all__ = ["decompose"]
 
 _ALL = "WhyAll"
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import (
-    VALUE,
     head_name,
     heads,
     predicate_of,
@@ -16,13 +15,12 @@ from logical_robots_tui.mind.compiling.rules import (
     subject,
     value_of,
 )
+from logical_robots_tui.mind.program import VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
-
-__all__ = ["Expanded", "expand", "recursions_written_out", "rename"]
 
 
 @dataclass(frozen=True, slots=True)

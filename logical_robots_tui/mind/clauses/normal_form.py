@@ -34,8 +34,8 @@ from logical_robots_tui.mind.clauses.scopes import (
 )
 from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, variable_of
-from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.compiling.rules import equated, operands, variable_of
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
 
 if TYPE_CHECKING:
@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
     from logical_robots_tui.mind.why.probing import Span
-
-__all__ = ["PROBE", "Builder"]
 
 PROBE = "WhyProbe"
 """The prefix of the queries' names."""

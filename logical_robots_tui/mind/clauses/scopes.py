@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["EVERY_COLUMN", "Scope", "column_name", "combines", "flat", "in_order", "names"]
-
 
 class _EveryColumn:
     """Contains every column name."""

@@ -12,7 +12,6 @@ from logica.parser_py import parse
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 from logical_robots_tui.mind.compiling.rules import (
     COMPARISONS,
-    VALUE,
     equated,
     is_aggregate,
     nodes,
@@ -20,6 +19,7 @@ from logical_robots_tui.mind.compiling.rules import (
     value_of,
     variable_of,
 )
+from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.why.probing import Span
 
 if TYPE_CHECKING:
@@ -27,28 +27,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
-
-__all__ = [
-    "as_expression",
-    "as_part",
-    "asked",
-    "call",
-    "compared",
-    "counted",
-    "equal",
-    "field_of",
-    "fields",
-    "filled",
-    "number",
-    "outer_calls",
-    "parameters",
-    "record",
-    "rule",
-    "span_of",
-    "span_of_text",
-    "text",
-    "variable",
-]
 
 
 def variable(name: str) -> Rule:

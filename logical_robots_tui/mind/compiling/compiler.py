@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.mind.checking import error_messages
-from logical_robots_tui.mind.checking.checks import IGNORED, MAIN, check
+from logical_robots_tui.mind.checking.checks import IGNORED, check
+from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.functors import recursions_written_out
 from logical_robots_tui.mind.compiling import package_patches
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
@@ -48,15 +49,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from logical_robots_tui.mind.compilation import Report
-
-__all__ = [
-    "RobotProgram",
-    "compile_text",
-    "compiled_rules",
-    "plain_rules",
-    "read_rules",
-    "statements_of",
-]
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200

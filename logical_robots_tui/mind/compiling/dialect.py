@@ -10,8 +10,6 @@ from logica.compiler import dialects
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.package_patches import deep_copy
 
-__all__ = ["RobotDialect"]
-
 _COLUMN = re.compile(r"\w+\.\w+")
 _ALWAYS_JSON = (".sensor", ".value")
 

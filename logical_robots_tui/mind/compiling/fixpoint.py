@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
 
-__all__ = ["Fixpoint", "fixpoints", "grows", "growth_check", "with_fixpoints"]
-
 _ABOUT_THE_WHOLE = frozenset({"@Limit", "@OrderBy"})
 
 

@@ -21,16 +21,6 @@ from logica.parser_py import parse
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = [
-    "deep_copy",
-    "install",
-    "mentioned_variables",
-    "replace_variable",
-    "split",
-    "sql_field",
-    "table_name",
-]
-
 _NEVER_CHANGE = {parse.HeritageAwareString, str, int, float, bool, type(None)}
 
 

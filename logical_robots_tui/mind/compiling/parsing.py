@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
 
-__all__ = ["Parsed", "parse_statements", "rewritten", "with_constants"]
-
 _NAME = re.compile(r"[A-Z]\w*")
 
 

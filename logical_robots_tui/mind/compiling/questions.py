@@ -19,7 +19,6 @@ from logical_robots_tui.mind.compiling.compiler import compiled_rules, plain_rul
 from logical_robots_tui.mind.compiling.parsing import parse_statements
 from logical_robots_tui.mind.compiling.rules import (
     CONDITIONS,
-    VALUE,
     fields,
     heads,
     nodes,
@@ -27,7 +26,7 @@ from logical_robots_tui.mind.compiling.rules import (
     variable_of,
 )
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.mind.program import INPUTS, Question
+from logical_robots_tui.mind.program import INPUTS, VALUE, Question
 from logical_robots_tui.mind.source_text import diagnostic_for, prepare
 
 if TYPE_CHECKING:
@@ -35,8 +34,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compiling.rules import Rule
     from logical_robots_tui.mind.source_text import Prepared
-
-__all__ = ["compile_question"]
 
 Gives: TypeAlias = Literal["rows", "value", "truth"]
 

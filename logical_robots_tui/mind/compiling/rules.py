@@ -10,40 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.program import VALUE
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-
-__all__ = [
-    "COMPARISONS",
-    "CONDITIONS",
-    "JUNCTIONS",
-    "TRUTHS",
-    "VALUE",
-    "Rule",
-    "called",
-    "calls",
-    "defined",
-    "equated",
-    "fields",
-    "filled_in",
-    "head_name",
-    "heads",
-    "is_aggregate",
-    "lacking",
-    "mentioned_by_make",
-    "nodes",
-    "operands",
-    "parameters",
-    "predicate_of",
-    "prelude_rules",
-    "reached",
-    "subject",
-    "text_of",
-    "value_of",
-    "variable_of",
-]
 
 _PRELUDE = """
 ->(left:, right:) = {arg: left, value: right};

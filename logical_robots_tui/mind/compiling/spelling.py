@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.mind.clauses import trees
 from logical_robots_tui.mind.compiling.rules import (
     TRUTHS,
-    VALUE,
     fields,
     filled_in,
     head_name,
@@ -24,14 +23,12 @@ from logical_robots_tui.mind.compiling.rules import (
     variable_of,
 )
 from logical_robots_tui.mind.diagnostics import ProgramError
-from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.source_text import diagnostic_for
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compiling.rules import Rule
-
-__all__ = ["TYPES", "spell_out", "written_out"]
 
 TYPES = {
     "BIGINT": "Int",

@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Program, Question, Tuned
     from logical_robots_tui.mind.why.probing import Probing
 
-__all__ = ["main"]
-
 _MOST_DIAGNOSTICS = 100
 _LONGEST_MESSAGE = 1_000
 _MOST_SQL = 4_000_000  # characters of all statements of a program

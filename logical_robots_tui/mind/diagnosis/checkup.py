@@ -11,7 +11,6 @@ from logical_robots_tui.mind.clauses.trees import span_of
 from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
 from logical_robots_tui.mind.compiling.rules import (
     COMPARISONS,
-    VALUE,
     head_name,
     heads,
     nodes,
@@ -22,16 +21,14 @@ from logical_robots_tui.mind.compiling.rules import (
 )
 from logical_robots_tui.mind.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.mind.diagnosis.tracing import Tracer
-from logical_robots_tui.mind.program import INPUTS, Program
+from logical_robots_tui.mind.program import INPUTS, VALUE, Program
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.diagnosis.sites import Span
     from logical_robots_tui.mind.source_text import Prepared
-
-__all__ = ["check_up", "texts_of", "written_fields"]
+    from logical_robots_tui.mind.why.probing import Span
 
 _MOST_PROBES = 400
 

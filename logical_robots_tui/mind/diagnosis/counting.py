@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnosis.sites import Checkup, Column, Probe, Site
     from logical_robots_tui.values import Value
 
-__all__ = ["Count", "RuleCount", "Tally", "is_always_true", "is_true"]
-
 _MOST_VALUES = 60  # compared values that are kept for a place
 
 

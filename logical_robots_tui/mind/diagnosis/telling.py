@@ -14,10 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from logical_robots_tui.mind.diagnosis.counting import Count, Tally
-    from logical_robots_tui.mind.diagnosis.sites import Site, Span
+    from logical_robots_tui.mind.diagnosis.sites import Site
+    from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.values import Value
-
-__all__ = ["Finding", "FindingKind", "Severity", "rule_findings", "shortened"]
 
 FindingKind = Literal[
     "several rows",

@@ -22,17 +22,15 @@ from logical_robots_tui.mind.clauses.trees import (
     filled,
     outer_calls,
 )
-from logical_robots_tui.mind.compiling.rules import VALUE, equated, operands, value_of, variable_of
+from logical_robots_tui.mind.compiling.rules import equated, operands, value_of, variable_of
 from logical_robots_tui.mind.diagnosis.values import ValueTracing, head_value
 from logical_robots_tui.mind.diagnosis.watching import At, Segment, Trail
-from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.program import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.mind.compiling.rules import Rule
-
-__all__ = ["Tracer"]
 
 _LEAVES = ("desire", VALUE)
 """Columns whose ``if`` branches are watched."""

@@ -20,7 +20,6 @@ from logical_robots_tui.mind.clauses.trees import (
 from logical_robots_tui.mind.compiling.rules import (
     CONDITIONS,
     JUNCTIONS,
-    VALUE,
     operands,
     text_of,
     value_of,
@@ -28,14 +27,13 @@ from logical_robots_tui.mind.compiling.rules import (
 )
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.diagnosis.watching import At, Segment, Stands, Trail, Watching
+from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.why.probing import ORDERING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.mind.compiling.rules import Rule
-
-__all__ = ["ValueTracing", "head_value"]
 
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type

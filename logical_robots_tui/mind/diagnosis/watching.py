@@ -8,16 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.mind.clauses.scopes import names
 from logical_robots_tui.mind.clauses.trees import as_part, counted, filled, parameters, span_of
-from logical_robots_tui.mind.compiling.rules import (
-    VALUE,
-    called,
-    equated,
-    nodes,
-    value_of,
-    variable_of,
-)
-from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site, Span
-from logical_robots_tui.mind.program import INPUTS
+from logical_robots_tui.mind.compiling.rules import called, equated, nodes, value_of, variable_of
+from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site
+from logical_robots_tui.mind.program import INPUTS, VALUE
+from logical_robots_tui.mind.why.probing import Span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -25,10 +19,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.clauses.functors import Expanded
     from logical_robots_tui.mind.clauses.scopes import Scope
     from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.diagnosis.sites import Span
     from logical_robots_tui.mind.source_text import Prepared
-
-__all__ = ["PROBE", "At", "Segment", "Sources", "Stands", "Trail", "Watching"]
+    from logical_robots_tui.mind.why.probing import Span
 
 _MOST = 6  # places
 _DEEPEST = 4

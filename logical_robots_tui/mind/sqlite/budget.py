@@ -13,23 +13,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = [
-    "MAX_ITEMS",
-    "MAX_RANGE",
-    "MAX_TEXT",
-    "STEPS_AT_ONCE",
-    "STEPS_OF_A_CALL",
-    "Budget",
-    "Room",
-    "TooLargeError",
-    "Work",
-    "check_items",
-    "check_long",
-    "check_text",
-    "counted",
-    "guarded",
-]
-
 STEPS_AT_ONCE = 20_000
 """Steps of SQLite's virtual machine between two counts: a fifth of a millisecond or more."""
 

@@ -19,15 +19,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.sqlite.layouts import Layout
 
-__all__ = [
-    "BUILT_IN",
-    "Answer",
-    "Database",
-    "Scalar",
-    "TooMuchError",
-    "TooSlowError",
-]
-
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["Radars", "fillings", "whole_ray"]
-
 
 def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     """Return the statements that fill a table with the rows of a moment.

@@ -14,26 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "BUILT_IN",
-    "COLUMNS_LAYOUT",
-    "CROWD_LAYOUT",
-    "ITEMS",
-    "ITEM_FIELDS",
-    "KINDS",
-    "LISTS_LAYOUT",
-    "MEMORY_FIELDS",
-    "NAMED_QUERY",
-    "PLAIN_LAYOUT",
-    "RAYS",
-    "TABLES",
-    "WHOLE_RAY",
-    "Filling",
-    "Layout",
-    "in_blocks",
-    "insert_into",
-]
-
 TABLES = frozenset({"sensor", "memory", "json_each"})
 """Tables that may be read, in lower case."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.values import SensorRow, Value
 
-__all__ = ["LONG", "Moment", "TooHeavyError", "View", "Within"]
-
 
 class View(NamedTuple):
     """Robots that think alike, and the rows of a moment that they see.

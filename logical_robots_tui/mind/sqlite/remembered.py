@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.database import Database
     from logical_robots_tui.mind.sqlite.moment import Moment
 
-__all__ = ["Lists", "items", "memories", "spelled_item"]
-
 _MOST_CHARACTERS = 16_000_000  # in all rows: a memory has one for each robot that sees it
 
 

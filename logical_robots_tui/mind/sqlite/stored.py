@@ -15,17 +15,6 @@ import orjson
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = [
-    "Interner",
-    "Sizes",
-    "TooDeepError",
-    "from_sql",
-    "size_of",
-    "to_input",
-    "to_json",
-    "to_sql",
-]
-
 _DEEPEST = 100
 _LONG = 10_000  # characters
 _LARGEST = 2**63

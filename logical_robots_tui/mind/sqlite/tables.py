@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.layouts import Filling, Layout
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
-__all__ = ["PlainTables", "TunedTables", "UnfitError"]
-
 
 class UnfitError(Exception):
     """The sensors or memories don't have the shape or size that the columns need."""

@@ -15,8 +15,6 @@ from logical_robots_tui.mind.tuning import json, sql
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["grouped_arg_min", "native_arg_min", "native_choice", "native_division", "untangled"]
-
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
 

@@ -21,8 +21,6 @@ from logical_robots_tui.mind.tuning.planning import asked_often
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["for_all_viewers"]
-
 _VIEWER = "t_0_viewer"
 _EVERYBODY = "t_0_everybody"
 

@@ -16,19 +16,6 @@ from logical_robots_tui.mind.tuning import sql
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = [
-    "RAY_FIELDS",
-    "SENSOR_FIELDS",
-    "TABLES",
-    "bound_to_viewer",
-    "is_input",
-    "one_alias_per_robot",
-    "rays_as_rows",
-    "read_by",
-    "sensor_fields_as_columns",
-    "whole_rays_when_wanted",
-]
-
 SENSOR_FIELDS = {
     "$.forward_distance": "forward_distance",
     "$.forward_object": "forward_object",

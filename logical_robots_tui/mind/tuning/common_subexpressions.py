@@ -26,8 +26,6 @@ from logical_robots_tui.mind.tuning import json, sql
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["is_shared", "rows_as_they_come", "shared"]
-
 _NAME = "t_0_shared"
 
 _SUBQUERY_WEIGHT = 100

@@ -13,17 +13,6 @@ from sqlglot import exp
 from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, MEMORY_FIELDS
 from logical_robots_tui.mind.tuning import columns, sql
 
-__all__ = [
-    "is_plain",
-    "is_stored",
-    "marked",
-    "native_numbers",
-    "remarked",
-    "taken_out",
-    "truth",
-    "truth_in",
-]
-
 _CHEAP = frozenset({"abs", "atan2", "cos", "sin", "sqrt"})
 _WRITTEN = frozenset({"real_as_json", "value_as_json"})
 _MAKES_JSON = frozenset({"json_array", "json_object", "json_quote"})

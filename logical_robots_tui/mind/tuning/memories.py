@@ -14,8 +14,6 @@ from logical_robots_tui.mind.tuning import json, sql
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping, Sequence
 
-__all__ = ["Known", "guarded_field", "items_as_rows", "memory_fields_as_columns", "named_fields"]
-
 
 @dataclass(frozen=True, slots=True)
 class Known:

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.tuning.memories import Known
 
-__all__ = ["PASSES", "Pass", "Rewriting"]
-
 
 @dataclass(slots=True)
 class Rewriting:

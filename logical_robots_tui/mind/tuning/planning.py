@@ -23,15 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from collections.abc import Set as AbstractSet
 
-__all__ = [
-    "asked_often",
-    "computed_once",
-    "found_by_number",
-    "indexed_where_lists_are_joined",
-    "looked_up",
-    "memories_by_name",
-]
-
 _ZERO = "t_0_zero"
 _KINDS = frozenset(table.lower() for table in KINDS)
 

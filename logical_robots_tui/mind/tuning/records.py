@@ -18,8 +18,6 @@ from logical_robots_tui.mind.tuning.memories import guarded_field
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-__all__ = ["pairs_as_columns", "records_as_columns"]
-
 _MOST_COLUMNS = 60
 _WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out for each field is dear
 

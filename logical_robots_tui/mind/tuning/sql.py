@@ -14,25 +14,6 @@ from sqlglot.dialects.sqlite import SQLite
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-__all__ = [
-    "AGGREGATES",
-    "call_name",
-    "columns_of",
-    "conjuncts",
-    "drop_condition",
-    "drop_source",
-    "extracted",
-    "own_aggregates",
-    "parse",
-    "read_after",
-    "restrict",
-    "source",
-    "sources",
-    "table_name",
-    "written",
-]
-
-
 _NEED_NO_PARENTHESES = (
     *(exp.Anonymous, exp.Boolean, exp.Case, exp.Column, exp.Literal, exp.Null, exp.Paren),
     exp.Subquery,

@@ -25,18 +25,6 @@ from logical_robots_tui.mind.typed.kinds import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "as_decimal",
-    "call",
-    "called",
-    "cast",
-    "compared",
-    "conform",
-    "contained",
-    "extracted",
-    "made_json",
-]
-
 
 def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
     """Return a call of a function."""

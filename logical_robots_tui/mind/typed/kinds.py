@@ -15,23 +15,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = [
-    "MOST_DIGITS",
-    "Decimal",
-    "Kind",
-    "ListOf",
-    "Plain",
-    "RecordOf",
-    "common",
-    "digits",
-    "is_known",
-    "is_nested",
-    "is_number",
-    "is_whole",
-    "spelled",
-    "unspelled",
-]
-
 
 class Plain(Enum):
     """Types without parts."""

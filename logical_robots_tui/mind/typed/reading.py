@@ -23,8 +23,6 @@ from logical_robots_tui.mind.typed.results import SENSOR, given_by, product_of, 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Reader"]
-
 Columns: TypeAlias = "dict[str, Kind]"
 
 _INPUTS: Mapping[str, Columns] = {

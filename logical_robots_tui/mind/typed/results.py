@@ -20,8 +20,6 @@ from logical_robots_tui.mind.typed.kinds import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["RAY", "SENSOR", "given_by", "product_of", "sum_of"]
-
 _FIELDS = {
     "angle": Plain.REAL,
     "battery_capacity": Plain.REAL,

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST_ROWS", "Derivations", "Derived", "Row", "Stages", "checked", "is_aggregated"]
-
 MOST_ROWS = 1_000
 """Where counting rows ends."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST_ELEMENTS", "Telling", "counted", "decided", "denied", "shown", "value_of"]
-
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
 _TOLD_ELEMENTS = 40  # with where they come from

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.sourcing import Made, Path
     from logical_robots_tui.values import Value
 
-__all__ = ["Explainer"]
-
 
 class Explainer:
     """Explains what one robot thinks at one moment.

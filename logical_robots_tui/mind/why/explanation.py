@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.values import Value
 
-__all__ = ["Ask", "Explanation", "Node", "Proof", "RuleFound"]
-
 
 @dataclass(frozen=True, slots=True)
 class Ask:

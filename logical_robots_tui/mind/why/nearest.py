@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Way
     from logical_robots_tui.values import Value
 
-__all__ = ["MOST", "Nearest", "Suggestion"]
-
 MOST = 5
 """The most suggestions for a rule."""
 

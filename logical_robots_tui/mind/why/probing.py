@@ -13,25 +13,6 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = [
-    "DECIDED_BY_ONE",
-    "GIVEN",
-    "LOWER",
-    "ORDERING",
-    "ROWS",
-    "Body",
-    "Call",
-    "Clause",
-    "Collected",
-    "Probing",
-    "RuleParts",
-    "Span",
-    "Step",
-    "Term",
-    "TermKind",
-    "with_given",
-]
-
 GIVEN = "WhyGiven"
 """The table of the values that are given, one row."""
 

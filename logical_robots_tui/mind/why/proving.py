@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Way
     from logical_robots_tui.values import Value
 
-__all__ = ["Prover", "unfold"]
-
 
 class Prover:
     """Explains rows of predicates for one robot at one moment."""

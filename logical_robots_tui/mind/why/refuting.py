@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Relations, Way
     from logical_robots_tui.values import Value
 
-__all__ = ["Refuting", "Stop"]
-
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
 

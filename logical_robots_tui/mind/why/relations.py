@@ -21,15 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
     from logical_robots_tui.values import Value
 
-__all__ = [
-    "ALIKE",
-    "SAME",
-    "Relations",
-    "Way",
-    "alike",
-    "same",
-]
-
 SAME = "why_same"
 """The function for whether two values are the same, in queries."""
 

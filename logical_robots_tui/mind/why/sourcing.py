@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.relations import Way
     from logical_robots_tui.values import Value
 
-__all__ = ["Made", "Path", "Read", "source_of"]
-
 Path: TypeAlias = "tuple[str | int, ...]"
 """The way to a part of a value: names of fields and places in lists."""
 

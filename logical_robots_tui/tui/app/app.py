@@ -42,8 +42,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.world import Level
 
-__all__ = ["LogicalRobotsApp", "play"]
-
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 
 _TWICE = 2.0  # seconds between two presses that are meant as one wish

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.app.ui import Work
 
-__all__ = ["ScreenUi", "in_background"]
-
 Result = TypeVar("Result")
 
 

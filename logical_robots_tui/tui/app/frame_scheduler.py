@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Pace
 
-__all__ = ["FrameRate", "FrameScheduler", "processor_times"]
-
 _SCHEDULE = Path("/proc/thread-self/schedstat")
 _USUAL = 0.3  # seconds waited per second of computing on an idle machine
 _LEAVE = 0.02  # seconds between pictures, for each second waited per second of computing

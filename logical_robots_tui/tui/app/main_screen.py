@@ -61,8 +61,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
-__all__ = ["MainScreen"]
-
 _HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
 _READABLE = 0.2  # seconds that a number stays while robots run
 

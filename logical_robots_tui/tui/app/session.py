@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
     Going = Callable[[Game], Coroutine[Any, Any, object]]
 
-__all__ = ["Session"]
-
 
 class Session:
     """One level under one program at a time; another level starts a new game.

@@ -18,16 +18,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "Movement",
-    "OpenLevel",
-    "ProgramState",
-    "ProgramText",
-    "SessionListener",
-    "TeamSources",
-    "nothing",
-]
-
 
 class OpenLevel:
     """One level in its three versions, from opening it until another is opened.

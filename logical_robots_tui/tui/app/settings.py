@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 
     Complain: TypeAlias = Callable[[str, str], None]
 
-__all__ = ["Settings", "as_toml", "read_settings", "settings_path"]
-
 _MOST_FRAMES = 60
 _LONGEST = 100_000  # bytes of the file
 _ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")

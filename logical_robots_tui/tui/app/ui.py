@@ -9,8 +9,6 @@ if TYPE_CHECKING:
 
     from textual.screen import Screen
 
-__all__ = ["Permissions", "Spawn", "Ui", "Work"]
-
 Result = TypeVar("Result")
 
 Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     Act = TypeVar("Act", bound=Callable[[Any], object])
 
-__all__ = ["CHARACTERS", "Command", "Group", "key_name"]
-
 Place: TypeAlias = Literal["anywhere", "editor", "outside"]
 """Where the command bar offers a command: always, only in the text editor, only outside of it."""
 

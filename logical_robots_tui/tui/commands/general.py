@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.commands.help import Subject
 
-__all__ = ["general", "looking"]
-
 looking = Group("View")
 
 

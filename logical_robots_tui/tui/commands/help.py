@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.commands.command import Command
 
-__all__ = ["CommandProvider", "EditingProvider", "Help", "Palette", "Subject"]
-
 _INSPECTOR_SIGNS = (
     ("◂", "an input: what the world gives the program"),
     ("•", "a predicate of the program, with its line"),

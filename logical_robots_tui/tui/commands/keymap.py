@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.commands.command import Command, Scope
 
-__all__ = ["KEY_MAP", "KeyMap", "command", "commands", "key_from", "with_keys"]
-
 
 class KeyMap:
     """All commands, with their keys.

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.level_editor.mode import EditMode
 
-__all__ = ["editing", "levels"]
-
 levels = Group("Making levels")
 
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.program.editor import Editor
 
-__all__ = ["learning", "program", "writing"]
-
 program = Group("Program and level")
 
 

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
-__all__ = ["rows"]
-
 _NO_PIN = (
     "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
     "column tells from the rest; then pin it."

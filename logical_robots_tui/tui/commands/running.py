@@ -9,8 +9,6 @@ from logical_robots_tui.tui.commands.command import Group
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
 
-__all__ = ["running", "time"]
-
 _LEAP = 10  # ticks
 
 running = Group("Running")

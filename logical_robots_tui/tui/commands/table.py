@@ -8,8 +8,6 @@ from logical_robots_tui.tui.commands.program import learning, program, writing
 from logical_robots_tui.tui.commands.rows import rows
 from logical_robots_tui.tui.commands.running import running, time
 
-__all__ = ["COMMANDS", "GROUPS"]
-
 GROUPS = (running, time, program, learning, levels, editing, looking, rows, general, writing)
 """In the order of the help."""
 

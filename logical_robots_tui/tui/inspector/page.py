@@ -30,18 +30,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
-__all__ = [
-    "NO_PROGRAM",
-    "BackgroundQuery",
-    "Cancelled",
-    "Page",
-    "Placed",
-    "Sighted",
-    "definition",
-    "progress",
-    "sight",
-]
-
 NO_PROGRAM = "There is no program to query yet."
 
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.page import Page
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["Pages"]
-
 
 class Pages:
     """The pages, each under its name in the list.

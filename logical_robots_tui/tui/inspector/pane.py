@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.widgets.row_order import Arrangement
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
-__all__ = ["InspectorPane"]
-
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
 _ROOMY = 150  # columns of the inspector from which a page and the robot stand side by side

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Program, QueryPlan
 
-__all__ = ["Graph", "GraphView", "joint", "query_plan_text"]
-
 _USERS, _MIDDLE, _USED = 0, 1, 2
 _JOINTS = {
     "": " ", "e": "─", "w": "─", "ew": "─", "ns": "│", "n": "│", "s": "│",

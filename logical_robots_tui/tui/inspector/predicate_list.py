@@ -17,18 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
     from logical_robots_tui.tui.inspector.questions import Survey
 
-__all__ = [
-    "ASK",
-    "DECISION",
-    "DIAGNOSIS",
-    "MARKS",
-    "ORIGIN",
-    "ROBOTS",
-    "WATCH",
-    "WHY",
-    "PredicateList",
-]
-
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
 DIAGNOSIS, ORIGIN = "(diagnosis)", "(origin)"
 """The pages; no predicate can have these names. ORIGIN is not in the list."""

@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["MOST_ROBOTS", "Questions", "Survey"]
-
 MOST_ROBOTS = 100
 """With more robots, replaying a past tick would hold up the screen."""
 

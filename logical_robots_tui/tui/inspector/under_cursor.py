@@ -17,15 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
-__all__ = [
-    "MemoryPart",
-    "branches_here",
-    "branches_of",
-    "memory_in_proof",
-    "memory_of",
-    "pin_here",
-]
-
 _OF_A_ROBOT = (ROBOTS, DECISION, WHY)
 
 

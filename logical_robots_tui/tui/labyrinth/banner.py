@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
-__all__ = ["Overlay", "VictoryBanner"]
-
 _OFFERS = (
     ("next level", "next_level"),
     ("again", "restart"),

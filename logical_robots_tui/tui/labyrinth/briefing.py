@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.view import LabyrinthView
     from logical_robots_tui.world import Level
 
-__all__ = ["Briefing", "least_covering"]
-
 
 class Briefing(Overlay):
     """The briefing at the start, until the game runs or the player closes it.

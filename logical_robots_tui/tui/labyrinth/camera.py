@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.world.level import Level
 
-__all__ = ["ZOOMS", "Camera", "Overlay", "Sight"]
-
 ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
 """Zoom factors; at 1 the whole labyrinth fits."""
 

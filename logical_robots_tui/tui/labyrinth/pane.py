@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import Level, Robot, RobotState
 
-__all__ = ["LabyrinthPane", "RobotCard"]
-
 
 class LabyrinthPane(Pane, can_focus=True):
     """Shows the world at the tick on the screen."""

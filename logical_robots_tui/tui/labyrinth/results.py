@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world.level import SecondGoal
 
-__all__ = ["brief", "goal_lines", "results_lines", "scale_lines"]
-
 _TITLES = ("ticks", "rules", "distance", "robust")
 _WIDTHS = (9, 7, 10, 11)
 _LABEL = 11

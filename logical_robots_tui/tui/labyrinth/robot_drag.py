@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import RobotState
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["Grip", "RobotPointed", "RobotPut", "robot_near"]
-
 _PICK_REACH = 2.5
 """Columns beside a robot within which it is picked."""
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     Point = tuple[float, float]
 
-__all__ = ["svg"]
-
 _FONT = "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace"
 _FONT_SIZE = 12  # map units
 

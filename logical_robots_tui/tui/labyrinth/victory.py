@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
 
-__all__ = ["VictoryAnnouncer"]
-
 _BLOCKED = f"stuck: blocked for {STUCK_AFTER} ticks."
 _AGAIN = f"in circles: {ROUNDS} times the same way."
 _TROUBLE: dict[MarkKind, tuple[str, str]] = {

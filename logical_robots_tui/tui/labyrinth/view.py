@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import RobotState
     from logical_robots_tui.world.level import Level
 
-__all__ = ["LabyrinthView"]
-
 _CROWD = 30  # robots from which their light is left out while an overlay is drawn
 _BEAT = 0.35  # seconds between changes of a beacon's brightness while the robots run
 

@@ -11,17 +11,6 @@ from textual.geometry import Size
 if TYPE_CHECKING:
     from logical_robots_tui.tui.layout.pane import Pane
 
-__all__ = [
-    "LEAST_HEIGHT",
-    "LEAST_WIDTH",
-    "Arrangement",
-    "Grid",
-    "Layout",
-    "Shares",
-    "grid_for",
-    "layout_for",
-]
-
 LEAST_WIDTH, LEAST_HEIGHT = 40, 12
 _WIDE_FROM = (110, 24)
 _TALL_FROM = 46

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.commands.command import Command
 
-__all__ = ["CommandBar", "CommandChosen", "Labels", "PaneTabs"]
-
-
 _GAP = 2
 _WHILE_EDITING = ("run", "help")
 

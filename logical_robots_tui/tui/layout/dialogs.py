@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
-__all__ = ["ClosedOnce", "Dialog", "Find", "LinePrompt", "Listing", "Prompt", "Question", "Search"]
-
 Result = TypeVar("Result")
 
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from textual.geometry import Offset
     from textual.widget import Widget
 
-__all__ = ["Pane"]
-
 
 class Pane(Container):
     """A part of the screen with a title; the same instance is used in every layout.

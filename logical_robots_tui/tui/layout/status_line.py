@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Goal
     from logical_robots_tui.tui.app.session import Session
 
-__all__ = ["Status", "StatusLine", "status_of"]
-
 Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]
 
 _LONG = 2.0  # seconds of thinking

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
-__all__ = ["LearningController"]
-
 
 class LearningController:
     """The learning commands for the current level."""

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.widget import Widget
 
-__all__ = ["Hints", "Reader", "coloured", "markdown"]
-
 
 class Reader(Dialog[None]):
     """A long text to scroll."""

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.layout.arrangement import Arrangement
     from logical_robots_tui.tui.layout.pane import Pane
 
-__all__ = ["STOPS", "Stop", "Tour", "TourController"]
-
 
 @dataclass(frozen=True, slots=True)
 class Stop:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
 
-__all__ = ["LevelEditing"]
-
 
 class LevelEditing(SessionListener):
     """Starts and ends level editing."""

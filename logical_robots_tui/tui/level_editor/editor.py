@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.world import Level, WorldState
 
-__all__ = ["LevelEditor", "Stroke", "handle_of", "reach_of"]
-
 TURN = math.radians(15)
 _NEW_RADIUS = 30.0  # map units, of an area that is placed without dragging
 _LEAST_RADIUS = 2.0

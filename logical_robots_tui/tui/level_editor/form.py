@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-__all__ = ["Choice", "Field", "Flag", "Form", "Lines", "Number", "Text", "Ticks"]
-
 
 class Text(Input):
     """A text."""

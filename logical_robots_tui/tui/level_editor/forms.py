@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.level_editor.form import Field
     from logical_robots_tui.world.changing import Pose
 
-__all__ = ["FindingList", "LevelForm", "NewLevelForm", "ThingForm", "ask_for_level"]
-
 _COLOURS = (
     *("red", "orange", "gold", "yellow", "lime", "green", "teal", "cyan", "skyblue", "royalblue"),
     *("purple", "violet", "magenta", "pink", "brown", "white", "gray", "black"),

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Spawn, Ui
     from logical_robots_tui.world import Level
 
-__all__ = ["EditMode", "EditView", "GameSync"]
-
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is checked
 _COARSEST = 10  # map units of the default grid, at most

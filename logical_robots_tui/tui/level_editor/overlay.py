@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
-__all__ = ["mark"]
-
 _LEAST_COLUMNS = 4  # between two dots of the grid
 _UNSEEN = 28  # of 255, the largest difference of a cell's two colours that looks even
 _ACCENT: RGB = (255, 180, 84)

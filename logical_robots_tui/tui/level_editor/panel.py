@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
     from logical_robots_tui.tui.level_editor.mode import EditMode
 
-__all__ = ["EditPanel"]
-
 _BACK_FROM_TEST = ("test", "stop_editing")
 _FAR = 8  # cursor steps with shift
 _WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}

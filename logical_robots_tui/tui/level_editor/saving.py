@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.level_editor.mode import EditMode
 
-__all__ = ["SaveLevel", "ask_to_throw_away", "ask_what_to_keep", "save", "save_as"]
-
 
 async def save(mode: EditMode) -> bool:
     """Save a level in its file, or under a new name if it has none; return whether it was saved."""

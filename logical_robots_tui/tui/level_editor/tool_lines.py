@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.level_text import Thing
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
-__all__ = ["InfoLine", "ToolLine"]
-
 _CHOSEN = "$here-ink on $here"
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 
-__all__ = ["GRIDS", "PAINTING", "PLACING", "WIDTHS", "Settings", "Tool"]
-
 
 class Tool(Enum):
     """What the mouse button does; the values are names of commands."""

@@ -31,15 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
     from logical_robots_tui.world import Level
 
-__all__ = [
-    "LINES_AROUND",
-    "SIGNS",
-    "LevelCard",
-    "card_strips",
-    "miniature",
-    "shipped_level",
-]
-
 LINES_AROUND = 4
 """Lines of a card without the picture: two of the frame, the idea and the results."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
 
-__all__ = ["LevelCards"]
-
 _LEAST_WIDTH = 36
 _TALL_FROM = 30
 _ROWS, _TALL_ROWS = 6, 8

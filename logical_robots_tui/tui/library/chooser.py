@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Source
     from logical_robots_tui.progress import Version
 
-__all__ = ["Card", "Chooser", "ProgramShelf", "Shelf", "VersionShelf", "is_path"]
-
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 

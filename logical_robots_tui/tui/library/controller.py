@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.levels.labyrinths import DailySize
 
-__all__ = ["LibraryController"]
-
 
 class LibraryController:
     """Changes the level and program of a session without losing unsaved text."""

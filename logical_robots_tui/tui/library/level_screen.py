@@ -36,9 +36,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
-__all__ = ["LevelScreen", "NewLevel", "own_levels"]
-
-
 _ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
 
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.level import SecondGoal
 
-__all__ = ["THEME", "TOUR", "ProgressRecorder"]
-
 THEME, TOUR = "theme", "tour"
 """Facts in the player's record: which theme was chosen, and that the tour is over."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-__all__ = ["SaveAs", "SaveDialog"]
-
 
 class SaveDialog(Dialog[Result]):
     """Asks for a name and saves; a second enter replaces a file. Returns what was saved."""

@@ -22,19 +22,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.source_text import Prepared
 
-__all__ = [
-    "NAMES",
-    "Completion",
-    "Place",
-    "Word",
-    "begun",
-    "call_before",
-    "definitions",
-    "help_on",
-    "word_around",
-    "words_for",
-]
-
 
 class Word(NamedTuple):
     """A word to insert.

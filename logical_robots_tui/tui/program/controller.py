@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Permissions, Ui
     from logical_robots_tui.tui.program.pane import ProgramPane
 
-__all__ = ["FileWatch", "ProgramController", "edited"]
-
 _LONGEST = 30
 
 

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from textual.theme import Theme
     from textual.widgets.text_area import Edit, EditResult
 
-__all__ = ["Editor"]
-
 _A_PASTE = 0.005
 """Keys that follow each other faster, in seconds, were not typed."""
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")

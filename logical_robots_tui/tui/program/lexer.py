@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["KEYWORDS", "LineStates", "Piece", "State", "pieces"]
-
 State = str
 """The state at the start of a line: "", ``/*`` (a comment) or three quotes (a long string)."""
 

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Diagnostic
 
-__all__ = ["MistakeStrip", "marked"]
-
 _MOST_SHOWN = 3
 _LONGEST = 400
 

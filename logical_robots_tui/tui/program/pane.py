@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
     from logical_robots_tui.tui.app.session_state import ProgramState
 
-__all__ = ["ProgramPane"]
-
 
 class ProgramPane(Pane):
     """Shows and edits the text of the current program."""

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["TeamChoice", "TeamTabs"]
-
 _LONGEST = 16
 
 

@@ -10,16 +10,6 @@ from logical_robots_tui.tui.program.lexer import LineStates, pieces
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = [
-    "WIDTH",
-    "find_after",
-    "followed",
-    "indentation_after",
-    "is_predicate_name",
-    "rename",
-    "shifted",
-]
-
 
 def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -> list[int | None]:
     """Return the new places of some lines after a change of the text, all from 0.

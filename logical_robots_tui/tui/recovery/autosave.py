@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.ui import Ui
 
-__all__ = ["Autosave", "Unsaved", "leave", "program_draft"]
-
 State = TypeVar("State")
 
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.layout.dialogs import Question
     from logical_robots_tui.world import Level
 
-__all__ = ["Bookmark", "Offering", "Offers", "offer", "short_name", "when_saved"]
-
 Found = TypeVar("Found")
 
 _NOTICING = 0.7

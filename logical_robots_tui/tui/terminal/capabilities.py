@@ -9,8 +9,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 
-__all__ = ["assume_colours", "drawing_for", "may_use_mouse"]
-
 _TRUECOLOR = ("alacritty", "contour", "foot", "ghostty", "kitty", "mintty", "rio", "wezterm")
 """Terminals with true colour; sshd passes their name on, but not COLORTERM."""
 

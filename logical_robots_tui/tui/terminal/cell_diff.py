@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from rich.style import Style
     from textual.geometry import Region
 
-__all__ = ["Cell", "Difference", "Look", "look_of", "reduced"]
-
 _CLOSE = 3
 """Equal cells between two changed ones that are cheaper to rewrite than to skip."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
-__all__ = ["BugReport", "CrashSafeApp", "end_on_hangup"]
-
 _RESERVE = 16 * 1024**2
 """Bytes of address space reserved for ending cleanly when out of memory."""
 

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from textual.geometry import Region
     from textual.screen import Screen
 
-__all__ = ["ASK", "DiffApp", "Line"]
-
 ASK = "\x1b[6n"
 """Asks a terminal for its cursor position; it answers after everything sent before."""
 

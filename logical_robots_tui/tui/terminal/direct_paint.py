@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
 
-__all__ = ["PaintTarget", "paint_target_of", "repaint"]
-
 
 class PaintTarget:
     """A widget's place on the terminal.

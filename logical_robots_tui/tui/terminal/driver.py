@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from textual.message import Message
 
-__all__ = ["LARGEST", "ListeningDriver", "UnbracketedPasteDetector"]
-
 LARGEST = (1000, 400)
 """Columns and lines of the largest screen that is drawn."""
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from textual.message import Message
 
-__all__ = ["MOST_PASTED", "InputFilter", "Pasted", "TolerantParser"]
-
 MOST_PASTED = 1_000_000
 """Most characters of one paste; the rest is dropped. A program may have a fifth of that."""
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from textual.message_pump import MessagePump
     from textual.screen import Screen
 
-__all__ = ["KeyQueue"]
-
 _LONGEST = 0.5  # seconds that a key may delay the next ones
 _ROUNDS = 3  # rounds of the event loop after which a worker has opened its dialog
 

@@ -21,15 +21,6 @@ if TYPE_CHECKING:
     from textual.strip import Strip
     from textual.widget import Widget
 
-__all__ = [
-    "characters_by_key",
-    "handle_exception",
-    "has_active_app",
-    "is_being_removed",
-    "mark_rendered_stale",
-    "rendered_lines",
-]
-
 
 def has_active_app() -> bool:
     """Return whether code runs within an app, so that themes are available."""

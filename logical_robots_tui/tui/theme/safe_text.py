@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import unicodedata
 
-__all__ = ["clip", "one_line", "visible", "visible_lines"]
-
 _PICTURES = {code: 0x2400 + code for code in range(32)} | {0x7F: 0x2421}
 _PICTURES |= dict.fromkeys(range(0x80, 0xA0), 0xFFFD)
 _KEEP_TABS = {code: picture for code, picture in _PICTURES.items() if code != 0x09}

@@ -21,19 +21,6 @@ from logical_robots_tui.tui.terminal.textual_internals import has_active_app
 if TYPE_CHECKING:
     from rich.style import Style as RichStyle
 
-__all__ = [
-    "INK",
-    "NIGHT",
-    "SYNTAX",
-    "THEMES",
-    "Ink",
-    "colours_in",
-    "contrast",
-    "palette_of",
-    "rich_style",
-    "robot_ink",
-]
-
 _READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
 """Contrasts (WCAG 2) of text, secondary text, lines, and shades."""
 

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.world import Level
 
-__all__ = ["BreakpointForm", "BreakpointList"]
-
 _NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
 
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
 
-__all__ = ["Search", "TimelineController"]
-
 _SOUGHT: tuple[MarkKind, ...] = (
     "victory",
     "breakpoint",

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.divergence import Matter
     from logical_robots_tui.mind import Node
 
-__all__ = ["DivergencePage", "derivation", "told"]
-
 _LONGEST = 600  # characters of a value
 _LONGEST_TEXT = 160  # of a piece of a program
 _LONGEST_ARGUMENT = 24

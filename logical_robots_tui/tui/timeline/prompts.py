@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.layout.dialogs import Dialog
 
-__all__ = ["QuestionCheck", "QuestionPrompt", "TickPrompt", "tick_of"]
-
 READING = "Reading the question…"
 
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.world import Level
 
-__all__ = ["Replays", "level_of", "sources_of"]
-
 
 def level_of(replay: Replay) -> Level:
     """Return the level in which a replay begins: a shipped one if it is the same."""

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
 
-__all__ = ["DIVERGENCE", "SIGNS", "TRACKS", "Scale", "Span", "Timeline", "track"]
-
 SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "victory": ("★", f"bold {INK.key}", "victory"),
     "breakpoint": ("◉", f"bold {INK.bad}", "a breakpoint was hit"),

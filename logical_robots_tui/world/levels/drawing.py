@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.levels.fields import Fields
 
-__all__ = ["coarsest_cell", "draw_rows", "expresses", "find_drawing", "read_drawing"]
-
 _WALL = ord("#")
 _STRANGE = re.compile(r"[^#. ]")
 _DIGIT = re.compile(r"\d")

@@ -19,8 +19,6 @@ from logical_robots_tui.world.levels.limits import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
 
-__all__ = ["Fields", "check_robot_names"]
-
 _T = TypeVar("_T")
 
 _COLOR = re.compile(r"#[0-9a-fA-F]{3}(?:[0-9a-fA-F]{3})?|[A-Za-z]{3,30}")

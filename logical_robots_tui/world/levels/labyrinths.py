@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["DAILY_SIZES", "Daily", "DailySize", "empty_room", "labyrinth"]
-
 _LEAST_CORRIDOR = 20  # map units; a robot is 18 wide
 _LARGEST_GOAL = 40.0
 

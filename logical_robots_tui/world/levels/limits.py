@@ -11,17 +11,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = [
-    "LONGEST_NAME",
-    "LONGEST_TEXT",
-    "MOST_BYTES",
-    "MOST_OF_A_KIND",
-    "MOST_OF_A_NUMBER",
-    "MOST_SIDE",
-    "excess_of_json",
-    "excess_of_toml",
-]
-
 _MOST_BESIDES = 4_000_000  # characters outside long literal strings such as a drawing
 _MOST_LITERALS = 10_000
 _MOST_OF_TOML = {"=": 60_000, "[": 60_000, "{": 30_000, ",": 300_000, "\n": 300_000, '"': 300_000}

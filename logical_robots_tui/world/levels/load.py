@@ -12,19 +12,6 @@ from logical_robots_tui.world.levels.limits import MOST_BYTES
 from logical_robots_tui.world.levels.native import read_native
 from logical_robots_tui.world.levels.web import read_web
 
-__all__ = [
-    "NATIVE",
-    "SUFFIXES",
-    "WEB",
-    "is_of_web",
-    "list_arenas",
-    "list_levels",
-    "list_shipped",
-    "load_level",
-    "read_level",
-    "read_text",
-]
-
 NATIVE, WEB = SUFFIXES = (".toml", ".json")
 """The file name endings of this game and of the web platform."""
 

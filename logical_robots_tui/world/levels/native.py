@@ -29,17 +29,6 @@ from logical_robots_tui.world.levels.limits import excess_of_toml
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = [
-    "Words",
-    "misfits",
-    "oddities",
-    "read_area",
-    "read_beacon",
-    "read_native",
-    "read_robot",
-    "read_words",
-]
-
 _TOP_KEYS = (
     "title",
     "lenient",

@@ -23,8 +23,6 @@ from logical_robots_tui.world.levels.limits import LONGEST_NAME, excess_of_json
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["read_web"]
-
 _WALL = ord("1")
 
 

@@ -19,8 +19,6 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["AGGREGATES"]
-
 
 class _Collect:
     """An aggregate that collects values in a list; null if there are none, as in DuckDB."""

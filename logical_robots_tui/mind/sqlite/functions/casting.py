@@ -16,8 +16,6 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["to_text", "try_cast", "try_cast_like"]
-
 _LARGEST = 2**63  # above all of SQLite's integers
 
 

@@ -40,8 +40,6 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["NAMES", "install"]
-
 _MOST_COMPARED = 16  # arguments of Least and Greatest
 
 

@@ -15,8 +15,6 @@ from logical_robots_tui.mind.sqlite.budget import TooLargeError, check_text
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["REPLACED", "decimal_to_text", "formatted", "lower", "round_to", "upper"]
-
 _DIRECTIVE = re.compile(r"%([-+ 0#]*)(\d*)(?:\.(\d*))?[hlLqjzt]*(.)", re.DOTALL)
 _WHOLE = frozenset("diuoxXc")
 _REAL = frozenset("eEfFgG")

@@ -12,21 +12,6 @@ from logical_robots_tui.mind.sqlite.stored import to_input
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = [
-    "ENDLESS",
-    "Scalar",
-    "bounded",
-    "compared",
-    "element",
-    "in_json",
-    "in_order",
-    "list_in",
-    "order",
-    "order_of_scalar",
-    "real_as_json",
-    "value_as_json",
-]
-
 Scalar: TypeAlias = "int | float | str | None"
 
 ENDLESS = "9.0e+999"

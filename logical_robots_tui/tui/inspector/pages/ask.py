@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["AskPage", "QueryLine"]
-
 _INPUT_COLUMNS = ("robot_name", "sensor", "memory")
 _HISTORY_SIZE = 100
 _LAST_WORD = re.compile(r"[A-Za-z_]\w*$")

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.values import Value
 
-__all__ = ["DecisionPage", "decision_lines"]
-
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
 _LONGEST = 400

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["DiagnosisPage"]
-
 _START = "(start)"
 _EVERY = 10  # ticks between two progress reports
 

@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Questions
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
 
-__all__ = ["LinksView", "OriginPage", "link_lines"]
-
 _STALE = "The robots went into another future since then. {origin} on a value asks again."
 _INDENT = "    "
 _SHOWN_READS = 5

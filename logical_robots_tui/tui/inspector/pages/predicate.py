@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions, Survey
 
-__all__ = ["PredicatePage"]
-
 
 class PredicatePage(Page):
     """The rows of a predicate; of a function, its calls."""

@@ -17,7 +17,7 @@ from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
-from logical_robots_tui.world.sensing import SENSOR_RANGE
+from logical_robots_tui.world.rays import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.questions import Questions
     from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
     from logical_robots_tui.world import Level, RobotState
-
-__all__ = ["RobotsPage", "RobotsView", "radar_strip"]
 
 _CHOSEN = "on $row"
 

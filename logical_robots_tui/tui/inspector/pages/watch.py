@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["WatchPage", "WatchView"]
-
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
     "chosen robot's memory; in the tree of a value it pins a part."

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 
-__all__ = ["WhyPage"]
-
 _LONGEST_ARGUMENT = 24
 
 

@@ -12,8 +12,6 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
-__all__ = ["FULL", "cell", "is_number", "written"]
-
 FULL = 20_000
 """Characters after which even the full view of a value ends."""
 

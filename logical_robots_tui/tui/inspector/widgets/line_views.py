@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.content import Content
 
-__all__ = ["CursorView", "LinesView"]
-
 _CURSOR = "on $here"
 _CURSOR_OF_16 = "$here-ink on $here"
 _END = 1_000_000

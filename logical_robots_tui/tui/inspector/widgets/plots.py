@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from textual.content import Content
 
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.world.sensing import SENSOR_RANGE
+from logical_robots_tui.world.rays import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Any
-
-__all__ = ["BARS", "OBJECT_INKS", "Sample", "radar_plot", "scale", "sparkline"]
 
 _BRAILLE = 0x2800
 _DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Node
     from logical_robots_tui.values import Value
 
-__all__ = ["MARKER_WIDTH", "ProofLine", "ProofTree", "guides", "line_content"]
-
 _GUIDE = "│ "  # for each node above a line
 _GUIDES_SHARE = 3  # guides take a third of a line at most
 _EXPANDED, _COLLAPSED, _LEAF = "▾ ", "▸ ", "  "

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind import Ask, Node
 
-__all__ = ["WhyView"]
-
 
 class WhyView(CursorView):
     """A proof. Only visible lines are rendered, however many there are.

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.values import Value
 
-__all__ = ["Arrangement", "Row", "Rows", "arranged", "as_csv", "as_json", "changed_cells"]
-
 Row: TypeAlias = "tuple[Value, ...]"
 
 _SIDEWAYS = 50  # most rows of a transposed table

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
 
-__all__ = ["ValueTable", "row_count"]
-
 _GAP = 2
 _MEASURED_ROWS = 200
 _NARROWEST, _WIDEST = 4, 60

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Path, Pin
     from logical_robots_tui.values import Value
 
-__all__ = ["Branch", "ValueTree"]
-
 _GROUP = 100  # most parts under one node
 _PREVIEW = 60  # characters of a collapsed record or list
 _OPEN = 12  # branches with at most so many parts are expanded at first

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["BOLD", "CONTINUED", "PAPER", "Cells", "colour_of", "text_id"]
-
 BOLD = 1 << 48
 """Added to the style of a cell, which else is ``ink << 24 | paper``, each 0xRRGGBB."""
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Area
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["area_weights", "blend", "body_rows", "paint_robot", "shows_body", "text_on"]
-
 
 def blend(
     image: Floats,

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats
 
-__all__ = ["BLOCKS", "fit", "fitted", "pack", "refit", "split"]
-
 
 def _sextant(pattern: int) -> str:
     """Return the block for six dots; Unicode leaves out those that it had before."""

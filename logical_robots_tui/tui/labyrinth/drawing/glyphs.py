@@ -12,8 +12,6 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["ASCII", "UNICODE", "Drawing", "GlyphSet", "Highlight", "Look", "legend"]
-
 
 class Drawing(Enum):
     """How the labyrinth is drawn."""

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
     from logical_robots_tui.world.level import Beacon, Level
 
-__all__ = ["ASCII_KINDS", "Ground", "WallTable", "draw_ground", "redraw_ground"]
-
 ASCII_KINDS = " #:%,"
 """The characters for ``Ground.kinds``: floor, wall, area, solid area, area switched off."""
 

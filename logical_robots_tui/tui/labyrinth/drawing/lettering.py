@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["StaticLabels", "draw_labels", "robot_colour", "write"]
-
 _MIN_COLUMNS, _MIN_ROWS = 24, 8
 """Below this a view is too small for names."""
 

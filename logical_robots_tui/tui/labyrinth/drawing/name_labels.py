@@ -13,8 +13,6 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["FreeCells", "Label", "fit_into", "fit_name"]
-
 
 def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:
     """Return a name as the texts of cells, at most ``width`` of them.

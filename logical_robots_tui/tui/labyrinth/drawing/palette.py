@@ -7,8 +7,6 @@ from typing import NamedTuple, TypeAlias
 
 from textual.color import Color, ColorParseError
 
-__all__ = ["DARK", "LIGHT", "RGB", "Palette", "hex_colour", "luminance", "mix", "packed", "parse"]
-
 RGB: TypeAlias = tuple[int, int, int]
 """Red, green and blue, each 0 to 255."""
 

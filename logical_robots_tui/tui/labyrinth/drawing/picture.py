@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
     from logical_robots_tui.world.state import RobotState
 
-__all__ = ["Picture"]
-
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 

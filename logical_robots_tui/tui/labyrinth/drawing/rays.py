@@ -13,7 +13,8 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import shows_body
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, packed
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
-from logical_robots_tui.world.sensing import ROBOT_RADIUS, SENSOR_RANGE
+from logical_robots_tui.world.rays import SENSOR_RANGE
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
     from logical_robots_tui.world.state import RobotState
-
-__all__ = ["KINDS", "Fan", "brightness_of", "fans", "mark_ends"]
 
 _FINE = 16
 """Steps between two rays in which the shape of a fan is tabulated."""

@@ -18,7 +18,7 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
-from logical_robots_tui.world.sensing import SENSOR_RANGE
+from logical_robots_tui.world.rays import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.world.level import Level
-
-__all__ = ["draw_senses", "tiles"]
 
 _THICK = 12.0
 """Map units between the ends of two rays that belong to one wall, at least."""

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
 
-__all__ = ["Traces", "draw_ray", "draw_rays", "draw_ring", "draw_trails"]
-
 _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.int64)
 """The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""
 

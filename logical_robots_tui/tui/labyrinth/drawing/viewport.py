@@ -12,8 +12,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["CELL_ASPECT", "Floats", "Raster", "Viewport"]
-
 Floats: TypeAlias = "NDArray[np.floating[Any]]"
 """An array of floats; single precision unless it holds places on the map."""
 
