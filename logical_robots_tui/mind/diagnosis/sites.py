@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Literal
 from logical_robots_tui.mind.compilation import compiled
 from logical_robots_tui.mind.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.program import Program  # noqa: TC001 - `record` reads the hint
+from logical_robots_tui.mind.why.probing import Span  # noqa: TC001 - so it does here
 
 if TYPE_CHECKING:
     import threading
 
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.why.probing import Span
 
 TESTS = ("condition", "denial", "branch", "operand")
 """Sites of these kinds are conditions."""
