@@ -158,6 +158,7 @@ def test_a_reader_that_has_enough_is_no_error() -> None:
     assert process.returncode == 141
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "typed", ["levels", "run 01-first-steps first-steps --json", "run nowhere nothing --json"]
 )
@@ -192,6 +193,7 @@ def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 def test_a_stream_that_is_closed_is_an_empty_one(closed: str, tmp_path: Path) -> None:
     script = f'"$0" -m logical_robots_tui play 01-first-steps --plain --data-dir "$1" {closed}'

@@ -32,7 +32,9 @@ def progress() -> Progress:
 @pytest.mark.parametrize(
     ("day", "size"),
     [
-        pytest.param(TODAY + timedelta(days), size, marks=[pytest.mark.slow] * (days > 0))
+        pytest.param(
+            TODAY + timedelta(days), size, marks=[pytest.mark.slow] * (days > 0 or size == "large")
+        )
         for days in range(4)
         for size in DAILY_SIZES
     ],

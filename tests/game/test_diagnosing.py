@@ -294,6 +294,7 @@ async def test_it_can_be_stopped_and_tells_how_far_it_is(tmp_path: Path) -> None
         await made.close()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("level", "program"), [("01-first-steps", "first-steps"), ("05-lighthouse", "lighthouse")]
 )

@@ -30,6 +30,7 @@ def level(tmp_path: Path) -> Level:
     return hall(tmp_path)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("part", [0.0, 0.01, 0.3, 0.6, 0.9, 0.9999])
 @pytest.mark.parametrize("damage", ["changed", "cut", "longer"])
 async def test_a_damaged_recording_is_dropped(
@@ -84,6 +85,7 @@ def change(at: list[int], value: object) -> Callable[[list[Any]], object]:
     return put
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "change",
     [

@@ -231,7 +231,11 @@ def moved(replay: Replay, x: float) -> Replay:
         (lambda it: changed(it, last=10**9), "out of bounds"),
         (lambda it: changed(it, last=0), "out of bounds"),
         (lambda it: changed(it, stages=(it.stages[0], it.stages[0])), "out of order"),
-        (lambda it: changed(it, stages=it.stages * 6000), "too many levels"),
+        pytest.param(
+            lambda it: changed(it, stages=it.stages * 6000),
+            "too many levels",
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             lambda it: first_stage(it, level="#" * 40_000_000),
             "too many levels",

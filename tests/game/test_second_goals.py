@@ -37,6 +37,7 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("text", "reached"), [(AHEAD, GOALS), (BACKWARDS, ()), ("A(1);\n" + AHEAD, GOALS[1:])]
 )

@@ -113,6 +113,13 @@ BEFORE: dict[str, Callable[[Path], None]] = {
 """What makes the files and folders that a text speaks of and that its own examples do not make."""
 
 
+OF_MANY_RUNS = {
+    *(f"{PROGRAM} {command}" for command in ("grade", "lab", "sweep", "tournament")),
+    "docs/lab.md",
+    "docs/arena.md",
+}
+
+
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the reader is: a home of one's own, a level, a program, and the docs."""
@@ -133,10 +140,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "text",
-    [
-        pytest.param(text, marks=[pytest.mark.slow] * (text == f"{PROGRAM} tournament"))
-        for text in EXAMPLES
-    ],
+    [pytest.param(text, marks=[pytest.mark.slow] * (text in OF_MANY_RUNS)) for text in EXAMPLES],
 )
 def test_the_examples_of_a_text_do_what_they_say(
     text: str,

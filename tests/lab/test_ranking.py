@@ -81,6 +81,7 @@ def test_the_better_one_is_first_and_equal_ones_share_their_ranks() -> None:
     assert ranking == ranking_of_shares(NAMES, PAIRS, some_shares()), "the same each time"
 
 
+@pytest.mark.slow
 def test_an_interval_holds_what_was_so_in_19_of_20_tournaments() -> None:
     true = np.mean([3 / (3 + other) for other in (2, 1, 0.5, 0.5)])
     inside = 0

@@ -300,6 +300,7 @@ def test_the_same_program_under_two_names_is_as_good_as_itself(
     assert recorded(out) == 2 * 3, "what is the same runs once"
 
 
+@pytest.mark.slow
 def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command: Command) -> None:
     teams = ("red", "blue", "gold", "green")
     arena, players = write_arena(tmp_path, teams=teams, starts=0)

@@ -156,6 +156,7 @@ def test_the_printed_program_finds_its_way_through_the_corridor() -> None:
     assert ticks_to_win(level, program_text(OBSTACLE_AVOIDER), TICKS_FOR_LOSING) == 3270
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "level",
     [*LEVELS, *map(str, sorted(CONFORMANCE.glob("*.json")))],

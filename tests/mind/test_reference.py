@@ -27,6 +27,7 @@ def same(value: Any, expected: Any) -> bool:
     return bool(value == expected)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("entry", REFERENCE, ids=lambda entry: entry.name)
 def test_each_example_gives_the_result_that_is_told(entry: FunctionHelp) -> None:
     assert same(remembered(entry.example), json.loads(entry.result))

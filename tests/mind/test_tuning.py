@@ -160,6 +160,7 @@ Mixed(x:) distinct :- Turn(turn: x) | x in [3];
 """
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("memory", ["own", "seen", "all"])
 @pytest.mark.parametrize(
     "body",

@@ -28,6 +28,7 @@ def pages(game: Opened) -> list[str]:
     return [type(heading.parent).__name__ for heading in shown]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("size", "beside"), [((80, 24), []), ((120, 40), []), (WIDE, [DecisionPage.__name__])]
 )

@@ -76,6 +76,7 @@ async def test_a_robot_is_dragged_and_turned_while_it_runs(data_dir: Path, room_
         assert game.session.frame.after.robots[0].x == 40
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("ticks", [0, 1])
 async def test_a_victory_of_a_robot_that_was_dragged_does_not_count(
     data_dir: Path, room_file: Path, ticks: int
