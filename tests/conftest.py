@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fcntl
-import gc
 import logging
 import shutil
 import sys
@@ -76,10 +75,6 @@ def pytest_report_header(config: pytest.Config) -> str | None:
     return (
         f"quick run: tenth {config.option.tenth} of the sampled cases, nothing slow; --all runs all"
     )
-
-
-def pytest_collection_finish() -> None:
-    gc.freeze()  # what was loaded so far stays
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

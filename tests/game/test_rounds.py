@@ -10,9 +10,9 @@ import pytest
 
 from logical_robots_tui.game.history.rounds import ROUNDS, Rounds
 from logical_robots_tui.game.source import shipped_texts
-from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.world import World, load_level
+from tests.levels.playing import reference_cases
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -104,11 +104,7 @@ def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     ("level", "program"),
-    [
-        pytest.param(level, program, marks=[pytest.mark.slow] * (level == "12-swarm"))
-        for level, programs in reference_table().items()
-        for program in programs
-    ],
+    reference_cases(),
 )
 def test_no_reference_program_goes_in_circles_on_its_way_to_victory(
     level: str, program: str

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import pytest
 
 from logical_robots_tui import Level, Program, list_levels, load_level
 from logical_robots_tui.game.robustness import play_through
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
 
 LEVELS = list_levels()
+LONG = 10_000  # thoughts, that is robots times ticks; only a full run waits for more
 
 
 def program_text(name: str) -> str:
@@ -40,6 +43,19 @@ def measured(name: str) -> Measures:
 def references_of(name: str) -> list[str]:
     """The names of a level's reference programs, its solution first."""
     return reference_names(solution_of(name))
+
+
+def reference_cases() -> list[Any]:
+    """Each level with each of its reference programs, for `parametrize`."""
+    return [
+        pytest.param(
+            level,
+            program,
+            marks=[pytest.mark.slow] * (len(load_level(level).robots) * measures.ticks > LONG),
+        )
+        for level, programs in reference_table().items()
+        for program, measures in programs.items()
+    ]
 
 
 def ticks_to_win(level: Level, program: Program | str, ticks: int) -> int | None:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 NAMES = list_arenas()
 FOUR_TEAMS = "14-four-doors"
 SEATS = [
-    pytest.param(name, seat, marks=[pytest.mark.slow] * (name == FOUR_TEAMS and seat > 1))
+    pytest.param(name, seat, marks=[pytest.mark.slow] * (name == FOUR_TEAMS))
     for name in NAMES
     for seat in range(len(load_level(name).teams))
 ]

@@ -19,13 +19,13 @@ from logical_robots_tui.game.victory import measures_of, reference_table
 from tests.levels.playing import (
     LEVELS,
     measured,
+    reference_cases,
     references_of,
     shipped_program,
     solution_of,
     ticks_to_win,
 )
 
-REFERENCES = [(level, program) for level in LEVELS for program in references_of(level)]
 PAIRS = [(level, lower) for lower, level in combinations(LEVELS, 2)]
 
 # One thought of one robot is the unit of effort here.
@@ -36,16 +36,9 @@ THOUGHTS_TO_THE_END = 600_000  # of a swarm; the others end at the most ticks th
 LONGEST_RUN = 120.0  # seconds
 
 RECORDS = {"fastest": "ticks", "shortest": "rules", "careful": "distance"}
-CROWD = "12-swarm"
 SIGHT = ("own", "seen", "all")
 
-each_reference = pytest.mark.parametrize(
-    ("name", "program"),
-    [
-        pytest.param(level, program, marks=[pytest.mark.slow] * (level == CROWD))
-        for level, program in REFERENCES
-    ],
-)
+each_reference = pytest.mark.parametrize(("name", "program"), reference_cases())
 each_level = pytest.mark.parametrize("name", LEVELS)
 each_pair = pytest.mark.parametrize(("name", "lower"), PAIRS)
 
