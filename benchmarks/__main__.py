@@ -74,7 +74,7 @@ LONGEST = {"large-class", "lab", "tournament"}
 LONG = {"memory", "traffic", "ssh", "class"}
 """Left out of a quick run as well."""
 
-THOROUGH = Effort(repeats=5, ticks=150)
+THOROUGH = Effort(repeats=5, ticks=100)
 QUICK = Effort(repeats=2, ticks=60, is_quick=True)
 
 

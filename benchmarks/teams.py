@@ -31,7 +31,7 @@ def teams(effort: Effort) -> Iterator[Measurement]:
         program = Program.compile(text)
         ticks = max(20, 3 * effort.ticks // len(level.robots))  # a crowd shows it in fewer
         ratios = []
-        for _ in range(2 * effort.repeats + 1):
+        for _ in range(effort.repeats + 2):
             one, two = (_seconds(_in_teams(level, names), program, ticks) for names in (ONE, TWO))
             ratios.append(two / one)
         robots = f"{name}, {len(level.robots)} robots"
