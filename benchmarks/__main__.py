@@ -71,7 +71,7 @@ BENCHMARKS = {
 }
 LONGEST = {"large-class", "lab", "tournament"}
 """Left out of a run that names no benchmarks."""
-LONG = {"memory", "traffic", "ssh", "class"}
+LONG = {"memory", "traffic", "ssh", "class", "processor", "teams"}
 """Left out of a quick run as well."""
 
 THOROUGH = Effort(repeats=5, ticks=100)
