@@ -127,6 +127,7 @@ def test_the_words_of_logica_are_told_apart() -> None:
     ("line", "before", "after"),
     [
         ("a /* b", "", "/*"),
+        ("a =/* b", "", "/*"),
         ("b */ c", "/*", ""),
         ("b */ c /* d", "/*", "/*"),
         ('x = """ a', "", '"""'),
