@@ -23,6 +23,8 @@ __all__ = ["Checker", "false_claims"]
 
 _BOUND = re.compile(r"(\w+)\s*==?\s")
 _OPERATOR = re.compile(r"(\w+|\+)(?:\{| over )")
+_FIELD = re.compile(r"^\w+: ")  # of a record that is written out
+_MORE = re.compile(r"and ([\d,]+) more")
 _EQUATION = re.compile(r"[^=<>!]==?[^=]")
 
 
@@ -97,6 +99,7 @@ def _claims(node: Node) -> Iterator[str | None]:
             text, is_step = child.text, child.span is not None and child.holds
             if is_step and (bound := _BOUND.match(text)):
                 text = bound.group(1)
+            text = _FIELD.sub("", text)
             if child.span is None or not _EQUATION.search(text):
                 yield _equal(text, child.values[0])
         elif child.holds is not None and child.kind == "value" and not child.values:
@@ -141,21 +144,26 @@ def _wrong_aggregate(node: Node) -> Iterator[str]:
         return
     direct = [n for n in note.children if n.kind == "contributor"]
     elements = [n.values[0] for n in direct]
+    unseen = sum(int(m[1].replace(",", "")) for n in note.children if (m := _MORE.match(n.text)))
     found = _OPERATOR.search(node.said or node.text)
     operator = found.group(1) if found else ""
     numbers = [e for e in elements if isinstance(e, int | float)]
+    known = {repr(e) for e in elements if e is not None}
     expected: Any = value
     if operator in ("+", "Sum"):
         # What is no number counts as 0; only null is left out.
         expected = sum(numbers) if any(e is not None for e in elements) else None
+        expected = value if unseen else expected
     elif operator in ("List",):
-        good = Counter(map(repr, elements)) == Counter(map(repr, value or []))
-        expected = value if good else elements
+        left = Counter(map(repr, value or []))
+        left.subtract(map(repr, elements))
+        number = left.total()
+        is_so = number >= unseen if " or more " in note.text else number == unseen
+        expected = value if is_so and min(left.values(), default=0) >= 0 else elements
     elif operator in ("Set",):
-        expected = (
-            value if {*map(repr, elements)} - {"None"} == {*map(repr, value or [])} else elements
-        )
+        told = {*map(repr, value or [])}
+        expected = value if (known <= told if unseen else known == told) else elements
     elif operator in ("Count",):
-        expected = len({repr(e) for e in elements if e is not None})
+        expected = max(value, len(known)) if unseen else len(known)
     if not same(expected, value):
-        yield f"{node.text} = {value}, but goes over {elements}"
+        yield f"{node.text} = {value}, but goes over {elements} and {unseen} more"
