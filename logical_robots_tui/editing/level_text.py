@@ -99,12 +99,7 @@ def _told(part: Team | Score) -> Record:
 
 
 def _robot(robot: Robot) -> Record:
-    record: Record = {
-        "name": robot.name,
-        "x": _number(robot.x),
-        "y": _number(robot.y),
-    }
-    record |= _heading(robot.angle)
+    record = _placed(robot) | _heading(robot.angle)
     if robot.color != ROBOT_COLOR:
         record["color"] = robot.color
     battery: Record = {"capacity": _number(robot.battery_capacity)}
@@ -122,21 +117,14 @@ def _robot(robot: Robot) -> Record:
 
 
 def _beacon(beacon: Beacon) -> Record:
-    record: Record = {
-        "name": beacon.name,
-        "x": _number(beacon.x),
-        "y": _number(beacon.y),
-    }
+    record = _placed(beacon)
     if beacon.charging_station:
         record["charging_station"] = True
     return record
 
 
 def _area(area: Area) -> Record:
-    record: Record = {
-        "name": area.name,
-        "x": _number(area.x),
-        "y": _number(area.y),
+    record = _placed(area) | {
         "radius": _number(area.radius),
         "color": area.color,
         "solid": area.impenetrable,
@@ -149,6 +137,10 @@ def _area(area: Area) -> Record:
         del record["color"]
     needed = ("name", "x", "y", "radius")
     return {key: value for key, value in record.items() if value or key in needed}
+
+
+def _placed(thing: Thing) -> Record:
+    return {"name": thing.name, "x": _number(thing.x), "y": _number(thing.y)}
 
 
 def _number(value: float) -> float | int:

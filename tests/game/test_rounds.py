@@ -102,10 +102,7 @@ def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]
 
 
 @pytest.mark.sampled
-@pytest.mark.parametrize(
-    ("level", "program"),
-    reference_cases(),
-)
+@pytest.mark.parametrize(("level", "program"), reference_cases())
 def test_no_reference_program_goes_in_circles_on_its_way_to_victory(
     level: str, program: str
 ) -> None:

@@ -210,24 +210,20 @@ class Opened:
 
 
 @pytest.fixture(autouse=True)
-def _pages_at_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The inspector loads its pages at once for tests of them, and for others when one is used."""
-    is_about_them = "inspector" in request.path.parts or request.config.option.all
-    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0 if is_about_them else 3600.0)
+def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a quick run the screen does no more than a test asks for.
 
-
-@pytest.fixture(autouse=True)
-def _less_of_textual_s_own_work(
-    pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In a quick run style sheets are parsed once, and nothing is drawn until a test looks.
-
-    Opening and drawing are most of what these tests would do. With ``--all`` all of it is done,
-    and `tests/snapshots` and `tests/e2e` always look at what a terminal shows.
+    Style sheets are parsed once, nothing is drawn until a test looks, and the inspector loads its
+    pages when one is used, but for tests of them. That is most of what these tests would do. With
+    ``--all`` all of it is done, and `tests/snapshots` and `tests/e2e` always look at what a
+    terminal shows.
     """
-    if not pytestconfig.option.all:
+    is_quick = not request.config.option.all
+    if is_quick:
         monkeypatch.setattr(Stylesheet, "_parse_rules", _parsed_once)
         monkeypatch.setattr(Compositor, "render_update", _drawn_later)
+    waits = is_quick and "inspector" not in request.path.parts
+    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 3600.0 if waits else 0.0)
 
 
 _parse_rules, _render_update = Stylesheet._parse_rules, Compositor.render_update
