@@ -30,7 +30,7 @@ _RECONNECT_SECONDS = 600.0
 class ClusterEngine:
     """Tasks on a cluster. Each future is released as soon as its answer is there.
 
-    The address of the scheduler is such as ``tcp://HOST:8786``.
+    `address` is that of the scheduler, such as ``tcp://HOST:8786``.
 
     Raises:
         InputError: Dask is not installed, or there is no scheduler.

@@ -92,7 +92,7 @@ class Submission:
 def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str]]:
     """Return what an assignment is to run, and the texts of its levels and programs by digest.
 
-    The submissions are a folder with one folder or file per student.
+    `submissions` holds one folder or file per student.
 
     Raises:
         SpecificationError: The assignment is wrong; says all that is.

@@ -48,7 +48,7 @@ def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
 def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
     """Return a level, shipped or in a file, and its text.
 
-    Paths begin at the folder.
+    A path is relative to `folder`.
 
     Raises:
         InputError: There is no such level, or it can't be used.
@@ -248,7 +248,7 @@ def _literal(value: Scalar) -> str:
 def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
     """Return the text of a level with other values of some fields.
 
-    Keys are such as ``robots.*.battery.capacity``.
+    A key looks like ``robots.*.battery.capacity``.
 
     Raises:
         InputError: The level has no such key.

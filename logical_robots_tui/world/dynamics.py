@@ -147,7 +147,7 @@ def run_batteries(
 
     The order of robots and sources makes no difference. A share that a battery has no room for is
     lost. A robot that no source charges pays for its engines. The wanted power of the engines is
-    finite and not clamped; nobody has moved yet.
+    finite and not clamped; no robot has moved yet in this tick.
     """
     shares: list[list[float]] = [[] for _ in movers]
     given: dict[int, float] = {}

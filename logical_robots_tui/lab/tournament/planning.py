@@ -34,7 +34,7 @@ _MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
 def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
     """Return the first round of a tournament, and the texts of level and programs by digest.
 
-    The players are a folder with one program or folder per player.
+    `players` holds one program or folder per player.
 
     Raises:
         SpecificationError: The specification is wrong; says all that is.

@@ -36,7 +36,7 @@ _Cell = tuple[int, int]
 def empty_room(width: int, height: int, *, wall: int = 10) -> Level:
     """Return a walled room with a robot on the left and a goal on the right.
 
-    Everything is in map units; the size includes the outer wall.
+    All lengths are in map units; the size includes the outer wall.
 
     Raises:
         LevelError: It is too large for a level, or too small for a robot.
