@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.game.frame import Frame, ends
@@ -13,6 +12,7 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping, Sequence
 
+    from logical_robots_tui.clock import Clock
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.debugging.watching import Watch
     from logical_robots_tui.game.history.packing import Moment
@@ -49,6 +49,7 @@ def advance(
     known: Sequence[Known],
     watch: Watch,
     stop: threading.Event,
+    clock: Clock,
     seconds: float,
     most: int | None = None,
     decide: Decide | None = None,
@@ -64,17 +65,17 @@ def advance(
     """
     if known:
         most = len(known) if most is None else min(most, len(known))
-    until = perf_counter() + seconds
+    until = clock.now() + seconds
     done: list[Advance] = []
     while True:
         if known:
             frame = known_frame(worlds, past, known[len(done)])
         else:
-            frame = _next_frame(worlds.of(level), mind, past, stop, decide)
+            frame = _next_frame(worlds.of(level), mind, past, stop, clock, decide)
         is_watched = watch.breakpoints and frame.decisions
         hits = watch.hits(past, frame, mind, stop) if is_watched else ()
         done.append(Advance(frame, hits))
-        if hits or ends(level, frame) or len(done) == most or perf_counter() > until:
+        if hits or ends(level, frame) or len(done) == most or clock.now() > until:
             return done
         past = frame
 
@@ -98,15 +99,20 @@ def known_frame(worlds: Worlds, before: Frame | Moment, known: Known) -> Frame:
 
 
 def _next_frame(
-    world: World, mind: Mind, past: Frame, stop: threading.Event, decide: Decide | None
+    world: World,
+    mind: Mind,
+    past: Frame,
+    stop: threading.Event,
+    clock: Clock,
+    decide: Decide | None,
 ) -> Frame:
     """Sense, think and act once, starting from a past frame."""
     before = past.after
     world.restore(before)
     sensors = tuple(world.sense())
-    began = perf_counter()
+    began = clock.now()
     decisions = tuple(mind.think(sensors, past.memories, stop=stop))
-    milliseconds = (perf_counter() - began) * 1000
+    milliseconds = (clock.now() - began) * 1000
     if decide is not None:
         decisions = decide(past.tick + 1, decisions)
     world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})

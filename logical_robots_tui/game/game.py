@@ -6,6 +6,7 @@ import asyncio
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.advancing import (
     Worlds,
     advance,
@@ -54,6 +55,7 @@ class Game:
         limits: Limits on thinking.
         history: How many ticks it is possible to go back.
         breakpoints: Where `run` and `run_until` stop; may change at any time.
+        clock: What paces the robots; it decides nothing else.
 
     Attributes:
         decide: Returns the decisions to follow in place of the program's, for a replay.
@@ -67,11 +69,13 @@ class Game:
         limits: Limits | None = None,
         history: int = DEFAULT_LENGTH,
         breakpoints: Breakpoints | None = None,
+        clock: Clock = CLOCK,
     ) -> None:
         self.program = program
         self.limits = limits or Limits()
         self.run_number = 0
-        self.pace = Pace()
+        self.pace = Pace(clock=clock)
+        self.clock = clock
         self.breakpoints = Breakpoints() if breakpoints is None else breakpoints
         self._listeners: list[Callable[[Frame], None]] = []
         self._thinker = Thinker("think")
@@ -332,7 +336,17 @@ class Game:
         def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, level, self.limits)
             return advance(
-                self._worlds, level, mind, past, known, watch, stop, seconds, most, decide
+                self._worlds,
+                level,
+                mind,
+                past,
+                known,
+                watch,
+                stop,
+                self.clock,
+                seconds,
+                most,
+                decide,
             )
 
         try:

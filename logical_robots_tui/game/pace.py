@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from time import perf_counter
+
+from logical_robots_tui.clock import CLOCK, Clock
 
 FLAT_OUT: float | None = None
 """The speed "as fast as possible"."""
@@ -28,7 +29,8 @@ class Pace:
             batches grow with it up to a tenth of a second; beyond that the game gets slower.
     """
 
-    def __init__(self, speed: float | None = 40.0) -> None:
+    def __init__(self, speed: float | None = 40.0, clock: Clock = CLOCK) -> None:
+        self._clock = clock
         self.spacing = 0.0
         self._speed = speed
         self._computed = 0  # ticks since the last wait
@@ -51,7 +53,7 @@ class Pace:
     @property
     def achieved(self) -> float:
         """Ticks per second over the last second, 0.0 when nothing ran."""
-        self._forget_old(perf_counter())
+        self._forget_old(self._clock.now())
         if len(self._times) < 2:
             return float(len(self._times))
         span = self._times[-1] - self._times[0]
@@ -88,7 +90,7 @@ class Pace:
 
     def count(self) -> None:
         """A tick was finished."""
-        now = perf_counter()
+        now = self._clock.now()
         self._computed += 1
         self._times.append(now)
         self._forget_old(now)
@@ -99,7 +101,7 @@ class Pace:
         The player needs a response, and threads that compete for the interpreter take turns; on a
         busy machine each turn waits for all those before it.
         """
-        self._free_at = perf_counter() + _WAY_SECONDS + self.spacing
+        self._free_at = self._clock.now() + _WAY_SECONDS + self.spacing
 
     def wake(self) -> None:
         """End the current wait."""
@@ -108,9 +110,9 @@ class Pace:
     async def wait(self) -> None:
         """Wait until the next ticks are due. A game that is too slow doesn't catch up."""
         if self._speed is None:
-            await asyncio.sleep(max(self._free_at - perf_counter(), 0))
+            await asyncio.sleep(max(self._free_at - self._clock.now(), 0))
             return
-        now = perf_counter()
+        now = self._clock.now()
         rest = self._lot if self._lot > _LONGEST_LOT else 0.0
         self._due = max(self._due + max(self._computed / self._speed, rest), now)
         if self.spacing:
@@ -124,7 +126,7 @@ class Pace:
             pass
 
     def _begin(self) -> None:
-        self._due, self._computed = perf_counter(), 0
+        self._due, self._computed = self._clock.now(), 0
 
     @property
     def _lot(self) -> float:

@@ -9,10 +9,10 @@ import sqlite3
 from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
+from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game.advancing import Known, Worlds, advance, known_frame, start_frame
 from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import driven
@@ -79,7 +79,7 @@ class Run:
         `told` is called with the last computed tick as work proceeds.
         """
         while self._recording.last < tick:
-            until = perf_counter() + _SECONDS
+            until = CLOCK.now() + _SECONDS
             await self._thinker.do(partial(self._reached, tick, until=until))
             told(self._recording.last)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
@@ -127,10 +127,10 @@ class Run:
         stop: threading.Event,
     ) -> tuple[list[T], bool]:
         """Return the results for as many ticks as time allows, and whether those are all."""
-        until = perf_counter() + _SECONDS
+        until = CLOCK.now() + _SECONDS
         done: list[T] = []
         mind, over = None, False
-        while not over and tick + len(done) <= last and (not done or perf_counter() < until):
+        while not over and tick + len(done) <= last and (not done or CLOCK.now() < until):
             frame = self._reached(tick + len(done), stop, until=until)
             if frame is None:
                 break
@@ -144,7 +144,7 @@ class Run:
         try:
             if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
                 self._recording.return_to_gap()
-            while self._recording.last < tick and perf_counter() < until:
+            while self._recording.last < tick and CLOCK.now() < until:
                 self._go_on(stop)
             return self._known(tick) if tick <= self._recording.last else None
         except DamagedError:
@@ -170,7 +170,7 @@ class Run:
         past = self._known(self._recording.last)
         mind = self._thinker.mind(self.program, self.level, self.limits)
         (step,) = advance(
-            self._worlds, self.level, mind, past, (), _NOTHING, stop, seconds=0, most=1
+            self._worlds, self.level, mind, past, (), _NOTHING, stop, CLOCK, seconds=0, most=1
         )
         frame = self._latest = step.frame
         before = self._recording.moment(past.tick).driven

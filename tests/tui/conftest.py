@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from textual import events
+from textual import _time, events
 from textual._compositor import Compositor
 from textual.css.stylesheet import Stylesheet
+from textual.document._history import EditHistory
 
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
@@ -21,10 +22,10 @@ from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.world import load_level
-from tests.waiting import PATIENCE, a_moment
+from tests.virtual_time import VirtualClock, VirtualLoop, until, virtual_loop
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator, Callable, Iterator
 
     from textual.css.model import RuleSet
     from textual.pilot import Pilot
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.settings import Settings
+
+_PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
 
 CHARACTERS = {
     "space": " ",
@@ -128,7 +131,7 @@ goal_for = ["Pip"]
 
 @dataclass(frozen=True)
 class Opened:
-    """The game on a screen in memory."""
+    """The game on a screen in memory, in which time passes only while a test waits."""
 
     app: LogicalRobotsApp
     pilot: Pilot[None]
@@ -159,30 +162,57 @@ class Opened:
         return self.main.query_one(StatusLine).render().plain
 
     async def press(self, *keys: str) -> None:
-        """Press keys as a terminal reports them; the pilot would wait for an idle processor."""
+        """Press keys as a terminal reports them, one after the other has been answered."""
         for key in keys:
             self.app.post_message(
                 events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
             )
-            await self.pilot.pause(0)
+            await self.handled()
+            if self.app.backlog:
+                with self.impatient():
+                    await self.until(lambda: not self.app.backlog)
+
+    async def handled(self) -> None:
+        """Wait until what was sent to the game is handled, but for what threads work on."""
+        await virtual_loop().handled()
+
+    async def click(self, *where: Any, **how: Any) -> None:
+        """Click at what is drawn, as `Pilot.click` does."""
+        await self.later(_PICTURE)
+        await self.pilot.click(*where, **how)
 
     async def until(self, condition: Callable[[], object]) -> None:
-        """Return as soon as a condition holds and the screen has caught up."""
-        deadline = monotonic() + PATIENCE
-        while True:
-            looked = monotonic()
-            if condition():
-                break
-            assert looked < deadline, f"never came true; the screen shows\n{self.screen()}"
-            # To look at the screen is dear. The pilot's own pause has every widget do something.
-            await a_moment(2 * (monotonic() - looked))
-            if self.app._exception is not None:
-                break
-        await self.pilot.pause(0.05)
+        """Let time pass until a condition holds, and stop it at that moment."""
+        await until(condition, lambda: f"the screen shows\n{self.screen()}")
+
+    async def settled(self) -> None:
+        """Wait until everything is done that is to be done at this time."""
+        await virtual_loop().settled()
+
+    @contextmanager
+    def impatient(self) -> Iterator[None]:
+        """Let time pass although threads are at work, which a test holds or makes slow."""
+        with virtual_loop().impatient():
+            yield
+
+    async def later(self, seconds: float) -> None:
+        """Let time pass."""
+        await virtual_loop().settled()
+        await asyncio.sleep(seconds)
+
+    async def ticks(self, count: int) -> None:
+        """Let the robots run on for some ticks."""
+        there = self.tick + count
+        await self.until(lambda: self.tick == there)
 
     async def ready(self) -> None:
         """Wait until the first program is compiled and everything is loaded."""
-        await self.until(lambda: self.session.state.phase in ("applied", "mistake"))
+        await self.until(
+            lambda: (
+                self.session.state.phase in ("applied", "mistake")
+                and "COMPILING" not in self.status
+            )
+        )
         if not inspector_pane._LOADING_DELAY:
             await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
 
@@ -207,6 +237,25 @@ class Opened:
     async def sees_no(self, text: str) -> None:
         """Wait until the screen no longer shows a text."""
         await self.until(lambda: not self.shows(text))
+
+
+def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:
+    return {"virtual": VirtualLoop}
+
+
+@pytest.fixture(autouse=True)
+def _time_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Textual's timers, events and undo steps go by the time of the loop, if one runs."""
+
+    def now() -> float:
+        try:
+            return asyncio.get_running_loop().time()
+        except RuntimeError:
+            return monotonic()
+
+    monkeypatch.setattr(_time, "get_time", now)
+    monkeypatch.setattr(EditHistory, "_get_time", lambda _: now())
+    monkeypatch.setattr("textual.pilot.wait_for_idle", lambda *_: virtual_loop().handled())
 
 
 @pytest.fixture(autouse=True)
@@ -289,6 +338,7 @@ async def opened(
         data_dir=data_dir,
         welcome=welcome,
         settings=settings,
+        clock=VirtualClock(),
     )
     async with app.run_test(size=size, notifications=True) as pilot:
         yield Opened(app, pilot, data_dir)

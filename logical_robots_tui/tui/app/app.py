@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
 from logical_robots_tui.progress import FILE_NAME
@@ -63,6 +63,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         permissions: What the player may do with the machine; by default everything.
         replay: A replay in the level, to open at once, or None.
+        clock: What everything in the game is timed by; the event loop must have the same time.
     """
 
     _event_loop: asyncio.AbstractEventLoop | None = None
@@ -88,8 +89,9 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         theme: str = "",
         permissions: Permissions | None = None,
         replay: Replay | None = None,
+        clock: Clock = CLOCK,
     ) -> None:
-        super().__init__()
+        super().__init__(clock)
         if self.no_color:
             # The terminal's own colours would stand among greys; they become greys, too.
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
@@ -106,6 +108,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             welcome=welcome,
             permissions=permissions,
             replay=replay,
+            clock=clock,
         )
         self.animation_level = "none"
         self._key_queue = KeyQueue(self)
@@ -252,7 +255,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def action_interrupt(self) -> None:
         """Leave at the second ^C in a row; the first may have been meant for something else."""
-        now = monotonic()
+        now = self.clock.now()
         if now - self._interrupted_at < _TWICE:
             self.main.quit()
         self._interrupted_at = now

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import contextmanager
-from pathlib import Path
-from time import perf_counter, thread_time
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.terminal.textual_internals import handle_exception
 
 if TYPE_CHECKING:
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Pace
 
-_SCHEDULE = Path("/proc/thread-self/schedstat")
 _USUAL = 0.3  # seconds waited per second of computing on an idle machine
 _LEAVE = 0.02  # seconds between pictures, for each second waited per second of computing
 _MUCH = 2.7  # seconds waited per second of computing from which keys begin to suffer
@@ -28,18 +26,6 @@ _SMOOTH = 0.1  # the weight of the last picture
 _HURRY = 0.1  # seconds after a key press
 
 
-def processor_times() -> tuple[float, float] | None:
-    """Return the seconds that this thread has computed, and has waited for a processor.
-
-    Only on Linux, in nanoseconds (Documentation/scheduler/sched-stats.rst); elsewhere None.
-    """
-    try:
-        computed, waited, _ = _SCHEDULE.read_text().split()
-    except (OSError, ValueError):
-        return None
-    return int(computed) / 1e9, int(waited) / 1e9
-
-
 class FrameRate:
     """Draws less often on a busy machine, so that keys are answered promptly.
 
@@ -48,26 +34,17 @@ class FrameRate:
     takes five times as long, about 3. All times are in seconds.
 
     Args:
-        times: Returns how long the drawing thread has computed and waited. If it can't, only
-            drawing counts: time not spent computing was spent waiting.
-        clock: Returns the time.
-        computing: Returns how long this thread has computed.
+        clock: Returns the time, and how long the drawing thread has computed and waited. If it
+            can't tell that, only drawing counts: time not spent computing was spent waiting.
 
     Attributes:
         frames: The most pictures per second.
     """
 
-    def __init__(
-        self,
-        times: Callable[[], tuple[float, float] | None] = processor_times,
-        clock: Callable[[], float] = perf_counter,
-        computing: Callable[[], float] = thread_time,
-    ) -> None:
+    def __init__(self, clock: Clock = CLOCK) -> None:
         self.frames = 30
-        self._times = times
         self._clock = clock
-        self._computing = computing
-        self._last = times()
+        self._last = clock.processor_times()
         self._strain = 0.0  # seconds waited per second of computing
         self._drawn_at = self._hurried_at = float("-inf")
 
@@ -80,7 +57,7 @@ class FrameRate:
     @property
     def rested(self) -> float:
         """Since the last picture."""
-        return self._clock() - self._drawn_at
+        return self._clock.now() - self._drawn_at
 
     @property
     def wait(self) -> float:
@@ -90,20 +67,20 @@ class FrameRate:
     @property
     def is_hurried(self) -> bool:
         """Whether a key was pressed just now."""
-        return self._clock() - self._hurried_at < _HURRY
+        return self._clock.now() - self._hurried_at < _HURRY
 
     def hurry(self) -> None:
         """Pause less for a moment, because a key was pressed and its effect should be seen."""
-        self._hurried_at = self._clock()
+        self._hurried_at = self._clock.now()
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
         """Measure while a picture is drawn."""
-        self._drawn_at, began = self._clock(), self._computing()
+        self._drawn_at, began = self._clock.now(), self._clock.computed()
         yield
-        computed = self._computing() - began
+        computed = self._clock.computed() - began
         waited = self.rested - computed
-        if self._last and (now := self._times()):
+        if self._last and (now := self._clock.processor_times()):
             computed, waited = now[0] - self._last[0], now[1] - self._last[1]
             self._last = now
         if computed > 0:
@@ -117,14 +94,15 @@ class FrameScheduler:
     Args:
         widget: The widget to draw for; it receives exceptions.
         draw: Draws everything.
+        clock: What the rate is measured by.
 
     Attributes:
         rate: How often to draw.
         pace: Pauses as long as drawing takes; None for no pause.
     """
 
-    def __init__(self, widget: Widget, draw: Callable[[], None]) -> None:
-        self.rate = FrameRate()
+    def __init__(self, widget: Widget, draw: Callable[[], None], clock: Clock = CLOCK) -> None:
+        self.rate = FrameRate(clock)
         self._widget = widget
         self._draw = draw
         self.pace: Pace | None = None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from time import monotonic
 from typing import TYPE_CHECKING
 
 from textual import on
@@ -11,6 +10,7 @@ from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
@@ -97,6 +97,7 @@ class MainScreen(Screen[None], SessionListener):
         welcome: bool = False,
         permissions: Permissions | None = None,
         replay: Replay | None = None,
+        clock: Clock = CLOCK,
     ) -> None:
         super().__init__(id="main")
         # A class variable would be shared by all players, and a keymap can't remove a binding.
@@ -105,14 +106,21 @@ class MainScreen(Screen[None], SessionListener):
         self.data_dir, self.recorder = data_dir, recorder
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
-        self.scheduler = FrameScheduler(self, self._draw)
-        self.session = Session(level, sources, spawn=self.spawn, changed=self.scheduler.soon)
+        self._clock = clock
+        self.scheduler = FrameScheduler(self, self._draw, clock)
+        self.session = Session(
+            level, sources, spawn=self.spawn, changed=self.scheduler.soon, clock=clock
+        )
         self.scheduler.pace = self.session.pace
         self._text_to_begin_with = self.session.source.text if text is None else text
         self._is_new_here, self._replay = welcome, replay
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
-        self.labyrinth, self.program, self.timeline = LabyrinthPane(), ProgramPane(), Timeline()
+        self.labyrinth, self.program, self.timeline = (
+            LabyrinthPane(clock),
+            ProgramPane(),
+            Timeline(),
+        )
         self.inspector = InspectorPane(self.session)
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._make_controllers()
@@ -208,7 +216,7 @@ class MainScreen(Screen[None], SessionListener):
     def _start(self) -> None:
         collect_seldom()
         self.recorder.level_opened(self.session.opened)
-        self.session.apply(self.program.text)
+        self.session.apply(self._text_to_begin_with)
         if self._replay is not None:
             self.spawn(partial(self.replays.open, self._replay), "replay", exclusive=False)
         else:
@@ -250,14 +258,14 @@ class MainScreen(Screen[None], SessionListener):
         self.program.show(session.state, name, saved=self.program.text == source.text)
         self.program.teams.show(session.level, session.sources.team)
         is_read = session.running and not self.scheduler.rate.is_hurried
-        if not is_read or monotonic() - self._lines_drawn_at > _READABLE:
+        if not is_read or self._clock.now() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
         self.labyrinth.banner.follow(self.recorder)
         self.inspector.follow()
 
     def redraw_lines(self) -> None:
         """Update the lines around the panes."""
-        self._lines_drawn_at = monotonic()
+        self._lines_drawn_at = self._clock.now()
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))

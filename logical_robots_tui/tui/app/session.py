@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import (
     Breakpoints,
     Frame,
@@ -49,6 +50,7 @@ class Session:
         sources: The program of each team, or of "" in a level without teams.
         spawn: Starts background work.
         changed: Called after every change that the screen may show.
+        clock: What paces the robots.
 
     Attributes:
         levels: The current level: in its file, edited, and on the screen.
@@ -64,11 +66,13 @@ class Session:
         *,
         spawn: Spawn,
         changed: Callable[[], None],
+        clock: Clock = CLOCK,
     ) -> None:
+        self.clock = clock
         self.levels = OpenLevel(level)
         self.sources = TeamSources(sources)
         self.state = ProgramState()
-        self.pace = Pace()
+        self.pace = Pace(clock=clock)
         self.game: Game | None = None
         self.frame = start_frame(level)
         self.breakpoints = Breakpoints()
@@ -135,7 +139,7 @@ class Session:
     @property
     def thinking_for(self) -> float:
         """Seconds that the current think has taken; 0.0 while not worth showing."""
-        return self.movement.thinking_for(self.pace.period)
+        return self.movement.thinking_for(self.clock.now(), self.pace.period)
 
     # -- level and program ---------------------------------------------------------------------
 
@@ -194,7 +198,9 @@ class Session:
         program = self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
-            game = self.game = Game(self.level, program, breakpoints=self.breakpoints)
+            game = self.game = Game(
+                self.level, program, breakpoints=self.breakpoints, clock=self.clock
+            )
             game.pace = self.pace
             game.listen(lambda frame: self._show(game, frame))
             self.frame = game.frame
@@ -349,7 +355,7 @@ class Session:
         is_next = frame.tick == self.frame.tick + 1
         is_changed = game.level is not self.level
         self.frame, self.levels.shown = frame, game.level
-        self.movement.has_thought()
+        self.movement.waiting_since = self.clock.now()
         self._tell(lambda listener: listener.tick_shown(frame))
         if is_changed:
             self._tell(lambda listener: listener.level_changed())
@@ -368,6 +374,7 @@ class Session:
         """Start background work that pausing ends."""
         if self.game is not None:
             self.movement = movement
+            movement.waiting_since = self.clock.now()
             move = partial(self._move, self.game, work, movement)
             self._spawn(move, "move", exclusive=True)
 

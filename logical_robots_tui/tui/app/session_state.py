@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from time import perf_counter
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
 
 from logical_robots_tui.editing.edits import Edits
@@ -127,12 +126,12 @@ class Movement:
         kind: ``rest``; ``awaiting`` a program to run with; ``run`` at the game's speed;
             ``steps``, tick by tick; ``until`` a tick, at full speed.
         owed: The steps still to take.
-        waiting_since: When the current think began, by `perf_counter`.
+        waiting_since: When the current think began, by the game's clock.
     """
 
     kind: Kind = "rest"
     owed: int = 0
-    waiting_since: float = field(default_factory=perf_counter)
+    waiting_since: float = 0.0
 
     @property
     def is_resting(self) -> bool:
@@ -153,19 +152,16 @@ class Movement:
         """Add steps, but not many more than were requested at once."""
         self.owed = min(self.owed + steps, max(self.owed, _MOST_OWED * steps))
 
-    def has_thought(self) -> None:
-        """Note that a think has ended and the next one begins."""
-        self.waiting_since = perf_counter()
-
-    def thinking_for(self, period: float) -> float:
+    def thinking_for(self, now: float, period: float) -> float:
         """Return the seconds that the current think has taken; 0.0 while not worth showing.
 
         Args:
+            now: The time by the game's clock.
             period: Seconds per tick while running.
         """
         if not self.thinks:
             return 0.0
-        seconds = perf_counter() - self.waiting_since - (period if self.kind == "run" else 0.0)
+        seconds = now - self.waiting_since - (period if self.kind == "run" else 0.0)
         return seconds if seconds > _NOTICEABLE else 0.0
 
 

@@ -6,7 +6,6 @@ import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isclose
-from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from textual.containers import Vertical
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
     from textual.widget import Widget
 
+    from logical_robots_tui.clock import Clock
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Node, Program
     from logical_robots_tui.tui.app.session import Session
@@ -151,7 +151,8 @@ class BackgroundQuery:
         seconds: How long the present query, or the last one, has been running.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
         self.seconds = 0.0
         self._task: asyncio.Future[Any] | None = None
 
@@ -170,10 +171,10 @@ class BackgroundQuery:
         """
         task = asyncio.ensure_future(work)
         self._task, self.seconds = task, 0.0
-        began = perf_counter()
+        began = self._clock.now()
         try:
             while not (await asyncio.wait({task}, timeout=_INTERVAL))[0]:
-                self.seconds = perf_counter() - began
+                self.seconds = self._clock.now() - began
                 report()
             if task.cancelled():
                 raise Cancelled

@@ -247,9 +247,10 @@ class InspectorPane(Pane):
         return action != "stop" or ((query := self.page.pending) is not None and query.is_long)
 
     def action_stop(self) -> None:
-        """Cancel the running query."""
+        """Cancel the running query, and do not begin it again for the same tick."""
         if self.page.pending is not None:
             self.page.pending.cancel()
+            self._stale = False
 
     def follow(self) -> None:
         """Show the current tick: at once, or shortly if the game runs."""

@@ -8,6 +8,7 @@ from textual import on
 from textual.content import Content
 from textual.widgets import Static
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
 from logical_robots_tui.tui.labyrinth.briefing import Briefing
@@ -43,8 +44,8 @@ class LabyrinthPane(Pane, can_focus=True):
         ("down", "pan(0, 1)"),
     ]
 
-    def __init__(self) -> None:
-        self.view = LabyrinthView()
+    def __init__(self, clock: Clock = CLOCK) -> None:
+        self.view = LabyrinthView(clock)
         self.card = RobotCard()
         self.briefing = Briefing(self.view)
         self.banner = VictoryBanner()

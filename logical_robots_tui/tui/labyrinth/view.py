@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from time import monotonic
 from typing import TYPE_CHECKING, ClassVar
 
 from rich.color import Color
@@ -16,6 +15,7 @@ from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
@@ -78,8 +78,9 @@ class LabyrinthView(Widget):
 
         name: str
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock = CLOCK) -> None:
         super().__init__(id="picture")
+        self._clock = clock
         self._level: Level | None = None
         self._frame: Frame | None = None
         self._hurried = False
@@ -224,7 +225,7 @@ class LabyrinthView(Widget):
             trails=self.trails and not is_calm,
             selected=self.selected,
             highlight=self.highlighted,
-            pulse=int(monotonic() / _BEAT) if self._hurried else 0,
+            pulse=int(self._clock.now() / _BEAT) if self._hurried else 0,
         )
         if self.camera.sight is Sight.SENSES:
             cells = draw_senses(self._level, self._frame, *self.size, look)

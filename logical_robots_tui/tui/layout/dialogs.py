@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from time import monotonic
 from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
 
-from textual import on
+from textual import events, on
 from textual.await_complete import AwaitComplete
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
@@ -20,7 +19,6 @@ from logical_robots_tui.tui.theme.safe_text import one_line, visible_lines
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from textual import events
     from textual.app import ComposeResult
     from textual.binding import BindingType
 
@@ -206,7 +204,7 @@ class Question(Dialog[str]):
             self._show_answers()
 
     def _show_answers(self) -> None:
-        self.answered_from = monotonic()
+        self.answered_from = events.Event().time  # by the clock of events
         self.query_one("#answers").visible = True
         self.query(Button).first().focus()
 

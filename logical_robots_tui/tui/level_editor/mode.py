@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 from secrets import token_hex
-from time import perf_counter
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from logical_robots_tui.editing.checks import check
@@ -278,9 +277,9 @@ class GameSync:
         before, after = self._levels.shown, self._levels.edited
         if after is before or self._is_over:
             return
-        began = perf_counter()
+        began = self._session.clock.now()
         self._session.change_level(after, self._editor.poses.between(before, after))
-        now = perf_counter()
+        now = self._session.clock.now()
         self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
     def stop(self) -> None:
@@ -288,6 +287,6 @@ class GameSync:
         self._is_over = True
 
     async def _flush_soon(self) -> None:
-        await asyncio.sleep(max(self._next_at - perf_counter(), _LEAST_WAIT))
+        await asyncio.sleep(max(self._next_at - self._session.clock.now(), _LEAST_WAIT))
         self._is_due = False
         self.flush()

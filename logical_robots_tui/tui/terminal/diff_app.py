@@ -10,7 +10,6 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from math import inf
-from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from rich.console import COLOR_SYSTEMS
@@ -29,6 +28,8 @@ if TYPE_CHECKING:
     from rich.segment import Segment
     from textual.geometry import Region
     from textual.screen import Screen
+
+    from logical_robots_tui.clock import Clock
 
 ASK = "\x1b[6n"
 """Asks a terminal for its cursor position; it answers after everything sent before."""
@@ -128,8 +129,9 @@ class DiffApp(CrashSafeApp):
     _is_waiting = False
     _is_sending = False
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock) -> None:
         super().__init__(driver_class=ListeningDriver)
+        self.clock = clock
         self._line = Line()
 
     def redraw(self) -> None:
@@ -209,7 +211,7 @@ class DiffApp(CrashSafeApp):
             return  # a full repaint is due
         if self._line.is_to_be_measured:
             driver.ask(ASK)
-            self._line.sent(0, monotonic())
+            self._line.sent(0, self.clock.now())
         if not self._line.is_free:
             if not self._is_waiting:
                 self._is_waiting = True
@@ -223,11 +225,11 @@ class DiffApp(CrashSafeApp):
             driver.write(f"{text}\x1b[{cursor[1] + 1};{cursor[0] + 1}H")
             self._end_update()
             driver.ask(ASK)
-            self._line.sent(len(text.encode()), monotonic())
+            self._line.sent(len(text.encode()), self.clock.now())
 
     def _stop_waiting(self) -> None:
         self._is_waiting = False
-        self._line.forget(monotonic())
+        self._line.forget(self.clock.now())
         self._send()
 
 

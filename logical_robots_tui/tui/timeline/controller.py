@@ -6,7 +6,6 @@ Dialogs are loaded when first used, so that the first picture comes sooner.
 from __future__ import annotations
 
 from math import inf
-from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
@@ -210,13 +209,13 @@ class Search:
         if game is None:
             self._ui.tell(_NO_PROGRAM)
             return
-        about, patient_until = self._about(game), monotonic() + _PATIENCE
+        about, patient_until = self._about(game), session.clock.now() + _PATIENCE
 
         def told(tick: int) -> None:
             nonlocal patient_until
             if about != self._about(session.game):
                 raise Superseded  # the player has moved on
-            if monotonic() > patient_until:
+            if session.clock.now() > patient_until:
                 patient_until = inf
                 self._ui.tell(f"Searching, at tick {tick}… Go to any tick to stop.")
 

@@ -39,7 +39,7 @@ class DivergencePage(Reader):
         self._game, self._divergence = game, divergence
         self._differences = told(divergence)
         self._text_shown = Static(self._differences)
-        self._waiting = BackgroundQuery()
+        self._waiting = BackgroundQuery(game.clock)
         super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:

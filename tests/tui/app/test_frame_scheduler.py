@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from time import thread_time
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.app.frame_scheduler import FrameRate, processor_times
+from logical_robots_tui.clock import CLOCK, Clock
+from logical_robots_tui.tui.app.frame_scheduler import FrameRate
 
 PICTURE = 0.006  # seconds of computing
 GENTLY, MOST = 2.5, 12.0  # seconds waited per second of computing: some others, very many
 
 
-class Machine:
+class Machine(Clock):
     """A machine with a clock of its own, whose processors others take as much as a test wants.
 
     Args:
@@ -22,20 +21,26 @@ class Machine:
     """
 
     def __init__(self, *, tells: bool = True) -> None:
-        self.now = self.computed = self.waited = 0.0
-        self.rate = FrameRate(
-            lambda: (self.computed, self.waited) if tells else None,
-            lambda: self.now,
-            lambda: self.computed,
-        )
+        self.time = self.busy = self.waited = 0.0
+        self._tells = tells
+        self.rate = FrameRate(self)
+
+    def now(self) -> float:
+        return self.time
+
+    def computed(self) -> float:
+        return self.busy
+
+    def processor_times(self) -> tuple[float, float] | None:
+        return (self.busy, self.waited) if self._tells else None
 
     def draw(self, strain: float) -> None:
         """Draw a picture as soon as it may be, where that waits so long per second of computing."""
-        self.now += max(self.rate.wait, 0.0)
+        self.time += max(self.rate.wait, 0.0)
         with self.rate.drawing():
-            self.computed += PICTURE
+            self.busy += PICTURE
             self.waited += strain * PICTURE
-            self.now += (1 + strain) * PICTURE
+            self.time += (1 + strain) * PICTURE
 
     def frames_per_second(self, strain: float) -> float:
         """What becomes usual under such a strain."""
@@ -72,7 +77,7 @@ def test_after_a_key_press_nothing_is_left_to_others_for_a_moment(machine: Machi
     assert machine.rate.wait > 0.1
     machine.rate.hurry()
     assert machine.rate.wait + machine.rate.rested == pytest.approx(1 / 30)
-    machine.now += 0.2
+    machine.time += 0.2
     assert machine.rate.wait + machine.rate.rested > 0.2
 
 
@@ -91,10 +96,10 @@ def test_whatever_was_measured_a_picture_comes_within_half_a_second(strains: lis
 
 
 def test_this_system_tells_both_times_or_none() -> None:
-    before, enough = processor_times(), thread_time() + 0.05
-    while thread_time() < enough:
+    before, enough = CLOCK.processor_times(), CLOCK.computed() + 0.05
+    while CLOCK.computed() < enough:
         pass
-    after = processor_times()
+    after = CLOCK.processor_times()
     if before is None or after is None:
         assert before is after
     else:

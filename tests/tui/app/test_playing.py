@@ -26,13 +26,15 @@ async def test_space_runs_and_pauses(data_dir: Path) -> None:
         await game.ready()
         assert "PAUSED" in game.status
         await game.press("space")
-        await game.until(lambda: game.tick > 3)
-        assert game.session.running
-        assert "RUNNING" in game.status
+        await game.until(
+            lambda: game.tick > 3 and game.session.running and "RUNNING" in game.status
+        )
         await game.press("space")
-        await game.until(lambda: not game.session.running)
-        assert "PAUSED" in game.status
-        assert f"tick {game.tick}" in game.status
+        await game.until(lambda: "PAUSED" in game.status)
+        stopped_at = game.tick
+        assert f"tick {stopped_at}" in game.status
+        await game.later(1)
+        assert game.tick == stopped_at
 
 
 async def test_space_before_the_program_is_compiled_runs_as_soon_as_it_is(data_dir: Path) -> None:
@@ -100,29 +102,30 @@ async def test_a_slow_thought_leaves_the_keys_alone_and_can_be_stopped(
     monkeypatch.setattr("logical_robots_tui.game.game.Limits", lambda: patient)
     async with opened(data_dir, text=ENDLESS) as game:
         await game.ready()
-        await game.press("space")
-        await game.until(lambda: "thinking…" in game.status)
-        thought = game.session.thinking_for
-        await game.press("y")
-        await game.press("2", "x")
-        await game.until(lambda: game.editor.before_cursor == "x")
-        assert game.session.thinking_for > thought  # the same one
-        await game.until(lambda: "thinking…" in game.status)
-        await game.until(lambda: "F5 stops it" in game.status)
+        with game.impatient():
+            await game.press("space")
+            await game.until(lambda: "thinking…" in game.status)
+            thought = game.session.thinking_for
+            await game.press("y")
+            await game.press("2", "x")
+            await game.until(
+                lambda: game.editor.before_cursor == "x" and game.session.thinking_for > thought
+            )  # the same one
+            await game.until(lambda: "F5 stops it" in game.status)
+            assert game.tick == 0
+            await game.press("f5")
+        await game.until(lambda: not game.session.busy and "PAUSED" in game.status)
         assert game.tick == 0
-        await game.press("f5")
-        await game.until(lambda: not game.session.busy)
-        assert game.tick == 0
-        assert "PAUSED" in game.status
 
 
 @pytest.mark.slow
 async def test_a_slow_step_can_be_stopped_too(data_dir: Path) -> None:
     async with opened(data_dir, text=SLOW) as game:
         await game.ready()
-        await game.press("n")
-        await game.until(lambda: game.session.thinking_for)
-        await game.press("space")
+        with game.impatient():
+            await game.press("n")
+            await game.until(lambda: game.session.thinking_for)
+            await game.press("space")
         await game.until(lambda: not game.session.busy)
         await game.write(STILL)
         await game.until(lambda: game.session.state.applied == STILL)
@@ -162,7 +165,7 @@ async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
         await game.until(lambda: not game.shows("so far"))
         lines = game.screen().splitlines()
         row = next(row for row, line in enumerate(lines) if "again" in line and "stay" in line)
-        await game.pilot.click(offset=(lines[row].index("again") + 1, row))
+        await game.click(offset=(lines[row].index("again") + 1, row))
         await game.until(lambda: game.tick == 0)
         await game.sees_no("Everybody is there")
 
@@ -224,9 +227,12 @@ async def test_two_messages_stand_apart(data_dir: Path) -> None:
         await game.ready()
         game.main.tell("One.")
         game.main.tell("Two.")
-        await game.until(lambda: len(game.main.query(Toast)) == 2)
-        upper, lower = sorted((toast.region for toast in game.main.query(Toast)), key=lambda r: r.y)
-        assert lower.y > upper.bottom
+
+        def are_apart() -> bool:
+            regions = sorted((toast.region for toast in game.main.query(Toast)), key=lambda r: r.y)
+            return len(regions) == 2 and regions[1].y > regions[0].bottom > 0
+
+        await game.until(are_apart)
 
 
 async def test_a_program_that_is_wrong_from_the_start_says_so_when_run(data_dir: Path) -> None:
@@ -246,9 +252,8 @@ async def test_nothing_is_drawn_when_nothing_changes(
 ) -> None:
     async with opened(data_dir) as game:
         await game.ready()
-        await game.pilot.pause()
+        await game.later(1)
         drawn: list[object] = []
-        turns: list[object] = []
         display = game.app._display
 
         def note(screen: Screen[object], renderable: RenderableType | None) -> None:
@@ -256,8 +261,7 @@ async def test_nothing_is_drawn_when_nothing_changes(
             display(screen, renderable)
 
         monkeypatch.setattr(game.app, "_display", note)
-        game.app.set_interval(0.01, lambda: turns.append(None))
-        await game.until(lambda: len(turns) > 60)
+        await game.later(60)
         assert not drawn
 
 

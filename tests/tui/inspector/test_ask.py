@@ -94,7 +94,7 @@ async def test_names_are_completed(data_dir: Path) -> None:
     async with opened(data_dir, text="Lighthouse(1);\n" + AHEAD) as game:
         await game.ready()
         await game.press("slash")
-        await game.until(lambda: line(game).has_focus)
+        await game.until(lambda: "Lighthouse" in line(game)._completion.words)
         await game.press(*"1 < 2, Lig")
         await game.until(lambda: line(game)._suggestion == "1 < 2, Lighthouse")
         await game.press("right")
@@ -117,13 +117,14 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -
         await game.ready()
         await ask(game, "1000 + 1")
         await game.sees("1001")
-        await ask(game, SLOW)
-        await game.sees(" s  esc here stops it")
-        assert any(sign in game.screen() for sign in "▖▘▝▗")
-        assert not game.shows("1001"), "an old answer stands under a new question"
-        assert answered(game) == SLOW
-        first = game.screen()
-        await game.until(lambda: game.screen() != first)  # the time goes on
+        with game.impatient():
+            await ask(game, SLOW)
+            await game.sees(" s  esc here stops it")
+            assert any(sign in game.screen() for sign in "▖▘▝▗")
+            assert not game.shows("1001"), "an old answer stands under a new question"
+            assert answered(game) == SLOW
+            first = game.screen()
+            await game.until(lambda: game.screen() != first)  # the time goes on
         await game.press("escape")
         await game.sees("Stopped after ")
         assert line(game).has_focus
@@ -135,8 +136,9 @@ async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -
 async def test_escape_stops_a_question_from_the_list_too(data_dir: Path) -> None:
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
-        await ask(game, SLOW)
-        await game.sees("esc here stops it")
+        with game.impatient():
+            await ask(game, SLOW)
+            await game.sees("esc here stops it")
         game.inspector.enter()
         await game.press("escape")
         await game.sees("Stopped after ")
@@ -151,8 +153,9 @@ async def test_another_question_does_not_wait_for_the_answer_of_the_one_before(
     query = "t == 700 + Max{sensor.clock :- Sensor(sensor:)}"
     async with opened(data_dir, text=AHEAD) as game:
         await game.ready()
-        await ask(game, SLOW)
-        await game.sees("esc here stops it")
+        with game.impatient():
+            await ask(game, SLOW)
+            await game.sees("esc here stops it")
         await ask(game, query)
         await game.sees("Ask · tick 0 · 1 row")
         await game.press("escape", "n")
@@ -198,6 +201,6 @@ async def test_the_line_shows_an_example_and_the_bar_names_its_keys(
         bar = game.main.query_one(CommandBar)
         await game.until(lambda: bar.render().plain.startswith(" enter Ask  ↑↓ Earlier"))
         assert "F5 Run" in bar.render().plain
-        await game.pilot.click(CommandBar, offset=(2, 0))
+        await game.click(CommandBar, offset=(2, 0))
         await game.press(*"sensor.forward_distance < 600", "enter", "escape")
         await game.until(lambda: "enter Ask" not in bar.render().plain)

@@ -55,7 +55,9 @@ async def followed(game: Opened, *keys: str) -> None:
     await game.press("X")
     await game.until(lambda: isinstance(game.app.screen, ValueTree))
     await game.press(*keys, "less_than_sign")
-    await game.until(lambda: game.app.screen is game.main and links(game).pointed)
+    await game.until(
+        lambda: game.app.screen is game.main and links(game).plain and links(game).pointed
+    )
 
 
 TO_SEEN = ("end",)

@@ -200,7 +200,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.press("home", "n")
         await game.sees("Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
-        await game.pilot.click(ValueTable, offset=(1, 3))
+        await game.click(ValueTable, offset=(1, 3))
         await game.until(lambda: table.pointed and table.pointed[0] == "col0")
 
 

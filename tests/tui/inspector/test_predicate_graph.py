@@ -46,13 +46,14 @@ async def test_one_goes_along_the_graph_and_opens_a_predicate(data_dir: Path) ->
         await game.sees("nobody     • Robot ─┬▶ • Speed")
         await game.sees("╰▶ • Near")
         await game.press("right", "down", "right")
-        assert view.middle == "Near"
-        await game.until(lambda: "─┼▶ • Near ──▶ • Ahead" in game.screen())
+        await game.until(
+            lambda: view.middle == "Near" and "─┼▶ • Near ──▶ • Ahead" in game.screen()
+        )
         assert [name in view.plain for name in ("Speed", "Slow", "Robot")] == [True] * 3
         await game.press("right")
-        assert view.chosen == "Ahead"
+        await game.until(lambda: view.chosen == "Ahead")
         speed = next(n for n, line in enumerate(view.plain.splitlines()) if "Speed" in line)
-        await game.pilot.click(GraphView, offset=(3, speed))
+        await game.click(GraphView, offset=(3, speed))
         await game.until(lambda: view.middle == "Speed")
         await game.press("right", "up", "enter")
         await game.until(lambda: game.inspector.inspected == "Ahead")

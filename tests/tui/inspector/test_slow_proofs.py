@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
     async with opened(data_dir, text=SLOW) as game:
         await game.ready()
-        await game.press("w")
-        await game.sees("taking the rules of Robot apart")
-        await game.sees("s  esc here stops it")
-        await game.press("escape")
-        await game.sees("Stopped after ")
+        with game.impatient():
+            await game.press("w")
+            await game.sees("taking the rules of Robot apart")
+            await game.sees("s  esc here stops it")
+            await game.press("escape")
+            await game.sees("Stopped after ")
         assert view(game).has_focus
 
 
@@ -42,8 +43,7 @@ async def test_the_first_level_is_there_before_the_whole_proof(
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: game.shows("Solo: Robot  ") and game.shows("unfolding"))
-        assert CALL in told(game)
-        place = go_to(game, CALL)
+        place = await go_to(game, CALL)
         assert not view(game).is_open(place)
         await game.press("right")  # which waits for the proof that is on its way
         await game.until(lambda: view(game).is_open(place))
@@ -84,7 +84,7 @@ async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
         await game.sees("unfolding")
         await game.press("escape")
         await game.sees("stopped after")
-        go_to(game, CALL)
+        await go_to(game, CALL)
         await game.press("right")
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
         assert asked_for == ["Robot", "Speed"]
@@ -120,7 +120,7 @@ async def test_the_cursor_stays_while_a_slow_answer_for_another_tick_is_awaited(
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        place = go_to(game, CALL)
+        place = await go_to(game, CALL)
         is_let.clear()
         await game.press("n")
         await game.sees("taking the rules of Robot apart")

@@ -130,7 +130,7 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
 
         # A click on a line goes to its tick, and keys to where a value changes.
         row = line_of(game, "Late: rows")
-        await game.pilot.click(WatchView, offset=(2 + 20, row + 1 - view(game).scroll_offset.y))
+        await game.click(WatchView, offset=(2 + 20, row + 1 - view(game).scroll_offset.y))
         await game.until(lambda: game.tick == 20)
         await game.until(lambda: view(game).plain.splitlines()[row].endswith(" 0"))
         await game.press("right")
@@ -158,7 +158,7 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         await game.until(lambda: f"{'_' * 20}{'#' * 20}" in view(game).plain)
         await game.press("delete", "up", "enter")
         await game.until(lambda: len(view(game).pins) == 3)
-        await game.until(lambda: game.inspector.inspected == "Late")
+        await game.sees("Late · tick 12 · 0 rows")
         await game.press("3", "at")
         await game.until(lambda: Pin("Late") not in view(game).pins)
 

@@ -44,8 +44,9 @@ def told(game: Opened) -> list[str]:
     return [node.text for node in nodes(game)]
 
 
-def go_to(game: Opened, text: str) -> int:
-    """Put the cursor on the first line that begins with a text; its number."""
+async def go_to(game: Opened, text: str) -> int:
+    """Put the cursor on the first line that begins with a text, once it is there; its number."""
+    await game.until(lambda: any(each.startswith(text) for each in told(game)))
     place = next(n for n, each in enumerate(told(game)) if each.startswith(text))
     view(game).action_move(place - view(game).lines.index(view(game).line))
     return place
@@ -86,7 +87,7 @@ async def test_a_rule_that_did_not_give_the_row_is_folded_below(data_dir: Path) 
         assert told(game)[last].startswith("Robot(")
         assert not view(game).is_open(last)
         assert "d <= 20" not in told(game)
-        go_to(game, "Robot(")
+        await go_to(game, "Robot(")
         await game.press("end", "right")
         await game.until(lambda: "d <= 20" in told(game))
         failed = nodes(game)[told(game).index("d <= 20")]
@@ -97,7 +98,7 @@ async def test_it_folds_by_arrows_as_any_tree(data_dir: Path) -> None:
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        place = go_to(game, CALL)
+        place = await go_to(game, CALL)
         before = told(game)
         await game.press("left")
         await game.until(lambda: not view(game).is_open(place))
@@ -115,7 +116,7 @@ async def test_what_is_folded_stays_folded_in_another_tick(data_dir: Path) -> No
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
-        place = go_to(game, CALL)
+        place = await go_to(game, CALL)
         await game.press("left", "n")
         await game.sees("Why · tick 2")
         assert not view(game).is_open(place)
@@ -128,27 +129,27 @@ async def test_a_click_on_the_marker_folds_and_one_on_the_line_goes_there(data_d
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))
         place = told(game).index(CALL)
         depth = view(game).lines[place].depth
-        await game.pilot.click(WhyView, offset=(2 * depth, place))
+        await game.click(WhyView, offset=(2 * depth, place))
         await game.until(lambda: not view(game).is_open(place))
-        await game.pilot.click(WhyView, offset=(2 * depth + 6, place + 1))
+        await game.click(WhyView, offset=(2 * depth + 6, place + 1))
         await game.until(lambda: view(game).line is view(game).lines[place + 1])
-        await game.pilot.click(WhyView, offset=(2 * depth + 6, place))
+        await game.click(WhyView, offset=(2 * depth + 6, place))
         await game.until(lambda: view(game).line is view(game).lines[place])
-        await game.pilot.click(WhyView, offset=(2 * depth + 6, place))
+        await game.click(WhyView, offset=(2 * depth + 6, place))
         await game.until(lambda: told(game)[:1] == ["Speed(d) = 0.5 :- d > 20"])
 
 
 async def test_deeper_and_back(data_dir: Path) -> None:
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
-        go_to(game, CALL)
+        await go_to(game, CALL)
         await game.press("enter")
         await game.until(lambda: told(game)[:1] == ["Speed(d) = 0.5 :- d > 20"])
         await game.sees("Speed(")
         await game.sees("← Robot")
         await game.press("left")
         await game.until(lambda: told(game)[0].startswith("Robot("))
-        go_to(game, CALL)
+        await go_to(game, CALL)
         await game.press("enter")
         await game.until(lambda: told(game)[:1] == ["Speed(d) = 0.5 :- d > 20"])
         await game.press("end", "backspace")
@@ -159,10 +160,10 @@ async def test_what_another_rule_asks_is_proved_when_it_is_opened(data_dir: Path
     text = TWO_RULES.replace("d <= 20,", "Close(d),") + "Close(d) :- d <= 20;\n"
     async with opened(data_dir, text=text, size=TALL) as game:
         await asked_why(game)
-        go_to(game, "Robot(")
+        await go_to(game, "Robot(")
         await game.press("end", "right")
         await game.until(lambda: "Close(d)" in told(game))
-        go_to(game, "Close(d)")
+        await go_to(game, "Close(d)")
         await game.press("right")
         await game.until(lambda: any(each.startswith("Close(d) :-") for each in told(game)))
 
@@ -170,7 +171,7 @@ async def test_what_another_rule_asks_is_proved_when_it_is_opened(data_dir: Path
 async def test_the_place_is_shown_in_the_program(data_dir: Path) -> None:
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
-        go_to(game, "d == sensor")
+        await go_to(game, "d == sensor")
         await game.until(lambda: game.editor.selected_text == "d == sensor.forward_distance")
         await game.press("e", "x")
         await game.until(lambda: game.editor.text == TWO_RULES.replace("d == s", "xd == s", 1))
@@ -196,7 +197,7 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         with_ray = labyrinth._cells.plain()
         assert with_ray != plain
         view(game).action_move(-1000)
-        go_to(game, "Sensor(")
+        await go_to(game, "Sensor(")
         await game.until(lambda: labyrinth.highlighted == Highlight("Solo"))
         assert labyrinth._cells.plain() not in (plain, with_ray)
         game.inspector.inspect(ASK)

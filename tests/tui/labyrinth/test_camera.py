@@ -181,7 +181,7 @@ async def test_a_click_on_a_robot_shows_its_card(data_dir: Path, size: tuple[int
         cell = view.view.cell(robot.x, robot.y)
         assert cell is not None
         inset = view.content_region.offset - view.region.offset
-        await game.pilot.click(view, offset=(cell[1] + inset.x, cell[0] + inset.y))
+        await game.click(view, offset=(cell[1] + inset.x, cell[0] + inset.y))
         await game.sees("battery needs none")
         await game.sees("I am a robot")
         await game.sees("engines +")

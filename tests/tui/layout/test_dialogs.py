@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from typing import TYPE_CHECKING
 
 from rich.style import Style
@@ -17,7 +16,7 @@ from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from tests.tui.conftest import PAPER, opened
 from tests.tui.dialogs import dialog, fill
-from tests.waiting import PATIENCE
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,11 +29,10 @@ if TYPE_CHECKING:
 async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, go_on = threading.Event(), threading.Event()
+    hold = Hold()
 
     def save_slowly(path: Path, text: str) -> None:
-        begun.set()
-        assert go_on.wait(PATIENCE)
+        hold.here()
         path.write_text(text)
 
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
@@ -43,12 +41,10 @@ async def test_a_save_that_ends_under_another_dialog_leaves_no_dialog_that_stays
         await fill(game, "other")
         saving = game.app.screen
         await game.press("enter")
-        await game.until(begun.is_set)
-        try:
-            game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
-            await game.until(lambda: isinstance(game.app.screen, Question))
-        finally:
-            go_on.set()
+        await game.until(lambda: hold.has_begun)
+        game.app.push_screen(Question("Above", "All of it?", [("yes", "Yes")]))
+        await game.until(lambda: isinstance(game.app.screen, Question))
+        hold.release()
         save = next(worker for worker in game.app.workers if worker.group == "save")
         await save.wait()
         await game.press("y")
@@ -110,6 +106,7 @@ async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, sho
         await game.until(lambda: not hints.query("#hints"))
         await game.app.run_action("more", hints)
         await hints.run_action("more")
+        await game.settled()
         assert game.app.screen is game.main
         assert game.main.recorder.record.hints == 1
 
@@ -117,11 +114,10 @@ async def test_a_dialog_that_is_closed_does_nothing_any_more(data_dir: Path, sho
 async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked, told = threading.Event(), threading.Event()
+    hold = Hold()
 
     def take(shelf: ProgramShelf, name: str) -> Source:
-        asked.set()
-        assert told.wait(PATIENCE)
+        hold.here()
         return load_program(name, shelf.own)
 
     monkeypatch.setattr(ProgramShelf, "take", take)
@@ -131,10 +127,10 @@ async def test_a_choice_that_comes_when_the_dialog_is_left_already_is_too_late(
         chooser = game.app.screen
         await fill(game, "herd")
         await game.press("enter")
-        await game.until(asked.is_set)
+        await game.until(lambda: hold.has_begun)
         assert isinstance(chooser, Chooser)
         chooser.action_leave()
-        told.set()
+        hold.release()
         await game.until(lambda: game.app.screen is game.main and not chooser.is_attached)
         await game.press("n")
         await game.until(lambda: game.tick == 1)

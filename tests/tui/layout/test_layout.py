@@ -101,7 +101,7 @@ async def test_a_tab_is_chosen_by_click_and_tells_about_the_program(data_dir: Pa
         await game.ready()
         tabs = game.main.query_one(PaneTabs)
         await game.until(lambda: "Program · applied · mine" in tabs.render().plain)
-        await game.pilot.click(PaneTabs, offset=(tabs.render().plain.index("Program"), 0))
+        await game.click(PaneTabs, offset=(tabs.render().plain.index("Program"), 0))
         await game.until(lambda: shown(game) == ["editor"])
         await game.press("x")
         await game.until(lambda: "not applied · mine*" in tabs.render().plain)
@@ -165,8 +165,11 @@ async def test_a_pane_is_hidden_and_shown_again(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         await game.press("3", "j")
-        await game.until(lambda: shown(game) == ["labyrinth", "editor"])
-        assert game.main.labyrinth.region.height > 30
+        await game.until(
+            lambda: (
+                shown(game) == ["labyrinth", "editor"] and game.main.labyrinth.region.height > 30
+            )
+        )
         await game.press("j")
         await game.until(lambda: shown(game) == ["labyrinth", "editor", "inspector"])
         await game.press("j")

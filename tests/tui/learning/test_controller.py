@@ -53,7 +53,7 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.sees("It is straight ahead.")
         await game.sees_no("Just go.")
         await game.sees("h next hint")
-        await game.pilot.click("#more")
+        await game.click("#more")
         await game.sees("There are no more.")
         await game.sees_no("h next hint")
         await game.press("h", "h", "q")
@@ -176,7 +176,13 @@ async def test_what_is_measured_while_the_banner_is_closed_is_told(
         await game.sees("of 20 shifted starts")
 
 
-async def test_the_trials_can_be_stopped(data_dir: Path, short: Path) -> None:
+async def test_the_trials_can_be_stopped(
+    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def measure_for_ever(*_: object) -> None:
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(measuring, "measure", measure_for_ever)
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         game.main.action_command("stop_measuring")

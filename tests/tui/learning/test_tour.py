@@ -32,11 +32,12 @@ async def test_it_passes_every_part_of_the_screen(data_dir: Path, size: tuple[in
         await game.until(lambda: is_shown(game))
         for number, stop in enumerate(STOPS, start=1):
             title = f"{stop.title} · {number} of {len(STOPS)}"
-            await game.until(lambda title=title: game.shows(title))  # type: ignore[misc] # bound now
+            await game.sees(title)
+            await game.later(0.1)
             tour = game.main.query_one(Tour)
             assert game.main.region.contains_region(tour.region)
             assert game.main.query_one(f"#{stop.place}").region.area
-            await game.sees("skips the tour")
+            assert game.shows("skips the tour")
             await game.press("enter")
         await game.until(lambda: not is_shown(game))
         assert game.main.focused is game.main.labyrinth
@@ -56,7 +57,7 @@ async def test_one_key_skips_it(data_dir: Path) -> None:
 async def test_one_can_go_back_and_click_on(data_dir: Path) -> None:
     async with opened(data_dir, welcome=True) as game:
         await game.sees("1 of 4")
-        await game.pilot.click(Tour)
+        await game.click(Tour)
         await game.sees("2 of 4")
         await game.press("left", "left")
         await game.sees("1 of 4")

@@ -106,7 +106,7 @@ class Studio:
         x, y = view.region.x + cell[1], view.region.y + cell[0]
         button = int(kind is not events.MouseMove)
         self.game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
-        await self.game.pilot.pause(0)
+        await self.game.handled()
 
     @property
     def units(self) -> float:

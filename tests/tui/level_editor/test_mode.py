@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +15,7 @@ from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import load_level
 from tests.tui.conftest import STILL, opened
 from tests.tui.level_editor.conftest import ROOM, studio
-from tests.waiting import PATIENCE
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,11 +35,10 @@ class SlowSaving:
     """Saves a level when it is told to go on."""
 
     def __init__(self) -> None:
-        self.begun, self.go_on = threading.Event(), threading.Event()
+        self.hold = Hold()
 
     def __call__(self, level: Level, path: Path) -> Level:
-        self.begun.set()
-        assert self.go_on.wait(PATIENCE)
+        self.hold.here()
         return save_level(level, path)
 
 
@@ -184,10 +182,10 @@ async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
         await game.until(lambda: s.mode.findings == [])
         await s.drag((200, 30), (180, 30))
         await s.press("s")
-        await game.until(saving.begun.is_set)
+        await game.until(lambda: saving.hold.has_begun)
         await s.press("j", "s", "M")  # the findings, another save, and back to playing
         assert game.main.editing.is_on
-        saving.go_on.set()
+        saving.hold.release()
         await game.until(lambda: not game.main.editing.is_on)
         assert game.app.screen is game.main
         assert s.mode.levels.is_saved
@@ -203,12 +201,12 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
         game = s.game
         await s.drag((200, 30), (180, 30))
         await s.press("s")
-        await game.until(saving.begun.is_set)
+        await game.until(lambda: saving.hold.has_begun)
         await s.drag((180, 30), (120, 30))
         newest = s.level.beacons
         await s.press("greater_than_sign")
         await game.until(lambda: not game.main.editing.is_on)
-        saving.go_on.set()
+        saving.hold.release()
         await game.sees("Saved as room")
         assert game.session.opened.name != "room"
         game.main.session.open_level(load_level(room_file), {"": game.session.source}, STILL)

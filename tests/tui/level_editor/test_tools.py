@@ -141,10 +141,11 @@ async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
         await s.press("c", "shift+right", "enter", "enter")
         assert len(s.level.beacons) == 2
         tools = s.game.main.query_one(ToolLine)
+        await s.game.later(0.1)
         lines = tools.render().plain.splitlines()
         row = next(i for i, line in enumerate(lines) if "Fill" in line)
-        await s.game.pilot.click(ToolLine, offset=(lines[row].index("Fill"), row))
-        assert s.editor.settings.tool is Tool.FILL
+        await s.game.click(ToolLine, offset=(lines[row].index("Fill"), row))
+        await s.game.until(lambda: s.editor.settings.tool is Tool.FILL)
         await s.press("z", "z")
         assert s.game.main.labyrinth.view.camera.zoom > 1
         for _ in range(4):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
 from tests.tui.dialogs import complaint, dialog, fill
-from tests.waiting import PATIENCE
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -163,12 +162,12 @@ async def test_who_is_in_a_hurry_saves_once_and_takes_nothing_back(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun: list[Path] = []
-    go_on = threading.Event()
+    hold = Hold()
 
     def save_slowly(path: Path, text: str) -> None:
         save_program(path, text)
         begun.append(path)
-        assert go_on.wait(PATIENCE)
+        hold.here()
 
     monkeypatch.setattr("logical_robots_tui.tui.library.save_dialog.save_program", save_slowly)
     async with opened(data_dir) as game:
@@ -178,9 +177,9 @@ async def test_who_is_in_a_hurry_saves_once_and_takes_nothing_back(
         await game.press("enter")
         await game.until(lambda: begun)
         await game.press("enter", "escape")
-        await game.pilot.pause(0)
+        await game.settled()
         assert isinstance(game.app.screen, SaveAs)
-        go_on.set()
+        hold.release()
         await game.until(lambda: game.app.screen is game.main)
         assert game.session.source.name == "other"
         assert len(begun) == 1

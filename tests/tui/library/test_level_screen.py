@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from threading import Event
 from typing import TYPE_CHECKING
 
 import pytest
@@ -21,7 +20,7 @@ from logical_robots_tui.tui.library.cards import LevelCards
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import opened
-from tests.waiting import PATIENCE
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -111,7 +110,7 @@ async def test_arrows_choose_a_card_and_enter_plays_it(data_dir: Path) -> None:
 async def test_a_click_on_a_card_plays_it(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         cards = await open_levels(game)
-        await game.pilot.click(LevelCards, offset=(cards.card_width + 5, 3))
+        await game.click(LevelCards, offset=(cards.card_width + 5, 3))
         await game.until(lambda: game.session.level.name == NAMES[1])
 
 
@@ -137,10 +136,10 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
     own = data_dir / "levels"
     own.mkdir(parents=True)
     (own / "zzz.toml").write_text("title = ")
-    go_on = Event()
+    hold = Hold()
 
     def slowly(card: LevelCard) -> Level:
-        go_on.wait(PATIENCE)
+        hold.here()
         return load_level(card.file or card.name)
 
     monkeypatch.setattr(screen, "_level_of", slowly)
@@ -155,7 +154,7 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
             await game.press(*NAMES[1])
             await game.until(lambda: [card.name for card in cards._cards] == [NAMES[1]])
         finally:
-            go_on.set()
+            hold.release()
         await game.until(partial(has_picture, cards, NAMES[1]))
         line.value = ""
         await game.until(lambda: len(cards._cards) == len(NAMES) + 1)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.tui.program.controller import FileWatch
 from tests.tui.conftest import PAPER, STILL, opened, source_of
-from tests.waiting import PATIENCE
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,12 +30,11 @@ def test_a_change_before_the_first_look_is_noticed_once(tmp_path: Path) -> None:
 
 
 async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    begun, go_on = threading.Event(), threading.Event()
+    hold = Hold()
 
     def slowly(path: Path) -> Source:
         if path.read_text() == STILL:
-            begun.set()
-            go_on.wait(PATIENCE)
+            hold.here()
         return load_program(path)
 
     monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
@@ -43,19 +42,19 @@ async def test_the_disk_is_not_waited_for(data_dir: Path, monkeypatch: pytest.Mo
         await game.ready()
         game.session.source.path.write_text(STILL)
         try:
-            await game.until(begun.is_set)
+            await game.until(lambda: hold.has_begun)
             await game.press("n")
             await game.until(lambda: game.tick == 1)
             assert game.editor.text == PAPER
         finally:
-            go_on.set()
+            hold.release()
         await game.until(lambda: game.editor.text == STILL)
 
 
 async def test_a_program_that_was_left_meanwhile_does_not_come_back(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, go_on, looked = threading.Event(), threading.Event(), threading.Event()
+    hold, looked = Hold(), threading.Event()
     other = source_of(STILL, data_dir / "programs", "other")
 
     def slowly(path: Path) -> Source:
@@ -63,8 +62,7 @@ async def test_a_program_that_was_left_meanwhile_does_not_come_back(
         if path == other.path:
             looked.set()
         elif found.text != PAPER:
-            begun.set()
-            go_on.wait(PATIENCE)
+            hold.here()
         return found
 
     monkeypatch.setattr("logical_robots_tui.tui.program.controller.load_program", slowly)
@@ -72,10 +70,10 @@ async def test_a_program_that_was_left_meanwhile_does_not_come_back(
         await game.ready()
         game.session.source.path.write_text(f"{PAPER}\n")
         try:
-            await game.until(begun.is_set)
+            await game.until(lambda: hold.has_begun)
             game.main.library.open_program(other)
         finally:
-            go_on.set()
+            hold.release()
         await game.until(looked.is_set)
         assert game.editor.text == STILL
         assert game.session.source.path == other.path

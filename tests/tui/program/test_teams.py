@@ -75,7 +75,7 @@ async def test_a_click_on_a_tab_shows_that_team(data_dir: Path) -> None:
         await game.sees(" blue ")
         (_, start, _, robot) = game.main.program.teams.places[1]
         assert robot == "Bo"
-        await game.pilot.click(game.main.program.teams, offset=(start, 0))
+        await game.click(game.main.program.teams, offset=(start, 0))
         await game.until(lambda: game.editor.text == BLUE)
         assert game.main.labyrinth.view.selected == "Bo"
 

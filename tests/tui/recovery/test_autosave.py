@@ -6,7 +6,6 @@ import asyncio
 import os
 import signal
 import sys
-import threading
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -24,6 +23,7 @@ from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import BugReport
 from tests.terminal import Terminal
 from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, opened
+from tests.virtual_time import Hold
 from tests.waiting import PATIENCE, SOON, until
 
 if TYPE_CHECKING:
@@ -101,22 +101,21 @@ async def test_the_question_waits_until_no_dialog_lies_over_the_game(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await type_and_leave(data_dir, "hello")
-    looked, go_on = threading.Event(), threading.Event()
+    hold = Hold()
     adopt = Drafts.adopt
 
     def slowly(drafts: Drafts, kind: Kind) -> list[Draft]:
-        looked.set()
-        go_on.wait(PATIENCE)
+        hold.here()
         return adopt(drafts, kind)
 
     monkeypatch.setattr(Drafts, "adopt", slowly)
     async with opened(data_dir) as game:
         try:
-            await game.until(looked.is_set)
+            await game.until(lambda: hold.has_begun)
             await game.press("question_mark")
             await game.until(lambda: isinstance(game.app.screen, Help))
         finally:
-            go_on.set()
+            hold.release()
         await game.until(lambda: game.main.drafts._adopted)
         await game.ready()
         assert isinstance(game.app.screen, Help)
@@ -128,24 +127,23 @@ async def test_text_that_has_come_back_under_a_dialog_is_not_offered(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     await type_and_leave(data_dir, "hello")
-    looked, go_on = threading.Event(), threading.Event()
+    hold = Hold()
     adopt = Drafts.adopt
 
     def slowly(drafts: Drafts, kind: Kind) -> list[Draft]:
         found = adopt(drafts, kind)
-        looked.set()
-        go_on.wait(PATIENCE)
+        hold.here()
         return found
 
     monkeypatch.setattr(Drafts, "adopt", slowly)
     async with opened(data_dir, name="other") as game:
         try:
-            await game.until(looked.is_set)
+            await game.until(lambda: hold.has_begun)
             await game.press("question_mark")
             await game.until(lambda: isinstance(game.app.screen, Help))
             game.main.library.open_program(load_program(data_dir / "programs" / "mine.l"))
         finally:
-            go_on.set()
+            hold.release()
         offered = asyncio.Event()
         monkeypatch.setattr(LevelEditing, "offer", lambda door, offers: _now(offered))
         await game.ready()

@@ -21,6 +21,7 @@ async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
     asked: list[str] = []
     async with opened(data_dir) as game:
         await game.ready()
+        await game.later(1)
         driver = type(game.app._driver)
         monkeypatch.setattr(
             driver, "ask", lambda _, question: asked.append(question), raising=False

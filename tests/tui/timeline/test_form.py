@@ -14,6 +14,7 @@ from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList
 from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
 from tests.tui.timeline.test_widget import playing, run_to
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -94,20 +95,18 @@ async def test_a_search_that_the_player_left_changes_nothing(
     async with playing(data_dir, short) as game:
         await run_to(game, 12)
         await game.press("left_parenthesis")
-        ask, held = Mind.ask, []
+        ask, hold = Mind.ask, Hold()
 
         def slow(mind: Mind, *arguments: object, **options: object) -> object:
-            held.append(1)
-            monkeypatch.setattr(Mind, "ask", ask)
-            while game.tick == 0:  # until the player has gone elsewhere
-                pass
+            hold.here()
             return ask(mind, *arguments, **options)  # type: ignore[arg-type] # passed on
 
         monkeypatch.setattr(Mind, "ask", slow)
         await search(game, AT)
-        await game.until(lambda: bool(held))
+        await game.until(lambda: hold.has_begun)
         await game.press("n", "n")
         await game.until(lambda: game.tick == 2)
+        hold.release()
         await game.until(lambda: all(w.is_finished for w in game.main.workers if w.group == "seek"))
         assert game.tick == 2
         await game.sees_no("No tick after")

@@ -107,7 +107,7 @@ class AskPage(Page):
         above = (self.line, self._answer_to)
         super().__init__(session, questions, self.line, above=above, below=(answer,))
         self.table = answer
-        self.pending = self._background = BackgroundQuery()
+        self.pending = self._background = BackgroundQuery(session.clock)
 
     @property
     def asked(self) -> str:

@@ -112,7 +112,7 @@ class OriginPage(Page):
         self._of = Static(id="origin-of")
         view = LinksView(self._pointed, self._open, self._leave)
         super().__init__(session, questions, view, above=(self._of,))
-        self.pending = self._query = BackgroundQuery()
+        self.pending = self._query = BackgroundQuery(session.clock)
         self.asked: MemoryPart | None = None
         self._course: tuple[Game, int] | None = None
         self._came_from = ROBOTS, 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from time import perf_counter
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -263,14 +262,14 @@ class WatchPage(Page):
 
     async def _read_around(self) -> None:
         """Read one tick after the other while the page is on the screen."""
-        shown_at = perf_counter()
+        shown_at = self._session.clock.now()
         while self.display and (missing := self._samples.missing(self.view.pins, self.view.ticks)):
             (tick, pins), game = missing, self._session.game
             if game is not None and not self._is_reading:
                 with suppress(Superseded, NoSuchTickError):
                     await self._samples.read(pins, game.frame_at(tick))
-            if perf_counter() > shown_at + _REDRAW:
-                shown_at = perf_counter()
+            if self._session.clock.now() > shown_at + _REDRAW:
+                shown_at = self._session.clock.now()
                 self._show()
             await asyncio.sleep(_PAUSE if self._session.running or self._is_reading else 0)
         self._show()

@@ -77,7 +77,7 @@ class WhyPage(Page):
     def __init__(self, session: Session, questions: Questions) -> None:
         self._way = Static(id="way")
         super().__init__(session, questions, WhyView(), above=(self._way,))
-        self.pending = self._query = BackgroundQuery()
+        self.pending = self._query = BackgroundQuery(session.clock)
         self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: _Question | None = None
         self._answered: _Question | None = None
