@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import zipfile
 from pathlib import Path
 
@@ -31,6 +32,12 @@ def test_the_wheel_carries_nothing_but_the_package(wheel: Path) -> None:
     tops = {name.partition("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
     version = logical_robots_tui.__version__
     assert tops == {"logical_robots_tui", f"logical_robots_tui-{version}.dist-info"}
+
+
+def test_the_changelog_begins_with_this_version() -> None:
+    newest = re.search(r"^## \[(.+?)\]", (CHECKOUT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert newest
+    assert newest[1] == logical_robots_tui.__version__
 
 
 def test_an_installed_copy_uses_its_own_code_and_levels(installed: Installed) -> None:
