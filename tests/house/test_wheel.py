@@ -1,4 +1,7 @@
-"""The wheel is whole: installed where there is no checkout, it plays."""
+"""Wheel and sdist are whole and say what is true; installed without a checkout, the game plays.
+
+`make dist` runs all of it on the files that it has built.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,11 @@ from pathlib import Path
 import pytest
 
 import logical_robots_tui
-from tests.installed import CHECKOUT, Installed, install
+from tests.installed import CHECKOUT, Installed, clean_environment, install_from_lock
+from tests.pythons import pythons
+from tests.terminal import Terminal
 
+PYTHONS = pythons()
 WON_BY = ("01-first-steps", "first-steps")
 
 
@@ -64,6 +70,21 @@ def test_an_installed_copy_wins_a_level(installed: Installed) -> None:
 
 
 @pytest.mark.proof
-def test_a_copy_installed_from_the_registry_wins_a_level(wheel: Path, tmp_path: Path) -> None:
-    alone = install(wheel, tmp_path, lend_dependencies=False)
-    assert alone.run("logical-robots", "run", *WON_BY).returncode == 0
+@pytest.mark.parametrize("version", PYTHONS)
+def test_the_wheel_plays_on_every_python_with_the_locked_dependencies(
+    version: str, wheel: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed = install_from_lock(wheel, tmp_path, PYTHONS[version])
+    monkeypatch.chdir(installed.elsewhere)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for folder in ("DATA", "STATE", "CACHE", "CONFIG"):
+        monkeypatch.delenv(f"XDG_{folder}_HOME", raising=False)
+    assert f" {version}." in installed.run("python", "--version").stdout
+    for arguments in (("doctor",), ("run", *WON_BY)):
+        done = installed.run("logical-robots", *arguments)
+        assert done.returncode == 0, done.stdout + done.stderr
+    with Terminal([installed.command], env=clean_environment()) as terminal:
+        terminal.wait_for("· applied")
+        assert "First steps" in terminal.text
+        terminal.send("q")
+        assert terminal.finish() == 0, terminal.everything
