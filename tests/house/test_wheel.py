@@ -8,6 +8,8 @@ from __future__ import annotations
 import email
 import json
 import re
+import subprocess
+import sys
 import tarfile
 import tomllib
 import zipfile
@@ -18,6 +20,7 @@ import pytest
 from markdown_it import MarkdownIt
 
 import logical_robots_tui
+from tests.house.examples import blocks
 from tests.installed import CHECKOUT, Installed, clean_environment, install_from_lock
 from tests.pythons import pythons
 from tests.terminal import Terminal
@@ -146,3 +149,29 @@ def test_the_wheel_plays_on_every_python_with_the_locked_dependencies(
 @pytest.mark.proof
 def test_every_python_here_has_a_classifier(wheel: Path) -> None:
     assert set(PYTHONS) <= set(classified_pythons(wheel)), "or the game was not tested on it"
+
+
+@pytest.mark.proof
+def test_the_recipe_for_a_class_installs_the_game_from_a_checkout(tmp_path: Path) -> None:
+    recipes = (block.text for block in blocks(CHECKOUT / "docs" / "ssh.md"))
+    (recipe,) = (text for text in recipes if "play.lock" in text)
+    (tmp_path / "bin").mkdir()
+    for theirs, ours in (
+        ("python3 -m venv", f"{sys.executable} -m venv"),
+        ("/usr/local/bin", f"{tmp_path}/bin"),
+        ("/opt", str(tmp_path)),
+    ):
+        assert theirs in recipe
+        recipe = recipe.replace(theirs, ours)
+    followed = subprocess.run(
+        ["sh", "-e", "-c", recipe],
+        cwd=CHECKOUT,
+        env=clean_environment(),
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert followed.returncode == 0, followed.stdout + followed.stderr
+    done = Installed(tmp_path, tmp_path).run("logical-robots", "run", *WON_BY)
+    assert done.returncode == 0, done.stdout + done.stderr
