@@ -63,32 +63,37 @@ def install(wheel: Path, folder: Path) -> Installed:
 
     This is quick and needs no network.
     """
-    installed = _new_environment(folder, sys.executable)
-    _pip(installed, "--no-deps", "--no-index", wheel)
-    (site,) = installed.root.glob("lib/python*/site-packages")
+    root = _new_environment(folder, sys.executable)
+    _pip(root, "--no-deps", "--no-index", wheel)
+    (site,) = root.glob("lib/python*/site-packages")
     # A .pth file in a folder that a .pth file names is not read: the checkout stays unseen.
     (site / "lent.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
-    return installed
+    return _with_folder(root)
 
 
 def install_from_lock(wheel: Path, folder: Path, python: str) -> Installed:
     """Install a wheel and its locked dependencies in a new environment of some Python."""
-    installed = _new_environment(folder, python)
-    _pip(installed, "--require-hashes", "--requirement", CHECKOUT / "requirements" / "play.lock")
-    _pip(installed, "--no-deps", "--no-index", wheel)
-    return installed
+    root = _new_environment(folder, python)
+    _pip(root, "--require-hashes", "--requirement", CHECKOUT / "requirements" / "play.lock")
+    _pip(root, "--no-deps", "--no-index", wheel)
+    return _with_folder(root)
 
 
-def _new_environment(folder: Path, python: str) -> Installed:
-    root, elsewhere = folder / "venv", folder / "elsewhere"
+def _new_environment(folder: Path, python: str) -> Path:
+    root = folder / "venv"
     _run(python, "-m", "venv", "--without-pip", root)
+    return root
+
+
+def _with_folder(root: Path) -> Installed:
+    """Make the folder last: other workers take it as the sign that all is installed."""
+    elsewhere = root.parent / "elsewhere"
     elsewhere.mkdir()
     return Installed(root, elsewhere)
 
 
-def _pip(installed: Installed, *arguments: str | Path) -> None:
-    python = installed.root / "bin" / "python"
-    _run(sys.executable, "-m", "pip", "--python", python, "install", *arguments)
+def _pip(root: Path, *arguments: str | Path) -> None:
+    _run(sys.executable, "-m", "pip", "--python", root / "bin" / "python", "install", *arguments)
 
 
 def _run(*command: str | Path) -> None:
