@@ -16,7 +16,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --require-virtualenv
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-.PHONY: help play test lowest lint check format proof prove bench lock screenshot reference learn debugging measures wheel clean
+.PHONY: help play test lowest lint check format proof prove bench lock screenshot reference learn debugging measures dist clean
 
 help: ## Show this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## (.*)/  make \1\t\2/' | expand -t 20
@@ -71,8 +71,11 @@ debugging: $(VENV)/.dev ## Regenerate docs/debugging.md and its pictures
 measures: $(VENV)/.dev ## Measure the reference programs again; ARGS="LEVEL" for one level
 	$(BIN)/python -m benchmarks.reference $(ARGS)
 
-wheel: $(VENV)/.dev ## Build the wheel into dist/
-	$(BIN)/python -m build --wheel --no-isolation
+dist: $(VENV)/.dev ## Build wheel and sdist into dist/, and check them on every Python that is found
+	rm -rf dist
+	$(BIN)/python -m build --no-isolation
+	$(BIN)/python -m twine check --strict dist/*
+	$(PYTEST) -m "proof or not proof" tests/house/test_wheel.py --built dist $(ARGS)
 
 # uv is needed by authors only: it writes one lock for all systems and Python versions.
 LOCK = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes \

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Desire
     from logical_robots_tui.world import Level, World, list_arenas, list_levels, load_level
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Decision",

@@ -1,4 +1,4 @@
-"""What many tests need: a built wheel, an installed copy, the option to draw snapshots anew."""
+"""What many tests need: built files, an installed copy, the option to draw snapshots anew."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import sys
 from collections import Counter
 from contextlib import contextmanager
 from datetime import date
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -18,12 +19,11 @@ from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind import Decision, Notice
 from logical_robots_tui.progress import store
-from tests.installed import Installed, build_wheel, install
+from tests.installed import Installed, build, install
 
 if TYPE_CHECKING:
     import sqlite3
     from collections.abc import Iterator
-    from pathlib import Path
 
 SHARE = 10
 """One of how many sampled cases a quick run takes."""
@@ -57,6 +57,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=date.today().toordinal() % SHARE,
         choices=range(SHARE),
         help="which tenth of the sampled cases to run (default: another one each day)",
+    )
+    parser.addoption(
+        "--built", metavar="FOLDER", help="check the wheel and sdist there instead of new ones"
     )
 
 
@@ -136,11 +139,30 @@ def compiled_programs(pytestconfig: pytest.Config) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
-    """The wheel, freshly built."""
+def dist(
+    pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory, worker_id: str
+) -> Path:
+    """The folder of a wheel and an sdist, freshly built or named by an option."""
+    if pytestconfig.option.built:
+        return Path(pytestconfig.option.built).absolute()
     with _one_at_a_time(tmp_path_factory, worker_id) as folder:
-        dist = folder / "dist"
-        return next(dist.glob("*.whl"), None) or build_wheel(dist)
+        if not list((folder / "dist").glob("*.whl")):
+            build(folder / "dist")
+        return folder / "dist"
+
+
+@pytest.fixture(scope="session")
+def wheel(dist: Path) -> Path:
+    """The one wheel."""
+    (found,) = dist.glob("*.whl")
+    return found
+
+
+@pytest.fixture(scope="session")
+def sdist(dist: Path) -> Path:
+    """The one sdist."""
+    (found,) = dist.glob("*.tar.gz")
+    return found
 
 
 @pytest.fixture(scope="session")

@@ -6,11 +6,17 @@ import os
 import subprocess
 import sys
 import sysconfig
-import venv
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["CHECKOUT", "Installed", "build_wheel", "install"]
+__all__ = [
+    "CHECKOUT",
+    "Installed",
+    "build",
+    "clean_environment",
+    "install",
+    "install_from_lock",
+]
 
 CHECKOUT = Path(__file__).parents[1]
 
@@ -47,40 +53,49 @@ def clean_environment() -> dict[str, str]:
     return {**kept, "LOGICAL_ROBOTS_CACHE_DIR": ""}
 
 
-def build_wheel(folder: Path) -> Path:
-    """Build the wheel into a folder."""
-    subprocess.run(
-        [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, CHECKOUT],
-        check=True,
-        capture_output=True,
-        timeout=120,
-    )
-    (built,) = folder.glob("*.whl")
-    return built
+def build(folder: Path) -> None:
+    """Build the sdist into a folder, and the wheel from the sdist."""
+    _run(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, CHECKOUT)
 
 
-def install(wheel: Path, folder: Path, *, lend_dependencies: bool = True) -> Installed:
-    """Install a wheel in a new environment.
+def install(wheel: Path, folder: Path) -> Installed:
+    """Install a wheel in a new environment that borrows the dependencies of these tests.
 
-    Args:
-        wheel: What to install.
-        folder: Where to make the environment.
-        lend_dependencies: Use the dependencies of the environment of these tests, which is quick
-            and needs no network; otherwise pip installs them.
+    This is quick and needs no network.
     """
+    root = _new_environment(folder, sys.executable)
+    _pip(root, "--no-deps", "--no-index", wheel)
+    (site,) = root.glob("lib/python*/site-packages")
+    # A .pth file in a folder that a .pth file names is not read: the checkout stays unseen.
+    (site / "lent.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
+    return _with_folder(root)
+
+
+def install_from_lock(wheel: Path, folder: Path, python: str) -> Installed:
+    """Install a wheel and its locked dependencies in a new environment of some Python."""
+    root = _new_environment(folder, python)
+    _pip(root, "--require-hashes", "--requirement", CHECKOUT / "requirements" / "play.lock")
+    _pip(root, "--no-deps", "--no-index", wheel)
+    return _with_folder(root)
+
+
+def _new_environment(folder: Path, python: str) -> Path:
     root = folder / "venv"
-    venv.create(root, with_pip=False, symlinks=True)
-    options = ["--no-deps", "--no-index"] if lend_dependencies else []
-    subprocess.run(
-        [sys.executable, "-m", "pip", "--python", root / "bin/python", "install", *options, wheel],
-        check=True,
-        capture_output=True,
-        timeout=600,
-    )
-    if lend_dependencies:
-        (site,) = root.glob("lib/python*/site-packages")
-        # A .pth file in a folder that a .pth file names is not read: the checkout stays unseen.
-        (site / "lent.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
-    elsewhere = folder / "elsewhere"
+    _run(python, "-m", "venv", "--without-pip", root)
+    return root
+
+
+def _with_folder(root: Path) -> Installed:
+    """Make the folder last: other workers take it as the sign that all is installed."""
+    elsewhere = root.parent / "elsewhere"
     elsewhere.mkdir()
     return Installed(root, elsewhere)
+
+
+def _pip(root: Path, *arguments: str | Path) -> None:
+    _run(sys.executable, "-m", "pip", "--python", root / "bin" / "python", "install", *arguments)
+
+
+def _run(*command: str | Path) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"

@@ -15,6 +15,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_there
+from logical_robots_tui.wording import enumerated
 
 if TYPE_CHECKING:
     import argparse
@@ -73,8 +74,8 @@ def list_all_levels(options: argparse.Namespace) -> int:
 
 def _who(level: Level) -> str:
     if level.teams:
-        return f"teams: {', '.join(team.name for team in level.teams)}"
-    return ", ".join(robot.name for robot in level.robots)
+        return f"teams: {enumerated(team.name for team in level.teams)}"
+    return enumerated(robot.name for robot in level.robots)
 
 
 def list_all_programs(options: argparse.Namespace) -> int:

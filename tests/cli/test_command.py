@@ -14,6 +14,7 @@ import pytest
 import logical_robots_tui
 from logical_robots_tui.cli import failure, listing
 from logical_robots_tui.cli.main import parser as command_parser
+from logical_robots_tui.wording import enumerated
 from tests.cli.running import Command, in_terminal
 from tests.waiting import PATIENCE
 
@@ -104,11 +105,32 @@ def test_an_unknown_command_is_refused(command: Command) -> None:
 def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
     levels = command("levels", "--json").data
     assert levels
-    words = command("levels").out
-    for level in levels:
-        assert level["title"]
-        assert level["name"] in words
-        assert ", ".join(level["teams"] or level["robots"]) in words
+    lines = command("levels").out.splitlines()[1:]
+    for level, line in zip(levels, lines, strict=True):
+        assert level["title"] in line
+        assert line.startswith(level["name"])
+        if level["name"] == "12-swarm":
+            assert len(level["robots"]) == 100
+            assert line.endswith("  Bee 1 … Bee 100")
+        else:
+            assert line.endswith(", ".join(level["teams"] or level["robots"]))
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        ("", ""),
+        ("Ada", "Ada"),
+        ("Bee 1,Bee 2", "Bee 1, Bee 2"),
+        ("Bee 8,Bee 9,Bee 10", "Bee 8 … Bee 10"),
+        ("Ada,R2,R3,R4,D4,D5,D6,D8", "Ada, R2 … R4, D4 … D6, D8"),
+        ("R08,R09,R10", "R08 … R10"),
+        ("R3,R2,R1", "R3, R2, R1"),
+        ("1,2,3", "1 … 3"),
+    ],
+)
+def test_numbered_names_in_order_are_abbreviated(names: str, said: str) -> None:
+    assert enumerated(names.split(",")) == said
 
 
 def test_shipped_and_own_programs_are_listed(command: Command, tmp_path: Path) -> None:

@@ -1,17 +1,47 @@
-"""The wheel is whole: installed where there is no checkout, it plays."""
+"""Wheel and sdist are whole and say what is true; installed without a checkout, the game plays.
+
+`make dist` runs all of it on the files that it has built.
+"""
 
 from __future__ import annotations
 
+import email
 import json
+import re
+import subprocess
+import sys
+import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+from markdown_it import MarkdownIt
 
 import logical_robots_tui
-from tests.installed import CHECKOUT, Installed, install
+from tests.house.examples import blocks
+from tests.installed import CHECKOUT, Installed, clean_environment, install_from_lock
+from tests.pythons import pythons
+from tests.terminal import Terminal
 
+if TYPE_CHECKING:
+    from email.message import Message
+
+PYTHONS = pythons()
 WON_BY = ("01-first-steps", "first-steps")
+
+
+def metadata(wheel: Path) -> Message:
+    """The metadata of a wheel; its payload is the description."""
+    (name,) = (n for n in zipfile.ZipFile(wheel).namelist() if n.endswith(".dist-info/METADATA"))
+    return email.message_from_string(zipfile.ZipFile(wheel).read(name).decode())
+
+
+def classified_pythons(wheel: Path) -> list[str]:
+    """The versions, such as 3.12, that the classifiers name."""
+    classifiers = "\n".join(metadata(wheel).get_all("Classifier", []))
+    return re.findall(r"^Programming Language :: Python :: (\d\.\d+)$", classifiers, re.MULTILINE)
 
 
 def test_the_wheel_carries_every_level_and_program_and_the_licence(wheel: Path) -> None:
@@ -31,6 +61,45 @@ def test_the_wheel_carries_nothing_but_the_package(wheel: Path) -> None:
     tops = {name.partition("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
     version = logical_robots_tui.__version__
     assert tops == {"logical_robots_tui", f"logical_robots_tui-{version}.dist-info"}
+
+
+def test_the_sdist_carries_what_pyproject_names_and_nothing_else(sdist: Path) -> None:
+    pyproject = tomllib.loads((CHECKOUT / "pyproject.toml").read_text(encoding="utf-8"))
+    included = pyproject["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]
+    paths = [CHECKOUT / name.removeprefix("/") for name in included]
+    named = {
+        path.relative_to(CHECKOUT).as_posix()
+        for each in paths
+        for path in (each.rglob("*") if each.is_dir() else [each])
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    with tarfile.open(sdist) as archive:
+        carried = {name.partition("/")[2] for name in archive.getnames()}
+    assert carried - {"PKG-INFO", "pyproject.toml", ".gitignore"} == named  # hatchling adds these
+
+
+def test_the_description_has_no_link_or_picture_that_an_index_lacks(wheel: Path) -> None:
+    tokens = MarkdownIt().parse(str(metadata(wheel).get_payload()))
+    targets = [
+        str(child.attrGet("href") or child.attrGet("src"))
+        for token in tokens
+        for child in token.children or ()
+        if child.type in {"link_open", "image"}
+    ]
+    assert "https://logica.dev" in targets
+    assert [target for target in targets if not target.startswith("https://")] == []
+
+
+def test_the_classifiers_name_every_python_from_the_lowest_on(wheel: Path) -> None:
+    versions = classified_pythons(wheel)
+    assert versions == [f"3.{11 + number}" for number in range(len(versions))]
+    assert metadata(wheel)["Requires-Python"] == f">={versions[0]}"
+
+
+def test_the_changelog_begins_with_this_version() -> None:
+    newest = re.search(r"^## \[(.+?)\]", (CHECKOUT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert newest
+    assert newest[1] == logical_robots_tui.__version__
 
 
 def test_an_installed_copy_uses_its_own_code_and_levels(installed: Installed) -> None:
@@ -57,6 +126,52 @@ def test_an_installed_copy_wins_a_level(installed: Installed) -> None:
 
 
 @pytest.mark.proof
-def test_a_copy_installed_from_the_registry_wins_a_level(wheel: Path, tmp_path: Path) -> None:
-    alone = install(wheel, tmp_path, lend_dependencies=False)
-    assert alone.run("logical-robots", "run", *WON_BY).returncode == 0
+@pytest.mark.parametrize("version", PYTHONS)
+def test_the_wheel_plays_on_every_python_with_the_locked_dependencies(
+    version: str, wheel: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed = install_from_lock(wheel, tmp_path, PYTHONS[version])
+    monkeypatch.chdir(installed.elsewhere)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for folder in ("DATA", "STATE", "CACHE", "CONFIG"):
+        monkeypatch.delenv(f"XDG_{folder}_HOME", raising=False)
+    assert f" {version}." in installed.run("python", "--version").stdout
+    for arguments in (("doctor",), ("run", *WON_BY)):
+        done = installed.run("logical-robots", *arguments)
+        assert done.returncode == 0, done.stdout + done.stderr
+    with Terminal([installed.command], env=clean_environment()) as terminal:
+        terminal.wait_for("· applied")
+        assert "First steps" in terminal.text
+        terminal.send("q")
+        assert terminal.finish() == 0, terminal.everything
+
+
+@pytest.mark.proof
+def test_every_python_here_has_a_classifier(wheel: Path) -> None:
+    assert set(PYTHONS) <= set(classified_pythons(wheel)), "or the game was not tested on it"
+
+
+@pytest.mark.proof
+def test_the_recipe_for_a_class_installs_the_game_from_a_checkout(tmp_path: Path) -> None:
+    recipes = (block.text for block in blocks(CHECKOUT / "docs" / "ssh.md"))
+    (recipe,) = (text for text in recipes if "play.lock" in text)
+    (tmp_path / "bin").mkdir()
+    for theirs, ours in (
+        ("python3 -m venv", f"{sys.executable} -m venv"),
+        ("/usr/local/bin", f"{tmp_path}/bin"),
+        ("/opt", str(tmp_path)),
+    ):
+        assert theirs in recipe
+        recipe = recipe.replace(theirs, ours)
+    followed = subprocess.run(
+        ["sh", "-e", "-c", recipe],
+        cwd=CHECKOUT,
+        env=clean_environment(),
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert followed.returncode == 0, followed.stdout + followed.stderr
+    done = Installed(tmp_path, tmp_path).run("logical-robots", "run", *WON_BY)
+    assert done.returncode == 0, done.stdout + done.stderr
