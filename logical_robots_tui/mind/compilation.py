@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-import math
 import os
 import select
+import signal
 import subprocess
 import sys
 import threading
@@ -35,6 +35,7 @@ _log = logging.getLogger(__name__)
 
 _KEPT = 64
 _LOOK_SECONDS = 0.02
+_PATIENCE = 20  # seconds to wait for each processor second, on a busy machine
 _LARGEST_ANSWER = 32_000_000  # bytes
 _PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH", "PYTHONHOME")
 """Environment variables without which Python itself may not start."""
@@ -98,7 +99,7 @@ class _Compiler:
         """Return the process's result for a request, possibly from memory."""
         line = json.dumps(request).encode()
         key = hashlib.sha256(line).digest()
-        deadline = monotonic() + limits.compile_seconds
+        deadline = monotonic() + _PATIENCE * limits.compile_seconds
         while not self._turn.acquire(timeout=_LOOK_SECONDS):
             _check(stop)
         try:
@@ -175,12 +176,7 @@ class _Compiler:
             _check(stop)
             if monotonic() > deadline:
                 self.close()
-                raise _refusal(
-                    f"compiling took longer than {limits.compile_seconds:g} seconds",
-                    "Simplify the program; deep recursion and many mentions of a long "
-                    "expression are what takes time.",
-                    is_unfinished=True,
-                )
+                raise _too_slow(limits)
             readable, writable, _ = select.select(
                 [out_of], [into] if request else [], [], _LOOK_SECONDS
             )
@@ -188,12 +184,16 @@ class _Compiler:
                 request = request[os.write(into, request[: select.PIPE_BUF]) :]
             if readable:
                 piece = os.read(out_of, 1 << 20)
+                if not piece:
+                    self.close()
+                    if process.returncode == -signal.SIGPROF:
+                        raise _too_slow(limits)
                 if not piece or len(answer) > _LARGEST_ANSWER:
                     raise OSError("the compile process ended or sent too much")
                 answer += piece
 
     def _started(self, limits: Limits) -> subprocess.Popen[bytes]:
-        bounds = (str(limits.compile_bytes), str(math.ceil(limits.compile_seconds) + 1))
+        bounds = str(limits.compile_bytes), str(limits.compile_seconds)
         running = self._process is not None and self._process.poll() is None
         if self._process is not None and running and bounds == self._bounds:
             return self._process
@@ -236,6 +236,15 @@ def _not_text(text: str) -> int | None:
     except UnicodeEncodeError as error:
         return error.start
     return text.index("\0") if "\0" in text else None
+
+
+def _too_slow(limits: Limits) -> ProgramError:
+    return _refusal(
+        f"compiling took longer than {limits.compile_seconds:g} seconds",
+        "Simplify the program; deep recursion and many mentions of a long expression are what "
+        "takes time.",
+        is_unfinished=True,
+    )
 
 
 def _refusal(

@@ -21,7 +21,7 @@ class Limits:
     """Limits for programs; each can be set.
 
     Attributes:
-        compile_seconds: The longest compilation.
+        compile_seconds: The longest compilation, in processor seconds.
         compile_bytes: Address space of the compile process.
         program_characters: The longest program.
         think_steps: The longest think of all robots in one tick, in steps of SQLite's virtual

@@ -88,6 +88,7 @@ def test_waiting_for_another_compilation_can_be_stopped() -> None:
 
 
 def test_a_program_that_compiles_too_long_is_refused() -> None:
+    assert "longer than 0.05 seconds" in refusal(HEAVY, Limits(compile_seconds=0.05))
     assert "longer than 0 seconds" in refusal(ROBOT + "m = 54321;", Limits(compile_seconds=0.0))
 
 
@@ -144,7 +145,6 @@ def test_the_compile_process_can_open_no_file_and_start_no_process() -> None:
     assert found["Max processes"] == ["0", "0"]
     assert found["Max core file size"] == ["0", "0"]
     assert found["Max address space"] == [str(Limits().compile_bytes)] * 2
-    assert int(found["Max cpu time"][0]) <= 60
 
 
 @ONLY_LINUX

@@ -47,6 +47,7 @@ _MOST_DIAGNOSTICS = 100
 _LONGEST_MESSAGE = 1_000
 _MOST_SQL = 4_000_000  # characters of all statements of a program
 _PREPARE_SECONDS = 1.0
+_LEAST_SECONDS = 0.001  # none would be without a limit
 
 _SAMPLES = (
     "Robot(robot_name:, desire: {left_engine: Sum{1 -> x :- x in [1]}, right_engine: 0}, "
@@ -63,7 +64,7 @@ def main() -> None:
     program.
     """
     collect_seldom()
-    address_space, seconds = int(sys.argv[1]), int(sys.argv[2])
+    address_space, seconds = int(sys.argv[1]), float(sys.argv[2])
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     # The package prints; its output must not reach the screen or the answers.
     silence = os.open(os.devnull, os.O_WRONLY)
@@ -75,8 +76,10 @@ def main() -> None:
     _drop_permissions(address_space)
     while True:
         request = json.loads(requests.get())
-        _limit(resource.RLIMIT_CPU, int(_computed()) + seconds)
-        _say(answers, _answer(request, partial(_report, answers)))
+        signal.setitimer(signal.ITIMER_PROF, max(seconds, _LEAST_SECONDS))  # ends the process
+        answer = _answer(request, partial(_report, answers))
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        _say(answers, answer)
 
 
 def _say(answers: IO[str], what: dict[str, object]) -> None:
@@ -102,24 +105,18 @@ def _warm_up() -> None:
 
 def _drop_permissions(address_space: int) -> None:
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    _limit(resource.RLIMIT_AS, address_space, final=True)
-    _limit(resource.RLIMIT_CORE, 0, final=True)
-    _limit(resource.RLIMIT_FSIZE, 0, final=True)
-    _limit(resource.RLIMIT_NOFILE, 0, final=True)
+    _limit(resource.RLIMIT_AS, address_space)
+    _limit(resource.RLIMIT_CORE, 0)
+    _limit(resource.RLIMIT_FSIZE, 0)
+    _limit(resource.RLIMIT_NOFILE, 0)
     if hasattr(resource, "RLIMIT_NPROC"):
-        _limit(resource.RLIMIT_NPROC, 0, final=True)
+        _limit(resource.RLIMIT_NPROC, 0)
 
 
-def _limit(kind: int, amount: int, *, final: bool = False) -> None:
-    """Set a limit of this process, permanently if `final`; some systems lack some limits."""
-    hard = resource.getrlimit(kind)[1]
+def _limit(kind: int, amount: int) -> None:
+    """Set a limit of this process, permanently; some systems lack some limits."""
     with contextlib.suppress(OSError, ValueError):
-        resource.setrlimit(kind, (amount, amount if final else hard))
-
-
-def _computed() -> float:
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
+        resource.setrlimit(kind, (amount, amount))
 
 
 def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
