@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.game.playing import game
+from tests.virtual_time import VirtualClock, VirtualLoop
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -15,8 +16,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Game
 
 
+def pytest_asyncio_loop_factories() -> dict[str, type[VirtualLoop]]:
+    return {"virtual": VirtualLoop}
+
+
 @pytest.fixture
 async def hall_game(tmp_path: Path) -> AsyncIterator[Game]:
-    made = game(tmp_path)
+    made = game(tmp_path, clock=VirtualClock())
     yield made
     await made.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import Game
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import load_level
@@ -63,7 +64,7 @@ def hall(tmp_path: Path) -> Level:
     return load_level(path)
 
 
-def game(tmp_path: Path, text: str = COUNTER) -> Game:
-    made = Game(hall(tmp_path), Program.compile(text))
+def game(tmp_path: Path, text: str = COUNTER, clock: Clock = CLOCK) -> Game:
+    made = Game(hall(tmp_path), Program.compile(text), clock=clock)
     made.pace.speed = None
     return made

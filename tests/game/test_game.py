@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from itertools import pairwise
-from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,6 +13,7 @@ from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.mind.limits import Limits
 from tests.game.playing import COUNTER, SLOW, game, hall
+from tests.virtual_time import VirtualClock, virtual_loop
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
@@ -134,16 +134,12 @@ async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(tmp_pat
     patient = Limits(think_steps=10**12, think_seconds=10 * PATIENCE)
     slow = Game(hall(tmp_path), Program.compile(SLOW), limits=patient)
     running = asyncio.create_task(slow.run())
-    turns = 0
-    began = monotonic()
-    while monotonic() - began < 0.3:
-        await asyncio.sleep(0)
-        turns += 1
-    assert turns > 20
-    assert slow.running
-    slow.pause()
-    async with asyncio.timeout(PATIENCE):
-        await running
+    with virtual_loop().impatient():
+        for _ in range(100):
+            await asyncio.sleep(0.01)
+        assert slow.running
+        slow.pause()
+    await running
     assert slow.frame.tick == 0
     slow.use(Program.compile(COUNTER))
     assert (await slow.step()).tick == 1
@@ -183,10 +179,10 @@ async def test_pausing_a_slow_pace_takes_effect_at_once(hall_game: Game) -> None
     hall_game.listen(lambda _: ticked.set())
     running = asyncio.create_task(hall_game.run())
     await ticked.wait()
-    began = monotonic()
+    began = hall_game.clock.now()
     hall_game.pause()
     await running
-    assert monotonic() - began < 5
+    assert hall_game.clock.now() == began
     assert hall_game.frame.tick == 1
 
 
@@ -227,12 +223,14 @@ async def test_a_listener_can_end_a_run_that_is_flat_out(hall_game: Game) -> Non
 
 
 async def test_a_game_that_runs_flat_out_gives_way_for_a_moment() -> None:
-    pace = Pace(FLAT_OUT)
-    began = monotonic()
+    clock = VirtualClock()
+    pace = Pace(FLAT_OUT, clock)
+    began = clock.now()
     await pace.wait()
+    assert clock.now() == began
     pace.give_way()
     await pace.wait()
-    assert 0.02 < monotonic() - began < 5
+    assert clock.now() - began == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize(
@@ -241,27 +239,29 @@ async def test_a_game_that_runs_flat_out_gives_way_for_a_moment() -> None:
 async def test_on_a_busy_machine_ticks_come_in_lots_and_then_more_slowly(
     spacing: float, together: int, seconds: float
 ) -> None:
-    pace = Pace(40.0)
+    clock = VirtualClock()
+    pace = Pace(40.0, clock)
     pace.spacing = spacing
     pace.start()
-    began = monotonic()
+    began = clock.now()
     assert pace.together == together
     for _ in range(together):
         pace.count()
     await pace.wait()
-    assert 0.9 * seconds < monotonic() - began < 5
+    assert clock.now() - began == pytest.approx(seconds, abs=0.05)
 
 
 async def test_ticks_that_ran_flat_out_are_not_waited_for_later() -> None:
-    pace = Pace(FLAT_OUT)
+    clock = VirtualClock()
+    pace = Pace(FLAT_OUT, clock)
     for _ in range(10_000):
         pace.count()
     await pace.wait()
     pace.speed = 40.0
     pace.count()
-    began = monotonic()
+    began = clock.now()
     await pace.wait()
-    assert monotonic() - began < 5
+    assert clock.now() - began == pytest.approx(0.025)
 
 
 async def test_speeds_go_from_slow_motion_to_flat_out(hall_game: Game) -> None:

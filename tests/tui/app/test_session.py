@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
-from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import load_program
@@ -22,7 +21,7 @@ from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 from tests.short import AHEAD, LEVEL
-from tests.waiting import PATIENCE, a_moment
+from tests.virtual_time import VirtualClock, until, virtual_loop
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -142,10 +141,7 @@ class Table:
         return self.editing.mode.editor
 
     async def until(self, condition: Callable[[], object]) -> None:
-        deadline = monotonic() + PATIENCE
-        while not condition():
-            assert monotonic() < deadline, (self.ui.said, self.chronicle)
-            await a_moment()
+        await until(condition, lambda: repr((self.ui.said, self.chronicle)))
 
     async def apply(self, text: str) -> None:
         self.session.apply(text)
@@ -174,7 +170,11 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     data_dir, ui, chronicle = tmp_path / "data", Background(), Chronicle()
     recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
     session = Session(
-        load_level(file), {"": load_program(program)}, spawn=ui.spawn, changed=lambda: None
+        load_level(file),
+        {"": load_program(program)},
+        spawn=ui.spawn,
+        changed=lambda: None,
+        clock=VirtualClock(),
     )
 
     async def open_level(level: Level) -> None:
@@ -328,5 +328,5 @@ async def test_steps_that_are_owed_are_taken_and_a_pause_ends_them(tmp_path: Pat
         t.session.pause()
         assert not t.session.running
         tick = t.session.frame.tick
-        await asyncio.sleep(0)
+        await virtual_loop().settled()
         assert t.session.frame.tick == tick
