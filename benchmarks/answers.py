@@ -10,7 +10,15 @@ import tempfile
 from functools import partial
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, median_of, repeated, seconds_for, summed_up
+from benchmarks.measure import (
+    Effort,
+    Measurement,
+    at_most,
+    median_of,
+    repeated,
+    seconds_for,
+    summed_up,
+)
 from benchmarks.subjects import LARGEST
 from logical_robots_tui import load_level
 from logical_robots_tui.caching import FOLDER_VARIABLE
@@ -48,7 +56,7 @@ def answers(effort: Effort) -> Iterator[Measurement]:
                 subject = f"{name}, {what}"
                 took = repeated(effort.repeats, partial(_both_milliseconds, folder, *command))
                 passed, computed = zip(*took, strict=True)
-                yield summed_up("next answer", subject, "ms", passed, required="<= 500")
+                yield summed_up("next answer", subject, "ms", passed, target=at_most(500))
                 computing.append(summed_up("next answer, computing", subject, "ms", computed))
     yield from computing
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.measure import Effort, Measurement, at_least, at_most, summed_up
 from benchmarks.whole_game import ticks_per_second
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import load_program
@@ -46,8 +46,8 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
             keys += _key_milliseconds(terminal, max(6, effort.ticks // 25))
     group, subject = "with a screen", f"{SIZE[0]}x{SIZE[1]}, 1 robot, flat out"
-    yield summed_up(group, subject, "% of without", shares, required=">= 70")
-    yield summed_up("key to screen, p99", subject, "ms", keys, value=_p99, required="< 50")
+    yield summed_up(group, subject, "% of without", shares, target=at_least(70))
+    yield summed_up("key to screen, p99", subject, "ms", keys, value=_p99, target=at_most(50))
 
 
 def traffic(effort: Effort) -> Iterator[Measurement]:
@@ -65,9 +65,9 @@ def traffic(effort: Effort) -> Iterator[Measurement]:
                 terminal.wait_for_quiet(QUIET)
                 paused.append(_kilobytes_per_second(terminal, seconds))
         columns, rows = size
-        for state, found, required in (("running", running, allowed), ("paused", paused, 0)):
+        for state, found, target in (("running", running, allowed), ("paused", paused, 0)):
             subject = f"{columns}x{rows}, {robots}, {state}"
-            yield summed_up("traffic", subject, "kB/s", found, required=f"<= {required}")
+            yield summed_up("traffic", subject, "kB/s", found, target=at_most(target))
 
 
 def _p99(values: Sequence[float]) -> float:
