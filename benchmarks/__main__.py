@@ -58,8 +58,10 @@ SUITE = Suite(
         "processor": processor,
         "first-frame": first_frame,
     },
-    named=frozenset({"lab", "large-class", "tournament"}),
-    thorough=frozenset({"class", "memory", "processor", "ssh", "teams", "traffic"}),
+    named=frozenset({"lab", "large-class", "memory", "tournament"}),
+    thorough=frozenset(
+        {"class", "editing", "folding", "inspector", "processor", "ssh", "teams", "traffic"}
+    ),
 )
 
 if __name__ == "__main__":

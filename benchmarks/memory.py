@@ -25,7 +25,7 @@ def memory(effort: Effort) -> Iterator[Measurement]:
     need("/proc", Path("/proc/self/status").exists())
     for what, rule in HUNGRY.items():
         kibibytes, _ = played(LEVEL, ROBOT + rule + ";", min(TICKS, effort.ticks))
-        target = at_most((MOST - SCREEN) * 1024 / 1e6)
+        target = at_most(round((MOST - SCREEN) * 1024 / 1e6))
         yield _one("hungry programs", f"{LEVEL}, {what}", kibibytes, target)
     with tempfile.TemporaryDirectory() as folder:
         told = read([*FILES], Path(folder))
@@ -33,7 +33,7 @@ def memory(effort: Effort) -> Iterator[Measurement]:
     slowest = max(seconds for _, seconds, _ in told)
     yield summed_up("reading a level", of_all, "s", [slowest], target=at_most(SECONDS))
     most = max(grown for *_, grown in told)
-    yield _one("reading a level", of_all, most, at_most(BYTES * 1024 / 1e6))
+    yield _one("reading a level", of_all, most, at_most(round(BYTES * 1024 / 1e6)))
 
 
 def _one(group: str, subject: str, kibibytes: int, target: Target) -> Measurement:

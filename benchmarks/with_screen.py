@@ -40,7 +40,7 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
     level, program = load_level(LEVEL), Program.compile(load_program(PROGRAM).text)
     seconds = SECONDS * effort.ticks
     shares, keys = [], []
-    for _ in range(min(3, effort.repeats)):
+    for _ in range(min(2, effort.repeats)):
         alone = ticks_per_second(level, program, seconds)
         with _running() as terminal:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
@@ -54,20 +54,18 @@ def traffic(effort: Effort) -> Iterator[Measurement]:
     """Measure the kB per second that a running and a paused game send to the terminal."""
     seconds = SECONDS * effort.ticks
     for level, program, robots, size, allowed in TRAFFIC:
-        running, paused = [], []
         with opened(level, program, size) as terminal:
-            for _ in range(min(2, effort.repeats)):
-                terminal.send(" ")
-                terminal.wait_for("RUNNING")
-                running.append(_kilobytes_per_second(terminal, seconds))
-                terminal.send(" ")
-                terminal.wait_for("PAUSED")
-                terminal.wait_for_quiet(QUIET)
-                paused.append(_kilobytes_per_second(terminal, seconds))
+            terminal.send(" ")
+            terminal.wait_for("RUNNING")
+            running = _kilobytes_per_second(terminal, seconds)
+            terminal.send(" ")
+            terminal.wait_for("PAUSED")
+            terminal.wait_for_quiet(QUIET)
+            paused = _kilobytes_per_second(terminal, seconds)
         columns, rows = size
-        for state, found, target in (("running", running, allowed), ("paused", paused, 0)):
+        for state, found, most in (("running", running, allowed), ("paused", paused, 0)):
             subject = f"{columns}x{rows}, {robots}, {state}"
-            yield summed_up("traffic", subject, "kB/s", found, target=at_most(target))
+            yield summed_up("traffic", subject, "kB/s", [found], target=at_most(most))
 
 
 def _p99(values: Sequence[float]) -> float:
