@@ -49,8 +49,10 @@ def answers(effort: Effort) -> Iterator[Measurement]:
             subject = f"{level.name}, {what}"
             took = repeated(effort.repeats, partial(_both_milliseconds, folder, *command))
             passed, computed = zip(*took, strict=True)
-            yield summed_up("next answer", subject, "ms", passed, target=at_most(500))
-            computing.append(summed_up("next answer, computing", subject, "ms", computed))
+            yield summed_up("next answer", subject, "ms", passed, target=at_most(500), value=min)
+            computing.append(
+                summed_up("next answer, computing", subject, "ms", computed, value=min)
+            )
     yield from computing
 
 

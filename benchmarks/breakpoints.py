@@ -7,7 +7,7 @@ from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, at_most, repeated
+from benchmarks.measure import Effort, Measurement, at_most, ratio_of_bests, repeated
 from benchmarks.subjects import robots_of, solution_of
 from logical_robots_tui import load_level
 from logical_robots_tui.game import Breakpoint, Breakpoints, Game
@@ -38,18 +38,15 @@ def breakpoints(effort: Effort) -> Iterator[Measurement]:
         ticks = max(10, int(TICKS[name] * effort.ticks))
         for subject in subjects:
             once = partial(_both_seconds, level, program, subject, ticks)
-            # In turn, and the best of each, because the machine's speed may change.
-            found = repeated(effort.repeats, once)
-            ratios = [one / other for one, other in found]
-            best = min(one for one, _ in found) / min(other for _, other in found)
-            yield Measurement(
+            # In turn, because the machine's speed may change.
+            watched, plain = zip(*repeated(effort.repeats, once), strict=True)
+            yield ratio_of_bests(
                 "run with a breakpoint",
                 f"{name}, {robots_of(level)}: {subject[:40]}",
-                best,
                 "x without",
-                min(ratios),
-                max(ratios),
-                at_most(1.3) if name == "12-swarm" else None,
+                watched,
+                plain,
+                target=at_most(1.3) if name == "12-swarm" else None,
             )
 
 

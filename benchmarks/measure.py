@@ -21,6 +21,7 @@ __all__ = [
     "median_of",
     "need",
     "processor_seconds_for",
+    "ratio_of_bests",
     "repeated",
     "seconds_for",
     "summed_up",
@@ -162,6 +163,21 @@ def best_of(
     """Like `median_of`, for what other processes can only make slower: pure computation."""
     found = repeated(MORE * repeats, once)
     return summed_up(group, subject, unit, found, target=target, value=best)
+
+
+def ratio_of_bests(
+    group: str,
+    subject: str,
+    unit: str,
+    found: Sequence[float],
+    others: Sequence[float],
+    *,
+    target: Target | None = None,
+) -> Measurement:
+    """The lowest of some times over the lowest of others, which were measured in turn with them."""
+    ratios = [one / other for one, other in zip(found, others, strict=True)]
+    value = min(found) / min(others)
+    return Measurement(group, subject, value, unit, min(ratios), max(ratios), target)
 
 
 def repeated(repeats: int, once: Callable[[], T]) -> list[T]:

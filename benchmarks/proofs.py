@@ -7,7 +7,7 @@ from contextlib import closing
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from benchmarks.measure import Effort, Measurement, at_most, seconds_for, summed_up
+from benchmarks.measure import Effort, Measurement, at_most, processor_seconds_for, summed_up
 from benchmarks.subjects import solution_of
 from logical_robots_tui import Mind, World, load_level
 from logical_robots_tui.world import list_levels
@@ -38,7 +38,7 @@ def proofs(effort: Effort) -> Iterator[Measurement]:
 
 
 def _measured(name: str, ticks: int) -> tuple[list[float], list[float]]:
-    """Return milliseconds of proofs, and the ratio of each to a think of all robots."""
+    """Return processor milliseconds of proofs, and the ratio of each to a think of all robots."""
     level = load_level(name)
     program = solution_of(name)
     visibility = level.visibility
@@ -52,13 +52,13 @@ def _measured(name: str, ticks: int) -> tuple[list[float], list[float]]:
             decisions = mind.think(rows, memories)
             if tick % max(1, ticks // LOOKS) == 0:
                 once = partial(mind.think, rows, memories)
-                think = statistics.median(seconds_for(once) for _ in range(THINKS))
+                think = statistics.median(processor_seconds_for(once) for _ in range(THINKS))
                 for robot in [each.name for each in level.robots[:ROBOTS]]:
                     explainer = mind.explainer(robot, rows, memories)
                     if not times:
                         explainer.proof()  # takes the predicates apart, once for each program
                         explainer = mind.explainer(robot, rows, memories)
-                    seconds = seconds_for(explainer.proof)
+                    seconds = processor_seconds_for(explainer.proof)
                     times.append(1000 * seconds)
                     ratios.append(seconds / think)
             memories = {d.robot_name: d.memory for d in decisions}
