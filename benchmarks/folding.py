@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from textual.app import App, ComposeResult
 
-from benchmarks.measure import Effort, Measurement, repeated, summed_up
+from benchmarks.measure import Effort, Measurement, at_most, repeated, summed_up
 from logical_robots_tui.mind import Node
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
@@ -31,8 +31,8 @@ def folding(effort: Effort) -> Iterator[Measurement]:
             found.setdefault(what, []).append(milliseconds)
     subject = f"{NODES:,} nodes, {SIZE[0]}x{SIZE[1]}"
     for what, times in found.items():
-        required = "< 100" if what == NEXT_TICK else "< 50"
-        yield summed_up(what, subject, "ms", times, required=required)
+        target = at_most(100) if what == NEXT_TICK else at_most(50)
+        yield summed_up(what, subject, "ms", times, target=target)
 
 
 async def _in_a_view() -> dict[str, float]:

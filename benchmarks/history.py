@@ -12,11 +12,11 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement, summed_up
-from benchmarks.subjects import LARGEST, program_text, robots_of
+from benchmarks.measure import Effort, Measurement, at_most, summed_up
+from benchmarks.subjects import LARGEST, program_text, robots_of, solution_of
 from benchmarks.with_screen import SIZE, opened
 from logical_robots_tui import Program, load_level
-from logical_robots_tui.game import Frame, Game, History, load_program
+from logical_robots_tui.game import Frame, Game, History
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH
 
 if TYPE_CHECKING:
@@ -35,9 +35,8 @@ QUIET = 0.15  # seconds without output, after which a paused game has nothing mo
 def history(effort: Effort) -> Iterator[Measurement]:
     """Measure memory and time for ten robots, without and with a map in their memories."""
     ten = halls(1200, 700, robots=10, beacons=56)
-    mapping = load_program(load_level(LARGEST).solution).text
-    for name, text in (("ten that steer", program_text("steering")), ("ten that map", mapping)):
-        program = Program.compile(text)
+    steering = Program.compile(program_text("steering"))
+    for name, program in (("ten that steer", steering), ("ten that map", solution_of(LARGEST))):
         yield from asyncio.run(_measure(replace(ten, name=name), program, effort.ticks))
     yield _key_to_screen(effort.ticks // 40)
 
@@ -56,7 +55,7 @@ async def _measure(level: Level, program: Program, ticks: int) -> list[Measureme
     megabytes = _megabytes(level, frames, program)
     kept = f"history of {DEFAULT_LENGTH:,} ticks"
     return [
-        summed_up(kept, subject, "MB", [megabytes], required="<= 200"),
+        summed_up(kept, subject, "MB", [megabytes], target=at_most(200)),
         summed_up("restore a tick", subject, "ms", jumps),
         summed_up("step back a tick", subject, "ms", steps),
     ]
@@ -107,7 +106,7 @@ def _key_to_screen(presses: int) -> Measurement:
             there = partial(_shows, terminal, presses + 100 - press)
             found.append(1000 * (terminal.arrival_of(there) - began))
     return summed_up(
-        "key to tick before", f"{SIZE[0]}x{SIZE[1]}, {LARGEST}", "ms", found, required="< 20"
+        "key to tick before", f"{SIZE[0]}x{SIZE[1]}, {LARGEST}", "ms", found, target=at_most(20)
     )
 
 

@@ -7,11 +7,10 @@ import statistics
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
-from benchmarks.subjects import LARGEST
+from benchmarks.measure import Effort, Measurement, at_most, summed_up
+from benchmarks.subjects import LARGEST, solution_of
 from benchmarks.with_screen import SIZE, opened
-from logical_robots_tui import Program, load_level
-from logical_robots_tui.game import load_program
+from logical_robots_tui import load_level
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,7 +27,7 @@ QUIET = 0.15  # seconds without output, after which a paused game has nothing mo
 def inspector(effort: Effort) -> Iterator[Measurement]:
     """Measure a step with the inspector on predicates of the largest program, and on Why."""
     program = load_level(LARGEST).solution
-    predicates = Program.compile(load_program(program).text).predicates
+    predicates = solution_of(LARGEST).predicates
     names = [p.name for p in predicates if p.has_rows][:: 9 if effort.is_quick else 3]
     found: dict[str, list[float]] = {}
     with opened(LARGEST, program) as terminal:
@@ -43,9 +42,9 @@ def inspector(effort: Effort) -> Iterator[Measurement]:
     reasons = found.pop("Why")
     medians = {name: statistics.median(times) for name, times in found.items()}
     slowest = max(medians, key=lambda name: medians[name])
-    yield summed_up("step to rows", subject, "ms", [*medians.values()], required="< 50")
+    yield summed_up("step to rows", subject, "ms", [*medians.values()], target=at_most(50))
     subject_of_one = f"{subject}, {slowest}, the slowest"
-    yield summed_up("step to rows", subject_of_one, "ms", found[slowest], required="< 50")
+    yield summed_up("step to rows", subject_of_one, "ms", found[slowest], target=at_most(50))
     yield summed_up("step to why", f"{subject}, Robot", "ms", reasons)
 
 

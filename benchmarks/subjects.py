@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.halls import halls
-from logical_robots_tui import Desire
+from logical_robots_tui import Desire, Program, load_level
+from logical_robots_tui.game import load_program
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     from logical_robots_tui import Level
     from logical_robots_tui.values import SensorRow
 
-__all__ = ["LARGEST", "PROGRAMS", "drive", "program_text", "robots_of", "rows_for", "rows_of"]
+__all__ = [
+    "LARGEST",
+    "PROGRAMS",
+    "drive",
+    "program_text",
+    "robots_of",
+    "rows_for",
+    "rows_of",
+    "solution_of",
+]
 
 LARGEST = "10-distributed-mapping"
 """The shipped level that takes the most thinking."""
@@ -38,6 +49,12 @@ def robots_of(level: Level) -> str:
     """Return the number of robots of a level as text."""
     number = len(level.robots)
     return "1 robot" if number == 1 else f"{number} robots"
+
+
+@cache
+def solution_of(level_name: str) -> Program:
+    """Return the solution of a shipped level, compiled once for all benchmarks."""
+    return Program.compile(load_program(load_level(level_name).solution).text)
 
 
 def program_text(name: str) -> str:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from time import process_time
+from functools import partial
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
-from logical_robots_tui import Program, load_level
+from benchmarks.measure import Effort, Measurement, at_most, processor_seconds_for, summed_up
+from benchmarks.subjects import solution_of
+from logical_robots_tui import load_level
 from logical_robots_tui.game.robustness import play_through
-from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world import Team
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.world import Level
+    from logical_robots_tui import Level, Program
 
 __all__ = ["teams"]
 
@@ -27,15 +27,14 @@ def teams(effort: Effort) -> Iterator[Measurement]:
     """Measure whole ticks by turns: one team with one mind, and two teams with as many robots."""
     for name in LEVELS:
         level = load_level(name)
-        text = (shipped_folder("programs") / f"{level.solution}.l").read_text("utf-8")
-        program = Program.compile(text)
+        program = solution_of(name)
         ticks = max(20, 3 * effort.ticks // len(level.robots))  # a crowd shows it in fewer
         ratios = []
         for _ in range(effort.repeats + 2):
             one, two = (_seconds(_in_teams(level, names), program, ticks) for names in (ONE, TWO))
             ratios.append(two / one)
         robots = f"{name}, {len(level.robots)} robots"
-        yield summed_up("a second mind", robots, "times", ratios[1:], required="<= 1.15")
+        yield summed_up("a second mind", robots, "times", ratios[1:], target=at_most(1.15))
 
 
 def _in_teams(level: Level, names: tuple[str, ...]) -> Level:
@@ -45,6 +44,4 @@ def _in_teams(level: Level, names: tuple[str, ...]) -> Level:
 
 
 def _seconds(level: Level, program: Program, ticks: int) -> float:
-    began = process_time()
-    play_through(level, program, ticks)
-    return process_time() - began
+    return processor_seconds_for(partial(play_through, level, program, ticks))

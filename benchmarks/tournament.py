@@ -11,7 +11,7 @@ from pathlib import Path
 from time import sleep
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.measure import Effort, Measurement, at_least, summed_up
 from logical_robots_tui.game import load_program
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.world import load_level
@@ -52,8 +52,8 @@ def tournament(effort: Effort) -> Iterator[Measurement]:
             for table in _TABLES
         )
         subject = f"{players} players, killed {kills} times: tables that are the same"
-        required = f">= {len(_TABLES)}"
-        yield summed_up("tournament", subject, f"of {len(_TABLES)}", [same], required=required)
+        target = at_least(len(_TABLES))
+        yield summed_up("tournament", subject, f"of {len(_TABLES)}", [same], target=target)
 
 
 def _written(folder: Path, players: int, starts: int, ticks: int) -> Path:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from benchmarks.measure import Effort, Measurement, summed_up
+from benchmarks.measure import Effort, Measurement, at_least, at_most, summed_up
 from benchmarks.whole_game import ticks_per_second
 from logical_robots_tui import Program, load_level
 from logical_robots_tui.game import load_program
@@ -40,34 +40,32 @@ def with_screen(effort: Effort) -> Iterator[Measurement]:
     level, program = load_level(LEVEL), Program.compile(load_program(PROGRAM).text)
     seconds = SECONDS * effort.ticks
     shares, keys = [], []
-    for _ in range(min(3, effort.repeats)):
+    for _ in range(min(2, effort.repeats)):
         alone = ticks_per_second(level, program, seconds)
         with _running() as terminal:
             shares.append(100 * _ticks_per_second(terminal, seconds) / alone)
             keys += _key_milliseconds(terminal, max(6, effort.ticks // 25))
     group, subject = "with a screen", f"{SIZE[0]}x{SIZE[1]}, 1 robot, flat out"
-    yield summed_up(group, subject, "% of without", shares, required=">= 70")
-    yield summed_up("key to screen, p99", subject, "ms", keys, value=_p99, required="< 50")
+    yield summed_up(group, subject, "% of without", shares, target=at_least(70))
+    yield summed_up("key to screen, p99", subject, "ms", keys, value=_p99, target=at_most(50))
 
 
 def traffic(effort: Effort) -> Iterator[Measurement]:
     """Measure the kB per second that a running and a paused game send to the terminal."""
     seconds = SECONDS * effort.ticks
     for level, program, robots, size, allowed in TRAFFIC:
-        running, paused = [], []
         with opened(level, program, size) as terminal:
-            for _ in range(min(2, effort.repeats)):
-                terminal.send(" ")
-                terminal.wait_for("RUNNING")
-                running.append(_kilobytes_per_second(terminal, seconds))
-                terminal.send(" ")
-                terminal.wait_for("PAUSED")
-                terminal.wait_for_quiet(QUIET)
-                paused.append(_kilobytes_per_second(terminal, seconds))
+            terminal.send(" ")
+            terminal.wait_for("RUNNING")
+            running = _kilobytes_per_second(terminal, seconds)
+            terminal.send(" ")
+            terminal.wait_for("PAUSED")
+            terminal.wait_for_quiet(QUIET)
+            paused = _kilobytes_per_second(terminal, seconds)
         columns, rows = size
-        for state, found, required in (("running", running, allowed), ("paused", paused, 0)):
+        for state, found, most in (("running", running, allowed), ("paused", paused, 0)):
             subject = f"{columns}x{rows}, {robots}, {state}"
-            yield summed_up("traffic", subject, "kB/s", found, required=f"<= {required}")
+            yield summed_up("traffic", subject, "kB/s", [found], target=at_most(most))
 
 
 def _p99(values: Sequence[float]) -> float:
