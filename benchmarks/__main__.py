@@ -20,6 +20,7 @@ from benchmarks.classes import classes, large_classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
+from benchmarks.functions import functions
 from benchmarks.history import history
 from benchmarks.inspector import inspector
 from benchmarks.lab import laboratory
@@ -46,6 +47,7 @@ BENCHMARKS = {
     "world": crowds,
     "compile": compiling,
     "think": thinking,
+    "functions": functions,
     "schemas": schemas,
     "swarms": swarms,
     "teams": teams,
@@ -71,7 +73,7 @@ BENCHMARKS = {
 }
 LONGEST = {"large-class", "lab", "tournament"}
 """Left out of a run that names no benchmarks."""
-LONG = {"memory", "traffic", "ssh", "class", "processor", "teams"}
+LONG = {"functions", "memory", "traffic", "ssh", "class", "processor", "teams"}
 """Left out of a quick run as well."""
 
 THOROUGH = Effort(repeats=5, ticks=100)
