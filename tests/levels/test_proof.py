@@ -12,8 +12,15 @@ from itertools import combinations
 import pytest
 
 from logical_robots_tui import load_level
+from logical_robots_tui.game.history.rounds import Rounds
 from logical_robots_tui.game.measuring import MOST_TICKS, patience_for
-from logical_robots_tui.game.robustness import STARTS, play_through, shifted, try_starts
+from logical_robots_tui.game.robustness import (
+    STARTS,
+    Thought,
+    play_through,
+    shifted,
+    try_starts,
+)
 from logical_robots_tui.game.victory import measures_of, reference_table
 from tests.levels.playing import (
     LEVELS,
@@ -58,9 +65,21 @@ def test_a_reference_asks_for_no_more_than_robots_may_see(name: str, program: st
 
 @pytest.mark.sampled
 @each_reference
-def test_a_reference_does_as_well_as_was_measured(name: str, program: str) -> None:
+def test_a_reference_does_as_well_as_was_measured_and_never_goes_in_circles(
+    name: str, program: str
+) -> None:
     expected = reference_table()[name][program]
-    played = play_through(load_level(name), shipped_program(program), MOST_TICKS)
+    rounds = Rounds()
+
+    def goes_in_circles(thought: Thought) -> bool:
+        robots = thought.state.robots
+        circling = rounds.follow(robots)
+        assert not circling, [r.name for i, r in enumerate(robots) if circling >> i & 1]
+        return False
+
+    played = play_through(
+        load_level(name), shipped_program(program), MOST_TICKS, is_over=goes_in_circles
+    )
     assert played.won_at is not None
     found = measures_of(
         load_level(name),
