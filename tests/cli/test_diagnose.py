@@ -48,9 +48,9 @@ def test_where_nothing_stands_out_it_says_so(command: Command, level: Path, ahea
     assert told.status == 0
     assert told.data["won_at"]
     assert told.data["findings"] == []
-    told = shown("diagnose", level, ahead)
-    assert told.status == 0
-    assert "Nothing stands out." in told.text
+    seen = shown("diagnose", level, ahead)
+    assert seen.status == 0
+    assert "Nothing stands out." in seen.text
 
 
 def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
