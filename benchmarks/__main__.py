@@ -11,6 +11,7 @@ from benchmarks.classes import classes, large_classes
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
+from benchmarks.functions import functions
 from benchmarks.history import history
 from benchmarks.inspector import inspector
 from benchmarks.lab import laboratory
@@ -35,6 +36,7 @@ SUITE = Suite(
         "world": crowds,
         "compile": compiling,
         "think": thinking,
+        "functions": functions,
         "schemas": schemas,
         "swarms": swarms,
         "teams": teams,
@@ -58,7 +60,7 @@ SUITE = Suite(
         "processor": processor,
         "first-frame": first_frame,
     },
-    named=frozenset({"lab", "large-class", "memory", "tournament"}),
+    named=frozenset({"functions", "lab", "large-class", "memory", "tournament"}),
     thorough=frozenset(
         {"class", "editing", "folding", "inspector", "processor", "ssh", "teams", "traffic"}
     ),

@@ -134,7 +134,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step("C", "The two futures part", "7-parted")
 
 
-def play(send: Callable[[str], None], wait_for: Callable[[str], None]) -> Iterator[Step]:
+def play(send: Callable[[str], None], wait_for: Callable[[str], object]) -> Iterator[Step]:
     """Take each step of the walk, and give it when it is done."""
     for step in walk(facts()):
         if step.keys:

@@ -157,8 +157,9 @@ class Terminal:
 
     def wait_for_quiet(self, seconds: float = 1.0) -> None:
         """Read on until nothing has been written for some time."""
-        while select.select([self._ours], [], [], seconds)[0] and self._read(monotonic() + 1):
-            pass
+        deadline = monotonic() + PATIENCE
+        while select.select([self._ours], [], [], seconds)[0] and self._read(deadline):
+            assert monotonic() < deadline, f"it writes on after {PATIENCE} s:\n{self.text}"
 
     def read_for(self, seconds: float) -> None:
         """Read on for some time, whether anything is written or not."""

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
+import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import pyte
+import pytest
 
 from logical_robots_tui.cli.main import main
 from tests.terminal import Terminal
+from tests.waiting import PATIENCE
 
-if TYPE_CHECKING:
-    import pytest
-
-__all__ = ["Command", "Told", "in_terminal"]
+__all__ = ["Command", "Shown", "Told", "in_terminal", "shown"]
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,58 @@ class Command:
             status = int(end.code or 0)
         caught = self._capsys.readouterr()
         return Told(status, caught.out, caught.err)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a finished command left behind on a terminal."""
+
+    status: int
+    screen: pyte.Screen
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines on the screen."""
+        return [line.rstrip() for line in self.screen.display]
+
+    @property
+    def text(self) -> str:
+        """What stands on the screen."""
+        return "\n".join(self.lines).rstrip()
+
+
+def shown(*arguments: object, size: tuple[int, int] = (100, 40)) -> Shown:
+    """The command in this process, which takes its output for a terminal; it can't be typed to."""
+    ours, theirs = os.openpty()
+    screen = pyte.Screen(*size)
+    reading = threading.Thread(target=_draw, args=(ours, screen))
+    reading.start()
+    with (
+        open(theirs, "w", encoding="utf-8") as terminal,  # noqa: PTH123 - it has no path
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        for name, value in zip(("COLUMNS", "LINES"), size, strict=True):
+            patch.setenv(name, str(value))
+        patch.setenv("TERM", "xterm-256color")
+        patch.setenv("COLORTERM", "truecolor")
+        patch.setattr(sys, "stdout", terminal)
+        patch.setattr(sys, "stderr", terminal)
+        status = main([str(argument) for argument in arguments])
+    reading.join(PATIENCE)
+    os.close(ours)
+    return Shown(status, screen)
+
+
+def _draw(terminal: int, screen: pyte.Screen) -> None:
+    stream = pyte.ByteStream(screen)
+    while True:
+        try:
+            chunk = os.read(terminal, 65536)
+        except OSError:  # how Linux says that nobody writes any more
+            return
+        if not chunk:
+            return
+        stream.feed(chunk)
 
 
 def in_terminal(*arguments: object, size: tuple[int, int] = (100, 40)) -> Terminal:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import load_program
-from tests.cli.running import in_terminal
+from tests.cli.running import shown
 from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
@@ -48,17 +48,16 @@ def test_where_nothing_stands_out_it_says_so(command: Command, level: Path, ahea
     assert told.status == 0
     assert told.data["won_at"]
     assert told.data["findings"] == []
-    with in_terminal("diagnose", level, ahead) as terminal:
-        assert terminal.finish() == 0
-        assert "Nothing stands out." in terminal.text
+    seen = shown("diagnose", level, ahead)
+    assert seen.status == 0
+    assert "Nothing stands out." in seen.text
 
 
 def test_in_a_terminal_it_is_told_in_lines(level: Path, broken: Path) -> None:
-    with in_terminal("diagnose", level, broken, "--ticks", "5") as terminal:
-        assert terminal.finish() == 1
-        shown = terminal.text
-    assert "Ticks 1 to 5, not won." in shown
-    assert "warning, line 1, tick 1: The rule of Near" in shown
+    told = shown("diagnose", level, broken, "--ticks", "5")
+    assert told.status == 1
+    assert "Ticks 1 to 5, not won." in told.text
+    assert "warning, line 1, tick 1: The rule of Near" in told.text
 
 
 def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
@@ -70,11 +69,10 @@ def test_the_page_shows_what_the_command_says(tmp_path: Path) -> None:
     assert '"Harbour"' in lines[18]
     lines[18] = lines[18].replace('"Harbour"', '"Harbor"')
     program.write_text("\n".join(lines))
-    with in_terminal("diagnose", "05-lighthouse", program, size=(80, 40)) as terminal:
-        assert terminal.finish() == 1
-        told = [line.rstrip() for line in terminal.text.splitlines()]
+    told = shown("diagnose", "05-lighthouse", program, size=(80, 40))
+    assert told.status == 1
     for line in example.splitlines():
-        assert line in told
+        assert line in told.lines
 
 
 def test_a_robot_that_wins_has_only_notes(command: Command, level: Path, broken: Path) -> None:

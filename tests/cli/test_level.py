@@ -13,7 +13,7 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.world.level import alike
-from tests.cli.running import in_terminal
+from tests.cli.running import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -208,12 +208,11 @@ def test_a_picture_has_the_names_of_beacons_and_areas(
 
 
 def test_a_terminal_shows_a_level_in_colours_as_large_as_fits() -> None:
-    with in_terminal("level", "show", "05-lighthouse") as terminal:
-        assert terminal.finish() == 0
-        shown = terminal.screen
-    colours = {cell.bg for row in shown.buffer.values() for cell in row.values()}
+    told = shown("level", "show", "05-lighthouse")
+    assert told.status == 0
+    colours = {cell.bg for row in told.screen.buffer.values() for cell in row.values()}
     assert len(colours) > 3
-    assert any("Otter" in line for line in shown.display)
+    assert "Otter" in told.text
 
 
 def test_a_drawing_is_well_formed_and_shows_everything(

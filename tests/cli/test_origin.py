@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.cli.running import in_terminal
+from tests.cli.running import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -37,14 +37,11 @@ def test_the_tick_the_line_and_what_was_read_are_told(
 
 
 def test_in_a_terminal_it_is_told_in_words(level: Path, keeper: Path) -> None:
-    with in_terminal(
-        "origin", level, keeper, "--tick", 8, "--robot", "Pip", "--value", "memory.at"
-    ) as terminal:
-        assert terminal.finish() == 0
-        shown = terminal.text
-    assert "1. Pip's memory.at = 3" in shown
-    assert "set in tick 3 by the rule in line 1, kept until tick 8" in shown
-    assert "from Pip's sensor.clock = 3" in shown
+    told = shown("origin", level, keeper, "--tick", 8, "--robot", "Pip", "--value", "memory.at")
+    assert told.status == 0
+    assert "1. Pip's memory.at = 3" in told.text
+    assert "set in tick 3 by the rule in line 1, kept until tick 8" in told.text
+    assert "from Pip's sensor.clock = 3" in told.text
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 from typing import TYPE_CHECKING
 
-from tests.cli.running import in_terminal
+from tests.cli.running import in_terminal, shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,11 +56,10 @@ def test_a_failing_question_says_why(command: Command, level: Path, ahead: Path)
 
 
 def test_in_a_terminal_it_is_a_table(level: Path, ahead: Path) -> None:
-    with in_terminal("query", level, ahead, "--tick", 1, "Robot(robot_name:, desire:)") as terminal:
-        assert terminal.finish() == 0
-        shown = terminal.text
-    assert "IN THE MIND OF  robot_name  desire" in shown
-    assert '"Pip"' in shown
+    told = shown("query", level, ahead, "--tick", 1, "Robot(robot_name:, desire:)")
+    assert told.status == 0
+    assert "IN THE MIND OF  robot_name  desire" in told.text
+    assert '"Pip"' in told.text
 
 
 def test_a_long_way_to_the_tick_is_shown(level: Path, ahead: Path) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.cli.running import in_terminal
+from tests.cli.running import in_terminal, shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -99,17 +99,17 @@ def test_a_program_saved_in_the_game_is_found_by_its_name(
 
 
 def test_on_a_terminal_the_outcome_is_told_in_words(level: Path, ahead: Path) -> None:
-    with in_terminal("run", level, ahead) as terminal:
-        assert terminal.finish() == 0
-    assert "A short way: won at tick" in terminal.text
-    assert "Pip" in terminal.text
-    assert "ticks/s" in terminal.text
+    told = shown("run", level, ahead)
+    assert told.status == 0
+    assert "A short way: won at tick" in told.text
+    assert "Pip" in told.text
+    assert "ticks/s" in told.text
 
 
 def test_in_words_a_level_not_won_says_who_is_missing(level: Path, still: Path) -> None:
-    with in_terminal("run", level, still, "--ticks", 5) as terminal:
-        assert terminal.finish() == 1
-    assert "not won within 5 ticks. Door is still missing Pip." in terminal.text
+    told = shown("run", level, still, "--ticks", 5)
+    assert told.status == 1
+    assert "not won within 5 ticks. Door is still missing Pip." in told.text
 
 
 def test_on_a_terminal_a_bar_shows_the_progress_and_goes_away(level: Path, still: Path) -> None:
@@ -120,17 +120,16 @@ def test_on_a_terminal_a_bar_shows_the_progress_and_goes_away(level: Path, still
 
 
 def test_json_can_be_had_on_a_terminal_too(level: Path, ahead: Path) -> None:
-    with in_terminal("run", level, ahead, "--json") as terminal:
-        terminal.finish()
-    assert '"won": true' in terminal.text
-    assert "won at tick" not in terminal.text
+    told = shown("run", level, ahead, "--json")
+    assert '"won": true' in told.text
+    assert "won at tick" not in told.text
 
 
 def test_what_a_level_says_is_not_read_as_markup(level: Path, ahead: Path) -> None:
     level.write_text(level.read_text().replace("A short way", "[/red] [bold]no[/bold]"))
-    with in_terminal("run", level, ahead) as terminal:
-        assert terminal.finish() == 0
-    assert "[/red] [bold]no[/bold]: won" in terminal.text
+    told = shown("run", level, ahead)
+    assert told.status == 0
+    assert "[/red] [bold]no[/bold]: won" in told.text
 
 
 def test_control_c_ends_a_run_without_a_word_of_python(level: Path, still: Path) -> None:

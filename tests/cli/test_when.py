@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.mind import Mind
-from tests.cli.running import in_terminal
+from tests.cli.running import in_terminal, shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -139,14 +139,13 @@ def test_the_second_time_nothing_is_thought_again(
 
 def test_in_a_terminal_it_is_told_in_words(level: Path, counter: Path) -> None:
     question = f"{CLOCK}clock in [3, 4, 5, 9]"
-    with in_terminal("when", level, counter, question, "--ticks", 20) as terminal:
-        assert terminal.finish() == 0
-        shown = terminal.text
-    assert "holds in 4 of 20 ticks: first in tick 3, last in tick 9." in shown
-    assert "FROM  TO  TICKS" in shown
-    with in_terminal("when", level, counter, "1 == 2", "--ticks", 20) as terminal:
-        assert terminal.finish() == 1
-        assert "1 == 2 never holds in 20 ticks." in terminal.text
+    told = shown("when", level, counter, question, "--ticks", 20)
+    assert told.status == 0
+    assert "holds in 4 of 20 ticks: first in tick 3, last in tick 9." in told.text
+    assert "FROM  TO  TICKS" in told.text
+    told = shown("when", level, counter, "1 == 2", "--ticks", 20)
+    assert told.status == 1
+    assert "1 == 2 never holds in 20 ticks." in told.text
 
 
 def test_a_long_search_shows_how_far_it_has_come_and_can_be_interrupted(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.cli.running import in_terminal
+from tests.cli.running import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -90,13 +90,12 @@ def test_what_is_not_there_is_named(
 
 
 def test_in_a_terminal_it_is_told_line_by_line(level: Path, two: Path) -> None:
-    with in_terminal("why", level, two, "--tick", 3, "--robot", "Pip") as terminal:
-        assert terminal.finish() == 0
-        shown = terminal.text
-    assert "Robot for Pip at tick 3" in shown
-    assert "(gives this row)" in shown
-    assert "- d <= 20  (in no way)" in shown
-    assert "--predicate Speed --given" in shown
+    told = shown("why", level, two, "--tick", 3, "--robot", "Pip")
+    assert told.status == 0
+    assert "Robot for Pip at tick 3" in told.text
+    assert "(gives this row)" in told.text
+    assert "- d <= 20  (in no way)" in told.text
+    assert "--predicate Speed --given" in told.text
 
 
 def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, tmp_path: Path) -> None:
@@ -105,10 +104,10 @@ def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, tmp_path: Pat
         'Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-\n'
         "  Sensor(robot_name:, sensor:), all = sensor.radar;\n"
     )
-    with in_terminal("why", level, program, "--tick", 3, "--robot", "Pip") as terminal:
-        assert terminal.finish() == 0
-        (line,) = (line for line in terminal.text.splitlines() if " all = sensor.radar = [" in line)
-    assert line.rstrip().endswith("...")
+    told = shown("why", level, program, "--tick", 3, "--robot", "Pip")
+    assert told.status == 0
+    (line,) = (line for line in told.lines if " all = sensor.radar = [" in line)
+    assert line.endswith("...")
 
 
 def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
@@ -125,9 +124,9 @@ def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
     (only,) = command(*asked).data["nearest"]
     assert (only["rule"], only["line"], only["text"]) == (1, 2, "5")
     assert only["said"] == "`sensor.clock > 5` fails: sensor.clock is 2 too little."
-    with in_terminal(*asked) as terminal:
-        assert terminal.finish() == 1
-        assert "Each of these would give the rule in line 1 a row:" in terminal.text
-        assert "line 2, 5: write 2.997" in terminal.text
+    seen = shown(*asked)
+    assert seen.status == 1
+    assert "Each of these would give the rule in line 1 a row:" in seen.text
+    assert "line 2, 5: write 2.997" in seen.text
     told = command("why", level, program, "--tick", 3, "--robot", "Pip")
     assert told.data["nearest"] == []

@@ -41,18 +41,17 @@ class Player:
     def play_short_way(self) -> None:
         """Start the game on a level that is won by going straight ahead."""
         self.play("play", "short.toml", "ahead.l")
-        self.tmux.wait_for("tick 0")
-        self.tmux.wait_for("· applied")
+        self.tmux.wait_for("tick 0", "· applied")
 
-    @property
-    def tick(self) -> int:
-        """The tick that the status line tells, -1 if none."""
-        found = re.search(r"\btick (\d+)", self.tmux.screen)
-        return int(found[1]) if found else -1
+    def wait_for_tick(self, tick: int) -> str:
+        """Wait until the status line tells a tick, and return what the screen shows then."""
+        return self.tmux.wait_until(lambda screen: tick_on(screen) == tick, f"tick {tick}")
 
-    def wait_for_tick(self, tick: int) -> None:
-        """Wait until the status line tells a tick."""
-        self.tmux.wait_until(lambda _: self.tick == tick, f"tick {tick}")
+
+def tick_on(screen: str) -> int:
+    """The tick that the status line tells, -1 if none."""
+    found = re.search(r"\btick (\d+)", screen)
+    return int(found[1]) if found else -1
 
 
 @pytest.fixture

@@ -7,17 +7,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.world import load_level
+from tests.e2e.tmux import place_of
+from tests.waiting import until
 
 if TYPE_CHECKING:
     from tests.e2e.conftest import Player
-
-
-def place_of(player: Player, text: str) -> tuple[int, int]:
-    """The column and the line, from 1, of the first place where a text stands."""
-    for line, row in enumerate(player.tmux.screen.splitlines(), 1):
-        if text in row:
-            return row.index(text) + 1, line
-    raise AssertionError(f"{text!r} is not on the screen:\n{player.tmux.screen}")
 
 
 @pytest.mark.slow
@@ -29,26 +23,23 @@ def test_a_level_is_edited_with_the_mouse_saved_and_survives_a_hangup(player: Pl
     tmux.click("b Brush")
     tmux.wait_for("units wide")
     tmux.drag((30, 8), (30, 18))
-    tmux.wait_for("● not saved")
-    tmux.wait_for("finding")
+    tmux.wait_for("● not saved", "finding")
     tmux.press("s")
     tmux.wait_for("Saved as short")
     walls = load_level(player.folder / "short.toml").walls
     assert walls[10:15, 15:45].any()
     tmux.press("h", "Tab")
-    tmux.wait_for("Robot Pip at 12, 12.5")
-    column, line = place_of(player, "+")
+    column, line = place_of("+", tmux.wait_for("Robot Pip at 12, 12.5", "+"))
     tmux.drag((column, line), (column + 8, line))
     tmux.wait_until(lambda screen: "Robot Pip at" in screen and "at 12, " not in screen)
     tmux.wait_for("● not saved")
     drafts = player.folder / "data" / "drafts"
-    tmux.wait_until(lambda _: list(drafts.glob("*.json")), "a draft on disk")
+    until(lambda: list(drafts.glob("*.json")), lambda: "a draft on disk")
     tmux.hang_up()
-    tmux.wait_until(lambda _: not tmux.is_running, "the game has ended")
+    until(lambda: not tmux.is_running, lambda: "the game has ended")
     tmux.mend()
     player.play("play", "short.toml", "ahead.l")
-    tmux.wait_for("Continue editing the level")
-    tmux.wait_for("Yes, continue")
+    tmux.wait_for("Continue editing the level", "Yes, continue")
     tmux.press("y")
     tmux.wait_for("● not saved")
     tmux.press("Escape")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.waiting import SOON, until
+from tests.waiting import until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,15 +42,14 @@ def is_gone(text: str, screen: str) -> bool:
 def assert_the_idea_is_offered(player: Player, *others: str) -> None:
     player.play("play", "short.toml", "ahead.l")
     for offer in ("unsaved", *others):
-        player.tmux.wait_for(offer)
-        player.tmux.wait_for("Yes, continue")
+        player.tmux.wait_for(offer, "Yes, continue")
         player.tmux.press("Enter")
         player.tmux.wait_until(partial(is_gone, offer))
     player.tmux.press("2")
     player.tmux.wait_for(TYPED)
 
 
-def test_after_a_hangup_the_process_ends_at_once_and_the_game_goes_on_exactly_there(
+def test_after_a_hangup_the_process_ends_and_the_game_goes_on_exactly_there(
     player: Player,
 ) -> None:
     player.play_short_way()
@@ -58,7 +57,7 @@ def test_after_a_hangup_the_process_ends_at_once_and_the_game_goes_on_exactly_th
     player.wait_for_tick(3)
     type_an_idea(player)
     player.tmux.hang_up()
-    until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=SOON)
+    until(lambda: not player.tmux.is_running, lambda: "the process ends")
     player.tmux.mend()
     assert_the_idea_is_offered(player, "cut off at tick 3")
     player.wait_for_tick(3)
@@ -70,7 +69,7 @@ def test_when_the_terminal_is_gone_the_process_ends_and_the_text_is_offered(seat
         player.play_short_way()
         type_an_idea(player)
         player.tmux.close()
-        until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=SOON)
+        until(lambda: not player.tmux.is_running, lambda: "the process ends")
     with seat() as player:
         assert_the_idea_is_offered(player)
 
@@ -95,4 +94,4 @@ def test_a_hangup_ends_even_a_robot_that_is_deep_in_thought(player: Player) -> N
     player.tmux.press("Space")
     player.tmux.wait_for("thinking")
     player.tmux.hang_up()
-    until(lambda: not player.tmux.is_running, lambda: "the process ends", patience=SOON)
+    until(lambda: not player.tmux.is_running, lambda: "the process ends")

@@ -14,6 +14,7 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.game import load_program
 from logical_robots_tui.progress import FILE_NAME, Progress
+from tests.e2e.conftest import tick_on
 from tests.waiting import until
 
 if TYPE_CHECKING:
@@ -54,8 +55,7 @@ def leave_editor(player: Player) -> None:
 
 
 def skip_the_tour(player: Player) -> None:
-    player.tmux.wait_for("skips the tour")
-    player.tmux.wait_for("· applied")
+    player.tmux.wait_for("skips the tour", "· applied")
     player.tmux.press("Escape")
     player.tmux.wait_until(lambda screen: "skips the tour" not in screen, "no tour")
 
@@ -75,16 +75,14 @@ def test_the_tour_is_shown_at_the_first_start_and_never_again(
         kill(player)
         start_anew(player)
         player.tmux.press("n")
-        player.wait_for_tick(1)
-        assert "skips the tour" not in player.tmux.screen
+        assert "skips the tour" not in player.wait_for_tick(1)
 
 
 @pytest.mark.slow
 def test_who_names_a_level_is_not_shown_round(player: Player) -> None:
     player.play_short_way()
     player.tmux.press("n")
-    player.wait_for_tick(1)
-    assert "skips the tour" not in player.tmux.screen
+    assert "skips the tour" not in player.wait_for_tick(1)
 
 
 @pytest.mark.slow
@@ -112,15 +110,12 @@ def test_in_the_first_minute_somebody_new_wins_by_doing_what_the_briefing_says(
     player.tmux.type("++++++")
     player.tmux.wait_for("flat out")
     player.tmux.press("Space")
-    player.tmux.wait_for("WON")
-    player.tmux.wait_for("your bests")
-    player.tmux.wait_for("reference")
-    until(lambda: record_of(player).record(FIRST.name).bests.ticks == player.tick)
+    won = tick_on(player.tmux.wait_for("WON", "your bests", "reference"))
+    until(lambda: record_of(player).record(FIRST.name).bests.ticks == won)
     kill(player)
     start_anew(player)
     player.tmux.press("l")
-    player.tmux.wait_for("★ won")
-    player.tmux.wait_for(f"{record_of(player).record(FIRST.name).bests.ticks:,} ticks")
+    player.tmux.wait_for("★ won", f"{won:,} ticks")
 
 
 @pytest.mark.slow
@@ -130,8 +125,10 @@ def test_levels_are_chosen_on_their_screen_and_the_last_one_is_where_one_goes_on
     player.play()
     skip_the_tour(player)
     player.tmux.press("l")
-    player.tmux.wait_for(f"2 {SECOND.title}")
-    player.tmux.wait_until(lambda screen: "▀" in screen or "▄" in screen, "a miniature")
+    player.tmux.wait_until(
+        lambda screen: f"2 {SECOND.title}" in screen and ("▀" in screen or "▄" in screen),
+        "a miniature",
+    )
     player.tmux.press("Right", "Enter")
     player.tmux.wait_for(f"LOGICAL ROBOTS   {SECOND.title}")
     until(lambda: record_of(player).fact("level") == SECOND.name)
@@ -173,16 +170,14 @@ def test_what_was_applied_is_there_after_a_kill_and_so_is_what_was_before(player
     kill(player)
     start_anew(player)
     enter_editor(player)
-    player.tmux.wait_for("# idea 2")
-    assert "Continue" not in player.tmux.screen
+    assert "Continue" not in player.tmux.wait_for("# idea 2")
     leave_editor(player)
     player.tmux.press("v")
     player.tmux.wait_for("Earlier versions")
     player.tmux.press("Down", "Enter")
     player.tmux.wait_until(lambda screen: "Earlier versions" not in screen, "the game")
     enter_editor(player)
-    player.tmux.wait_for("# idea 1")
-    assert "# idea 2" not in player.tmux.screen
+    assert "# idea 2" not in player.tmux.wait_for("# idea 1")
     leave_editor(player)
     player.tmux.press("x")
     player.tmux.wait_for("Put the starter program back?")

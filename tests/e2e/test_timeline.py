@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from tests.e2e.conftest import Player
 
 
-def timeline(player: Player) -> str:
+def timeline(screen: str) -> str:
     """The line above the command bar."""
-    return player.tmux.screen.splitlines()[22]
+    return screen.splitlines()[22]
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_a_changed_program_leaves_the_old_future_in_sight(player: Player) -> Non
     player.tmux.wait_for("space Run")
     player.tmux.press("n")
     player.wait_for_tick(1)
-    player.tmux.wait_until(lambda _: "┄┄┄" in timeline(player), "the old future")
+    player.tmux.wait_until(lambda screen: "┄┄┄" in timeline(screen), "the old future")
     player.tmux.press("C")
     player.tmux.wait_for("The two futures are equal as far as both")
     player.tmux.press("F")

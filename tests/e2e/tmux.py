@@ -16,7 +16,7 @@ from tests.waiting import PATIENCE, until
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PROMPT", "Tmux", "runs"]
+__all__ = ["PROMPT", "Tmux", "place_of", "runs"]
 
 PROMPT = "at-the-shell$ "
 
@@ -117,12 +117,8 @@ class Tmux:
 
     def click(self, text: str) -> None:
         """Click with the left button on the first place where a text stands."""
-        for y, line in enumerate(self.screen.splitlines(), 1):
-            if text in line:
-                x = line.index(text) + 1
-                self.type(f"\x1b[<0;{x};{y}M\x1b[<0;{x};{y}m")
-                return
-        raise AssertionError(f"{text!r} is not on the screen:\n{self.screen}")
+        x, y = place_of(text, self.wait_for(text))
+        self.type(f"\x1b[<0;{x};{y}M\x1b[<0;{x};{y}m")
 
     def drag(self, start: tuple[int, int], end: tuple[int, int]) -> None:
         """Drag with the left button from one place to another, each a column and a line from 1."""
@@ -138,13 +134,24 @@ class Tmux:
         """What stands on the screen."""
         return self._tmux("capture-pane", "-p")
 
-    def wait_for(self, text: str) -> None:
-        """Wait until a text stands on the screen."""
-        self.wait_until(lambda screen: text in screen, f"{text!r} on the screen")
+    def wait_for(self, *texts: str) -> str:
+        """Wait until all of some texts stand on the screen, and return what it shows then."""
+        return self.wait_until(
+            lambda screen: all(text in screen for text in texts),
+            f"{' and '.join(map(repr, texts))} on the screen",
+        )
 
-    def wait_until(self, condition: Callable[[str], object], what: str = "that") -> None:
-        """Wait until something is true of the text on the screen."""
-        until(lambda: condition(self.screen), lambda: f"{what}; instead:\n{self.screen}")
+    def wait_until(self, condition: Callable[[str], object], what: str = "that") -> str:
+        """Wait until something is true of the text on the screen, and return that text."""
+        screen = ""
+
+        def holds() -> object:
+            nonlocal screen
+            screen = self.screen
+            return condition(screen)
+
+        until(holds, lambda: f"{what}; instead:\n{screen}")
+        return screen
 
     def _tmux(self, *arguments: str, text: str | None = None, check: bool = True) -> str:
         done = subprocess.run(
@@ -158,6 +165,12 @@ class Tmux:
         )
         assert not check or done.returncode == 0, f"tmux {arguments[0]}: {done.stdout}"
         return done.stdout
+
+
+def place_of(text: str, screen: str) -> tuple[int, int]:
+    """The column and the line, from 1, of the first place where a text stands."""
+    y, line = next((y, line) for y, line in enumerate(screen.splitlines(), 1) if text in line)
+    return line.index(text) + 1, y
 
 
 def runs(pid: int) -> bool:

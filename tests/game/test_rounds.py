@@ -1,4 +1,7 @@
-"""Robots that go round in circles are noticed; none that is on its way to a victory is."""
+"""Robots that go round in circles are noticed.
+
+`tests/levels/test_proof.py` follows all reference programs on their way to victory: none does.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +12,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game.history.rounds import ROUNDS, Rounds
-from logical_robots_tui.game.source import shipped_texts
-from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.world import World, load_level
-from tests.levels.playing import reference_cases
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level, RobotState
+    from collections.abc import Callable
 
 LEVEL = load_level("01-first-steps")
 
@@ -85,28 +82,3 @@ def test_who_leaves_the_circle_and_comes_back_is_told_again() -> None:
         return turning(tick) if tick < 300 or tick > 400 else (100.0 + tick, 100.0, 0.0)
 
     assert len(told(pose, 800)) == 2
-
-
-def run(level: Level, name: str, ticks: int) -> Iterator[tuple[RobotState, ...]]:
-    """The robots after each tick, up to the victory."""
-    world, sight = World(level), level.visibility
-    program = Program.compile(shipped_texts()[name])
-    mind = Mind(program, memory=sight.memory, sensor=sight.sensor, frozen=True)
-    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
-    while world.tick < ticks and world.won_at is None:
-        decisions = mind.think(world.sense(), memories)
-        world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-        memories = {d.robot_name: d.memory for d in decisions}
-        yield world.save().robots
-    mind.close()
-
-
-@pytest.mark.sampled
-@pytest.mark.parametrize(("level", "program"), reference_cases())
-def test_no_reference_program_goes_in_circles_on_its_way_to_victory(
-    level: str, program: str
-) -> None:
-    rounds = Rounds()
-    for tick, robots in enumerate(run(load_level(level), program, 20_000), 1):
-        circling = rounds.follow(robots)
-        assert not circling, (tick, [r.name for i, r in enumerate(robots) if circling >> i & 1])

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 QUICKER = {
     "diagnose 01-first-steps first-steps": ["--ticks", "100"],
+    "replay record 01-first-steps first-steps -o first.replay": ["--ticks", "100"],
+    "replay record 08-formation formation -o chain.replay --ticks 600": ["--ticks", "60"],
+    "replay record 01-first-steps first-steps -o third.replay --start 3": ["--ticks", "100"],
 }
 """What is added, so that the tests take no longer than they need."""
 

@@ -27,7 +27,10 @@ SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S
 
 def sleeps(path: Path) -> Iterator[str]:
     """Where a module sleeps for some time, as file and line number; sleeping 0 only makes room."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    text = path.read_text(encoding="utf-8")
+    if "sleep(" not in text:
+        return
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Call) and re.match(r"(\w+\.)?sleep\((?!0\))", ast.unparse(node)):
             yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
 
@@ -38,7 +41,10 @@ def test_no_test_waits_for_a_time_to_pass() -> None:
 
 def waits(path: Path) -> Iterator[str]:
     """Where a test waits for a process or a thread without a bound; who awaits is bounded above."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    text = path.read_text(encoding="utf-8")
+    if not re.search(r"subprocess\.run|\.(wait|join|communicate)\(\s*\)", text):
+        return
+    tree = ast.parse(text)
     awaited = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Await)}
     awaited |= {
         id(argument)

@@ -64,10 +64,10 @@ def grades(tmp_path_factory: pytest.TempPathFactory) -> Path:
         'id,name,submission\n1,Ada,ada\n2,"=Ben()",ben\n3,Cem,cem\n4,Dot,dot\n'
     )
     (folder / "late.csv").write_text("id\n2\n")
-    right = program_text("first-steps")
+    right = program_text("references/first-steps-fastest")
     files = {
         b"ada/01-first-steps.l": right,
-        b"ada/open-space.l": program_text("open-space"),
+        b"ada/open-space.l": program_text("references/open-space-fastest"),
         b"ben/01-first-steps.l": "# mine!\n\n" + right.replace("  ", "    "),
         b"cem/01-first-steps.l": MISTAKE,
         b"eve.l": ENDLESS,

@@ -22,6 +22,7 @@ from logical_robots_tui.lab.local import LocalEngine
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command, in_terminal
 from tests.lab.laboratory import deadly, exported, recorded, start, write_experiment
+from tests.short import AHEAD, LEVEL
 from tests.waiting import until
 
 
@@ -32,13 +33,13 @@ def command(capsys: pytest.CaptureFixture[str]) -> Command:
 
 def test_a_coordinator_killed_at_any_moment_loses_nothing(tmp_path: Path, command: Command) -> None:
     # Many small cells, so that there is a moment between any two results.
-    file = write_experiment(tmp_path, values=range(20, 44), starts=1, ticks=120)
+    file = write_experiment(tmp_path, values=range(20, 44), starts=1, ticks=60)
     once, often = tmp_path / "once", tmp_path / "often"
     assert command("sweep", file, "-o", once, "--workers", 1).status == 0
     assert recorded(once) == 48
     arguments: tuple[object, ...] = ("sweep", file, "-o", often)
     counts = []
-    for workers in (2, 1, 2):
+    for workers in (2, 1):
         before = recorded(often)
         running = start(*arguments, "--workers", workers)
         until(lambda before=before: recorded(often) > before)  # type: ignore[misc] # bound at once
@@ -132,7 +133,10 @@ def test_a_worker_that_says_nothing_is_replaced(
 
 def test_the_command_of_a_row_replays_that_very_run(tmp_path: Path, command: Command) -> None:
     out = tmp_path / "out"
-    file = write_experiment(tmp_path, values=(40,), starts=1, ticks=2000)
+    file = write_experiment(tmp_path, values=(40,), starts=1, ticks=100)
+    (tmp_path / "short.toml").write_text(LEVEL)
+    (tmp_path / "first.l").write_text(f"Near() = 40;\n{AHEAD}")
+    file.write_text(file.read_text().replace("01-first-steps", "short.toml"))
     assert command("sweep", file, "-o", out, "--workers", 1).status == 0
     *_, row = csv.DictReader((out / "runs.csv").read_text("utf-8").splitlines())
     assert (row["start"], row["outcome"]) == ("1", "won")
@@ -163,7 +167,8 @@ def test_results_of_another_version_count_only_if_asked(tmp_path: Path, command:
 
 def test_two_results_of_a_run_that_differ_are_said_loudly(tmp_path: Path, command: Command) -> None:
     folder = Folder(tmp_path / "out")
-    assert command("sweep", write_experiment(tmp_path), "-o", folder.path).status == 0
+    file = write_experiment(tmp_path)
+    assert command("sweep", file, "-o", folder.path, "--workers", 1).status == 0
     with folder.ledger() as ledger:
         (run, *_), manifest = done_runs(folder.manifest(), ledger), folder.manifest()
         result = '{"outcome":"won","ticks":1}'

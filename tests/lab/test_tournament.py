@@ -317,7 +317,7 @@ def test_with_four_teams_each_player_has_each_seat_once(tmp_path: Path, command:
 
 
 def test_a_match_can_be_seen_again(tmp_path: Path, command: Command) -> None:
-    arena, players = write_arena(tmp_path)
+    arena, players = write_arena(tmp_path, {"ada": drives(1), "ben": drives(0.5)})
     out = tmp_path / "out"
     assert command("tournament", arena, players, "-o", out, "--workers", 1).status == 0
     *_, row = rows(out / "runs.csv")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
 
 LEVELS = list_levels()
-LONG = 10_000  # thoughts, that is robots times ticks; only a full run waits for more
+LONG = 5_000  # thoughts, that is robots times ticks; only a full run waits for more
 
 
 def program_text(name: str) -> str:

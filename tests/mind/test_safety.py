@@ -6,14 +6,19 @@ import subprocess
 import sys
 import threading
 from dataclasses import replace
-from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
+from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
+from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.mind.sqlite.functions import registry
 from tests.mind.rows import ROBOT, row, think
 from tests.waiting import PATIENCE
+
+if TYPE_CHECKING:
+    import sqlite3
 
 
 @pytest.fixture(scope="module")
@@ -42,13 +47,15 @@ def test_terminal_codes_in_a_memory_stay_data() -> None:
 
 NUMBERS = "WITH RECURSIVE t_0_N(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM t_0_N) "
 BIG = "printf('%1900000s', 'x')"
+ENDLESS = NUMBERS + "SELECT count(*) FROM t_0_N"
+# Each calls `noted` for one step after the other.
 SLOW = {
-    "SQL": NUMBERS + "SELECT count(*) FROM t_0_N",
-    "a function of SQLite": NUMBERS + f"SELECT sum(length(upper({BIG} || n))) FROM t_0_N",
+    "SQL": NUMBERS + "SELECT count(noted(n)) FROM t_0_N",
+    "a function of SQLite": NUMBERS + f"SELECT sum(length(upper({BIG} || noted(n)))) FROM t_0_N",
     "a function of ours": NUMBERS
-    + "SELECT sum(length(sort_list(number_range(19000 + n % 9)))) FROM t_0_N",
+    + "SELECT sum(length(sort_list(number_range(19000 + noted(n) % 9)))) FROM t_0_N",
     "one row of many functions": "SELECT "
-    + " + ".join(f"length(upper(s || {i}))" for i in range(900))
+    + " + ".join(f"length(upper(s || noted({i})))" for i in range(900))
     + f" FROM (SELECT {BIG} AS s)",
 }
 
@@ -59,21 +66,37 @@ def forced(program: Program, sql: str, **limits: Any) -> Mind:
 
 
 @pytest.mark.parametrize("what", SLOW)
-def test_a_stop_takes_effect_at_once_in_the_middle_of(what: str, program: Program) -> None:
+def test_a_stop_takes_effect_at_once_in_the_middle_of(
+    what: str, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stop, halted = threading.Event(), threading.Event()
+    after_the_halt: list[int] = []
+    halt, install = Database._halt, registry.install
+
+    def noted_halt(database: Database) -> None:
+        halt(database)
+        halted.set()
+
+    def noted(number: int) -> int:
+        if halted.is_set():
+            after_the_halt.append(number)
+            assert len(after_the_halt) == 1
+        elif number == 3:
+            stop.set()
+            assert halted.wait(PATIENCE)
+        return number
+
+    def with_noted(connection: sqlite3.Connection, work: Work) -> None:
+        install(connection, work)
+        connection.create_function("noted", 1, noted)
+
+    monkeypatch.setattr(Database, "_halt", noted_halt)
+    monkeypatch.setattr(registry, "install", with_noted)
+    monkeypatch.setattr(registry, "NAMES", registry.NAMES | {"noted"})
     mind = forced(program, SLOW[what], think_seconds=60, think_steps=10**12)
-    stop = threading.Event()
-    stopped_at: list[float] = []
-
-    def set_it() -> None:
-        stopped_at.append(monotonic())
-        stop.set()
-
-    timer = threading.Timer(0.2, set_it)
-    timer.start()
     with pytest.raises(Stopped):
         mind.think([row("Ada")], {}, stop=stop)
-    assert monotonic() - stopped_at[0] < 2  # a tenth of it is usual
-    timer.join(PATIENCE)
+    assert len(after_the_halt) <= 1
     assert mind.query("Sensor", [row("Ada")], {}).rows
     mind.close()
 
@@ -89,12 +112,22 @@ def test_a_stop_that_came_before_the_thought_prevents_it(program: Program) -> No
     mind.close()
 
 
-def test_the_steps_of_a_thought_are_those_of_all_robots_together(program: Program) -> None:
-    mind = forced(program, SLOW["SQL"], think_steps=3_000_000)
+def test_the_steps_of_a_thought_are_those_of_all_robots_together(
+    program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counts: list[bool] = []
+    count = Work.count
+
+    def noted_count(work: Work) -> bool:
+        counts.append(count(work))
+        return counts[-1]
+
+    monkeypatch.setattr(Work, "count", noted_count)
+    mind = forced(program, ENDLESS, think_steps=3_000_000)
     robots = [row(f"Robot {number}") for number in range(20)]
-    began = monotonic()
     decisions = mind.think(robots, {})
-    assert monotonic() - began < 3
+    once_more_exactly = 2
+    assert len(counts) * STEPS_AT_ONCE < 3_200_000 * once_more_exactly
     assert all("more than 3,000,000 steps" in d.notices[0].message for d in decisions)
     assert all(decision.is_reliable for decision in decisions)
     mind.close()
@@ -110,7 +143,7 @@ def test_the_steps_of_a_thought_are_those_of_all_robots_together(program: Progra
             {"value_bytes": 5_000},
             "may have 5,000 bytes",
         ),
-        (SLOW["SQL"], {"think_steps": 1_000_000}, "more than 1,000,000 steps"),
+        (ENDLESS, {"think_steps": 1_000_000}, "more than 1,000,000 steps"),
         ("SELECT '[[[[1]]]]' AS memory", {"depth": 3}, "nested too deeply"),
         (
             f"SELECT 'Ada' AS robot_name, substr({BIG}, 1, 200) AS memory",
@@ -130,7 +163,7 @@ def test_each_limit_of_a_thought_has_its_message(
 
 
 def test_a_query_has_its_own_steps_and_shows_its_first_rows(program: Program) -> None:
-    mind = forced(program, SLOW["SQL"], query_steps=1_000_000)
+    mind = forced(program, ENDLESS, query_steps=1_000_000)
     with pytest.raises(QueryError, match="more than 1,000,000 steps"):
         mind.query("Robot", [row("Ada")], {})
     mind.close()

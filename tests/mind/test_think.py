@@ -8,9 +8,10 @@ import threading
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, NoticeKind, Program, Stopped
+from logical_robots_tui.mind.sqlite.budget import _watcher
 from logical_robots_tui.values import Desire
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
-from tests.waiting import PATIENCE
+from tests.waiting import PATIENCE, until
 
 EVERYBODY = "Robot(robot_name:, desire: {}, memory: 1) :- Sensor(robot_name:);"
 
@@ -166,11 +167,16 @@ def test_a_thought_that_takes_too_long_is_ended_and_reported() -> None:
 def test_a_thought_can_be_stopped_from_another_thread() -> None:
     mind = Mind(_slow())
     stop = threading.Event()
-    timer = threading.Timer(0.05, stop.set)
-    timer.start()
+
+    def stop_it() -> None:
+        until(lambda: _watcher._works)
+        stop.set()
+
+    other = threading.Thread(target=stop_it)
+    other.start()
     with pytest.raises(Stopped):
         mind.think([row("Ada")], {}, stop=stop)
-    timer.join(PATIENCE)
+    other.join(PATIENCE)
     assert mind.query("Sensor", [row("Ada")], {}).rows
     mind.close()
 

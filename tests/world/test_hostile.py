@@ -1,4 +1,4 @@
-"""Reading a file takes little time and memory, and ends with a level or a reason."""
+"""Reading a file takes little memory, and ends with a level or a reason."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-SECONDS = 2.0  # of a processor, for each file
 BYTES = 300 * 1024  # KiB that the process may grow by
 ADDRESSES = 1024**3
 
@@ -65,13 +64,10 @@ def read(names: Sequence[str], folder: Path) -> list[tuple[str, float, int]]:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("part", range(4))
-def test_a_hostile_level_file_is_refused_in_time_and_in_little_memory(
-    part: int, tmp_path: Path
-) -> None:
+def test_a_hostile_level_file_is_refused_in_little_memory(part: int, tmp_path: Path) -> None:
     names = list(FILES)[part::4]
     told = read(names, tmp_path)
-    for name, (said, seconds, grown) in zip(names, told, strict=True):
-        assert seconds < SECONDS, (name, seconds)
+    for name, (said, _, grown) in zip(names, told, strict=True):
         assert grown < BYTES, (name, grown)
         assert said == "loaded" or len(said) < 600, name
 

@@ -7,14 +7,15 @@ import sqlite3
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from time import monotonic, process_time
 from typing import TYPE_CHECKING
 
 import pytest
 
 from logical_robots_tui.mind import Decision, Limits, Mind, Program, ProgramError, QueryError
 from logical_robots_tui.mind.program import Tuned
+from logical_robots_tui.mind.sqlite.budget import MAX_TEXT, Work
 from logical_robots_tui.mind.sqlite.database import Database, TooMuchError, TooSlowError
+from tests.mind.hostile.bounds import bounded_memory
 from tests.mind.hostile.programs import PROGRAMS
 from tests.mind.hostile.statements import REFUSED, RUNAWAY
 from tests.mind.rows import ROBOT, row
@@ -24,15 +25,13 @@ if TYPE_CHECKING:
 
 LIMITS = Limits(
     compile_seconds=0.6,
-    think_steps=10_000_000,
-    think_seconds=1.0,
-    query_steps=10_000_000,
-    query_seconds=1.0,
+    think_steps=5_000_000,
+    think_seconds=0.4,
+    query_steps=5_000_000,
+    query_seconds=0.4,
 )
 COMPILES = replace(LIMITS, compile_seconds=30.0)
-LATE = 4.0  # seconds of computing that nothing may take longer than its limit
-BUSY = 30.0  # seconds that it may take longer on a machine with much else to do
-GROWTH = 400 * 1024**2  # bytes: the memory of SQLite, and what all rows of a thought may take
+LAST_CALL = 127 * MAX_TEXT  # steps: the characters of all arguments that a call may have
 
 # Other limits, and whatever is cut short, begin a new compile process.
 SLOW_LAST = sorted(PROGRAMS, key=lambda name: PROGRAMS[name][0] == "slow")
@@ -46,14 +45,26 @@ def next_program() -> Program:
 
 
 @contextmanager
-def nothing_touched(folder: Path, seconds: float) -> Iterator[None]:
-    """Assert that a block ends in time, without a file and with little memory."""
-    began, computed = monotonic(), process_time()
-    with in_folder(folder), bounded_memory():
+def nothing_touched(folder: Path) -> Iterator[None]:
+    """Assert that a block ends within its steps, without a file and with little memory."""
+    with in_folder(folder), bounded_memory(), bounded_steps():
         yield
     assert list(folder.iterdir()) == []
-    assert process_time() - computed < seconds + LATE
-    assert monotonic() - began < seconds + BUSY
+
+
+@contextmanager
+def bounded_steps() -> Iterator[None]:
+    left: list[int] = []
+    end = Work.end
+
+    def noted_end(work: Work) -> None:
+        left.append(work.steps)
+        end(work)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Work, "end", noted_end)
+        yield
+    assert min(left, default=0) > -LAST_CALL
 
 
 @contextmanager
@@ -64,26 +75,6 @@ def in_folder(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.chdir(before)
-
-
-@contextmanager
-def bounded_memory() -> Iterator[None]:
-    before = _forget_peak()
-    yield
-    assert _peak() - before < GROWTH
-
-
-def _forget_peak() -> int:
-    try:
-        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
-    except OSError:
-        pytest.skip("this system does not tell how much memory is used")
-    return _peak()
-
-
-def _peak() -> int:
-    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
-    return int(status.split("VmHWM:")[1].split()[0]) * 1024
 
 
 def goes_on(program: Program) -> bool:
@@ -125,7 +116,7 @@ def test_a_hostile_program_is_refused_or_bounded(
 ) -> None:
     wanted, text = PROGRAMS[name]
     limits = LIMITS if wanted == "slow" else COMPILES
-    with nothing_touched(tmp_path, limits.compile_seconds + limits.think_seconds):
+    with nothing_touched(tmp_path):
         became, decisions = outcome(text, limits)
     assert wanted in (became, "bounded", "slow")
     assert PASSWORDS not in repr(decisions)
@@ -138,7 +129,7 @@ def test_sql_that_does_more_than_read_is_refused(sql: str, tmp_path: Path) -> No
     database = Database(LIMITS)
     database.load([("Ada", "{}")], [("Ada", "kept")])
     with (
-        nothing_touched(tmp_path, LIMITS.think_seconds),
+        nothing_touched(tmp_path),
         pytest.raises((sqlite3.Error, sqlite3.Warning)),
     ):
         database.ask(sql, most=10)
@@ -152,7 +143,7 @@ def test_runaway_sql_ends(name: str, tmp_path: Path) -> None:
     database = Database(LIMITS)
     database.load([("Ada", "{}")], [("Ada", "kept")])
     with (
-        nothing_touched(tmp_path, LIMITS.think_seconds),
+        nothing_touched(tmp_path),
         suppress(sqlite3.Error, sqlite3.Warning, TooSlowError, TooMuchError),
     ):
         database.ask(RUNAWAY[name], most=10_000)
@@ -172,7 +163,7 @@ def test_sql_forced_into_a_program_is_a_notice_or_an_answer(
     sql: str, tmp_path: Path, next_program: Program
 ) -> None:
     mind = Mind(replace(next_program, statements={"Robot": sql}, tuned={}), limits=LIMITS)
-    with nothing_touched(tmp_path, LIMITS.think_seconds):
+    with nothing_touched(tmp_path):
         (decision,) = mind.think(SEEN, {"Ada": "kept"})
     assert decision.memory == "kept"
     assert decision.notices
@@ -196,7 +187,7 @@ def test_sql_forced_into_the_quick_way_does_nothing_but_leave_it(
 ) -> None:
     forced = Tuned(sql, 0, {"Sensor": ("robot_name", "sensor")}, ())
     mind = Mind(replace(next_program, tuned={"Robot": forced}), limits=LIMITS)
-    with nothing_touched(tmp_path, LIMITS.think_seconds):
+    with nothing_touched(tmp_path):
         (decision,) = mind.think(SEEN, {"Ada": "kept"})
     assert decision.desire is not None or decision.notices
     mind.close()
