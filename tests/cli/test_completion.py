@@ -47,8 +47,9 @@ def path() -> str:
 def test_a_shell_completes_commands_levels_programs_and_options(script: Path, path: str) -> None:
     shell = script.suffix[1:]
     with Terminal(SHELLS[shell], env={"PATH": path, "HOME": str(script.parent)}) as shown:
-        shown.send(f"{LOAD[shell].format(script)}; echo rea''dy\r")
-        shown.wait_for("\nready")
+        # What is typed before the prompt stands there is echoed by the terminal as it is.
+        shown.send(f"{LOAD[shell].format(script)}; PS1='rea''dy> '\r")
+        shown.wait_for("\nready>")
         shown.send("logical-robots ru\t01-f\tfirst-steps-s\t--tic\t")
         shown.wait_for("logical-robots run 01-first-steps first-steps-starter --ticks")
 

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 LIMITS = Limits(
     compile_seconds=0.6,
-    think_steps=5_000_000,
-    think_seconds=0.4,
-    query_steps=5_000_000,
-    query_seconds=0.4,
+    think_steps=10_000_000,
+    think_seconds=1.0,
+    query_steps=10_000_000,
+    query_seconds=1.0,
 )
 COMPILES = replace(LIMITS, compile_seconds=30.0)
 LAST_CALL = 127 * MAX_TEXT  # steps: the characters of all arguments that a call may have
