@@ -16,6 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from logical_robots_tui.caching import FOLDER_VARIABLE
+from logical_robots_tui.game import measuring
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind import Decision, Notice
 from logical_robots_tui.progress import store
@@ -173,6 +174,12 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory, worker_id: 
         if done.exists():
             return Installed(done.parent / "venv", done)
         return install(wheel, done.parent)
+
+
+@pytest.fixture(autouse=True)
+def _as_urgent_as_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A trial of shifted starts gets its share of a busy machine, for tests wait for it."""
+    monkeypatch.setattr(measuring, "NICENESS", 0)
 
 
 @pytest.fixture(autouse=True)

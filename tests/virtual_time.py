@@ -193,6 +193,13 @@ def virtual_loop() -> VirtualLoop:
     return loop
 
 
+async def later(seconds: float) -> None:
+    """Let time pass."""
+    future = virtual_loop().create_future()
+    virtual_loop().call_later(seconds, future.set_result, None)
+    await future
+
+
 async def until(condition: Callable[[], object], otherwise: Callable[[], str] = str) -> None:
     """Let time pass until a condition holds, and stop it at that moment.
 

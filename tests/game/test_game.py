@@ -13,7 +13,7 @@ from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.mind.limits import Limits
 from tests.game.playing import COUNTER, SLOW, game, hall
-from tests.virtual_time import VirtualClock, virtual_loop
+from tests.virtual_time import VirtualClock, later, virtual_loop
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ async def test_a_runaway_program_leaves_the_loop_free_and_can_be_stopped(tmp_pat
     running = asyncio.create_task(slow.run())
     with virtual_loop().impatient():
         for _ in range(100):
-            await asyncio.sleep(0.01)
+            await later(0.01)
         assert slow.running
         slow.pause()
     await running

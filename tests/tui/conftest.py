@@ -15,14 +15,14 @@ from textual._compositor import Compositor
 from textual.css.stylesheet import Stylesheet
 from textual.document._history import EditHistory
 
-from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game import Source, load_program, measuring
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.world import load_level
-from tests.virtual_time import VirtualClock, VirtualLoop, until, virtual_loop
+from tests.virtual_time import VirtualClock, VirtualLoop, later, until, virtual_loop
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
@@ -198,7 +198,7 @@ class Opened:
     async def later(self, seconds: float) -> None:
         """Let time pass."""
         await virtual_loop().settled()
-        await asyncio.sleep(seconds)
+        await later(seconds)
 
     async def ticks(self, count: int) -> None:
         """Let the robots run on for some ticks."""
@@ -256,6 +256,25 @@ def _time_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_time, "get_time", now)
     monkeypatch.setattr(EditHistory, "_get_time", lambda _: now())
     monkeypatch.setattr("textual.pilot.wait_for_idle", lambda *_: virtual_loop().handled())
+
+
+_measure = measuring.measure
+
+
+@pytest.fixture(autouse=True)
+def _no_trials(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A victory is not tried from shifted starts, which takes a process; see `trials`."""
+
+    async def never(*_: object) -> None:
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(measuring, "measure", never)
+
+
+@pytest.fixture
+def trials(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Victories are tried from shifted starts, as in the game."""
+    monkeypatch.setattr(measuring, "measure", _measure)
 
 
 @pytest.fixture(autouse=True)

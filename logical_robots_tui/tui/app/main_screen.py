@@ -106,21 +106,15 @@ class MainScreen(Screen[None], SessionListener):
         self.data_dir, self.recorder = data_dir, recorder
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
-        self._clock = clock
         self.scheduler = FrameScheduler(self, self._draw, clock)
-        self.session = Session(
-            level, sources, spawn=self.spawn, changed=self.scheduler.soon, clock=clock
-        )
+        self.session = Session(level, sources, self.spawn, self.scheduler.soon, clock)
         self.scheduler.pace = self.session.pace
         self._text_to_begin_with = self.session.source.text if text is None else text
         self._is_new_here, self._replay = welcome, replay
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
-        self.labyrinth, self.program, self.timeline = (
-            LabyrinthPane(clock),
-            ProgramPane(),
-            Timeline(),
-        )
+        self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
+        self.program = ProgramPane()
         self.inspector = InspectorPane(self.session)
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._make_controllers()
@@ -258,14 +252,14 @@ class MainScreen(Screen[None], SessionListener):
         self.program.show(session.state, name, saved=self.program.text == source.text)
         self.program.teams.show(session.level, session.sources.team)
         is_read = session.running and not self.scheduler.rate.is_hurried
-        if not is_read or self._clock.now() - self._lines_drawn_at > _READABLE:
+        if not is_read or session.clock.now() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
         self.labyrinth.banner.follow(self.recorder)
         self.inspector.follow()
 
     def redraw_lines(self) -> None:
         """Update the lines around the panes."""
-        self._lines_drawn_at = self._clock.now()
+        self._lines_drawn_at = self.session.clock.now()
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = isinstance(self.focused, (TextArea, Input))

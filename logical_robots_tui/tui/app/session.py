@@ -63,7 +63,6 @@ class Session:
         self,
         level: Level,
         sources: Mapping[str, Source],
-        *,
         spawn: Spawn,
         changed: Callable[[], None],
         clock: Clock = CLOCK,

@@ -155,6 +155,7 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
         await game.sees("Everybody is there")
 
 
+@pytest.mark.usefixtures("trials")
 async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()

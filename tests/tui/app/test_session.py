@@ -234,7 +234,8 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
         assert session.levels is not levels
         assert mode.levels is levels
         assert session.frame.tick == 0
-        await t.until(lambda: t.recorder.record.state == "new")
+        await virtual_loop().settled()
+        assert (t.recorder.record.state, t.recorder.record.versions) == ("in work", 1)
         draft = t.drafts.get(("level", str(tmp_path / "short.toml")))
         assert draft is not None
         assert alike(read_native(draft.text, "short", ""), levels.edited)

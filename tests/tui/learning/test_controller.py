@@ -114,6 +114,7 @@ async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
         assert isinstance(game.app.screen, Reader)
 
 
+@pytest.mark.usefixtures("trials")
 async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short: Path) -> None:
     progress = record_of(data_dir)
     progress.win(str(short), "another", Measures(30, 5, 1.0))
@@ -139,6 +140,7 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
     assert kept.measures(str(short), AHEAD) == game.main.recorder.latest
 
 
+@pytest.mark.usefixtures("trials")
 async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
     data_dir: Path, short: Path
 ) -> None:
@@ -158,6 +160,7 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
         await game.sees_no("this run")
 
 
+@pytest.mark.usefixtures("trials")
 async def test_what_is_measured_while_the_banner_is_closed_is_told(
     data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -13,6 +13,7 @@ from logical_robots_tui.tui.inspector.predicate_list import DECISION
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
 from tests.tui.conftest import Opened
+from tests.virtual_time import VirtualClock
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -44,7 +45,7 @@ async def match(
         path = folder / f"{'red' if same else team}ly.l"
         path.write_text(program, "utf-8")
         sources[team] = Source(path.stem, program, path, shipped=False)
-    app = LogicalRobotsApp(load_level(file), sources, data_dir=data_dir)
+    app = LogicalRobotsApp(load_level(file), sources, data_dir=data_dir, clock=VirtualClock())
     async with app.run_test(size=size, notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
         await game.ready()
@@ -62,10 +63,14 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
         assert game.main.session.source.name == "bluely"
         game.main.inspector.open(DECISION)
         await game.sees("Decision of Bo · tick 2")
-        await game.sees('"bluely"')
-        await game.sees("Backward")
-        assert not game.shows("Ahead")
-        assert game.tick == 2
+        await game.until(
+            lambda: (
+                game.shows('"bluely"')
+                and game.shows("Backward")
+                and not game.shows("Ahead")
+                and game.tick == 2
+            )
+        )
         await game.press("w")
         await game.sees("Backward(x)")
 

@@ -15,6 +15,7 @@ from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, Opened, opened
+from tests.virtual_time import VirtualClock
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 @asynccontextmanager
 async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
     level, sources = level_of(replay), sources_of(replay, data_dir / "programs")
-    app = LogicalRobotsApp(level, sources, data_dir=data_dir, replay=replay)
+    clock = VirtualClock()
+    app = LogicalRobotsApp(level, sources, data_dir=data_dir, replay=replay, clock=clock)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
         await game.ready()
