@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 from tests.installed import CHECKOUT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
+
+    import pytest
 
 SOURCES = sorted(
     path
@@ -25,18 +27,76 @@ TESTS = [path for path in SOURCES if path.is_relative_to(CHECKOUT / "tests")]
 SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S+)[^()]*$")
 
 
+ACTS = re.compile(r"\.(press|drag|click|hover|write|post_message|resize_terminal)\(")
+SLEEPS = re.compile(r"(\w+\.)*(sleep\((?!0\))|pause\((delay=)?[\d.])")
+
+
 def sleeps(path: Path) -> Iterator[str]:
     """Where a module sleeps for some time, as file and line number; sleeping 0 only makes room."""
     text = path.read_text(encoding="utf-8")
-    if "sleep(" not in text:
+    if "sleep(" not in text and "pause(" not in text:
         return
     for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Call) and re.match(r"(\w+\.)?sleep\((?!0\))", ast.unparse(node)):
+        if isinstance(node, ast.Call) and SLEEPS.match(ast.unparse(node)):
             yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {ast.unparse(node)}"
+
+
+def statements(body: Iterable[ast.AST]) -> Iterator[ast.stmt]:
+    """The simple statements of a function, in the order of its text."""
+    for node in body:
+        inside = [
+            child
+            for child in ast.iter_child_nodes(node)
+            if isinstance(child, ast.stmt | ast.ExceptHandler | ast.match_case)
+        ]
+        if isinstance(node, ast.stmt) and not inside:
+            yield node
+        elif not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield from statements(inside)
+
+
+def hasty_asserts(path: Path) -> Iterator[str]:
+    """Where a test asserts what an action has led to without having waited for it."""
+    text = path.read_text(encoding="utf-8")
+    if not ACTS.search(text):
+        return
+    for function in ast.walk(ast.parse(text)):
+        if not isinstance(function, ast.AsyncFunctionDef):
+            continue
+        has_acted = False
+        for statement in statements(function.body):
+            told = ast.unparse(statement)
+            if ACTS.search(told):
+                has_acted = True
+            elif any(isinstance(node, ast.Await) for node in ast.walk(statement)):
+                has_acted = False
+            elif has_acted and isinstance(statement, ast.Assert):
+                yield f"{path.relative_to(CHECKOUT)}:{statement.lineno}: {told}"
 
 
 def test_no_test_waits_for_a_time_to_pass() -> None:
     assert [place for path in TESTS for place in sleeps(path)] == []
+
+
+def test_no_test_asserts_what_it_has_not_waited_for() -> None:
+    assert [place for path in TESTS for place in hasty_asserts(path)] == []
+
+
+def test_the_check_for_hasty_asserts_finds_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tests.house.test_habits.CHECKOUT", tmp_path)
+    path = tmp_path / "test_it.py"
+    act, wait, look = "  await game.press('n')", "  await game.settled()", "  assert game.tick"
+    for lines, found in (
+        ([act, look], 1),
+        ([act, "  tick = 1", "  with game:", f"  {look}"], 1),
+        ([act, wait, look, look], 0),
+        ([act, "  assert await game.sees('x')", look], 0),
+        ([look], 0),
+    ):
+        path.write_text("\n".join(["async def test() -> None:", *lines]))
+        assert len(list(hasty_asserts(path))) == found, lines
 
 
 def waits(path: Path) -> Iterator[str]:

@@ -21,7 +21,7 @@ async def dialog(game: Opened, key: str, kind: type) -> None:
 async def fill(game: Opened, text: str) -> None:
     """Put a text into the first line of a dialog."""
     game.app.screen.query_one(Input).value = text
-    await game.pilot.pause(0)
+    await game.settled()
 
 
 def complaint(game: Opened) -> str:

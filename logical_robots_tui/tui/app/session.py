@@ -393,7 +393,11 @@ class Session:
         movement = self.movement
         while movement.owed and self.movement is movement:
             movement.owed -= 1
-            frame = await game.step()
+            try:
+                frame = await game.step()
+            except Superseded:  # by another program or a changed level, in which the step is due
+                movement.owed += game is self.game
+                continue
             if self._hits(game) or ends(game.level, frame):
                 movement.owed = 0
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_state import SessionListener
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.ui import Work
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.world import Level
@@ -311,6 +311,17 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
     assert kept.record(str(tmp_path / "other.toml")).state == "won"
     assert kept.record(str(tmp_path / "short.toml")).state == "in work"
     kept.close()
+
+
+async def test_a_step_is_taken_although_another_program_comes_into_use_meanwhile(
+    tmp_path: Path,
+) -> None:
+    async with table(tmp_path) as t:
+        t.session.step()
+        await virtual_loop().handled()
+        t.session.use(await asyncio.to_thread(Program.compile, FAST))
+        await t.until(lambda: not t.session.busy)
+        assert (t.session.frame.tick, t.chronicle.ticks) == (1, [1])
 
 
 async def test_steps_that_are_owed_are_taken_and_a_pause_ends_them(tmp_path: Path) -> None:

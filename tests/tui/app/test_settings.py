@@ -188,6 +188,7 @@ async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> N
         await game.press("percent_sign")
         await game.sees("units wide")
         await game.press("M", "percent_sign")  # the former is no key of anything now
+        await game.settled()
         assert game.main.editing.is_on
         await game.press("f9")
         await game.until(lambda: not game.main.editing.is_on)

@@ -143,6 +143,7 @@ async def test_one_key_stops_at_a_predicate(data_dir: Path) -> None:
         game.inspector.inspect("Near")
         await game.until(lambda: table(game).shown.rows)
         await game.press("asterisk")
+        await game.settled()
         (set_now,) = game.session.breakpoints
         assert (set_now.event, set_now.subject, set_now.column) == ("change", "Near", "")
         await game.press("space")

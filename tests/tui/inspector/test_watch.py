@@ -237,6 +237,7 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         await game.press("enter")
         await _tree(game)
         await game.press("at")
+        await game.settled()
         assert len(view(game).pins) == 2
         await game.press("escape")
         game.inspector.open("Nowhere")

@@ -140,6 +140,7 @@ async def test_arrows_and_dragging_move_the_view(data_dir: Path) -> None:
         await game.ready()
         view = game.main.labyrinth.view
         await game.press("right", "down")
+        await game.settled()
         assert view.camera.sight is Sight.FREE
         before = view.camera
         pilot = game.pilot

@@ -40,7 +40,7 @@ async def mouse(
 ) -> None:
     x, y = game.main.labyrinth.view.region.offset + cell(game, point)
     game.app.post_message(kind(None, x, y, 0, 0, button, False, False, False, x, y))
-    await game.pilot.pause(0)
+    await game.handled()
 
 
 async def drag(game: Opened, *points: tuple[float, float], button: int = 1) -> None:

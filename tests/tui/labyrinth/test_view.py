@@ -13,6 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing import LIGHT, Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.world import Beacon, Level, Robot
 from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot
+from tests.virtual_time import virtual_loop
 
 if TYPE_CHECKING:
     from textual.geometry import Region
@@ -133,9 +134,11 @@ async def test_a_click_picks_the_nearest_robot() -> None:
             assert cell is not None
             # The border is one cell.
             await pilot.click(app.view, offset=(cell[1] + 1 + off, cell[0] + 1))
+            await virtual_loop().settled()
             assert app.picked.pop() == name
         await pilot.click(app.view, offset=(20, 20))
         await pilot.click(app.view, offset=(0, 0))
+        await virtual_loop().settled()
         assert app.picked == []
 
 

@@ -209,4 +209,5 @@ async def test_a_border_is_pulled_with_the_mouse(data_dir: Path) -> None:
         await game.until(lambda: inspector.outer_size.height == rows - 3)
         await pull((0, 10), (9, 10))
         await game.pilot.hover(offset=(50, 20))
+        await game.settled()
         assert program.outer_size.width == columns + 5

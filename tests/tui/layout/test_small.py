@@ -31,6 +31,7 @@ PARTS = 10  # one of them in a quick run
 async def through_all(game: Opened, sizes: list[tuple[int, int]]) -> None:
     for size in sizes:
         await game.pilot.resize_terminal(*size)
+        await game.settled()
         assert game.app._exception is None, size
 
 
@@ -47,9 +48,10 @@ async def test_the_game_opens_in(size: tuple[int, int], data_dir: Path, short: P
 async def give(game: Opened, command: str, sizes: list[tuple[int, int]]) -> None:
     await game.pilot.resize_terminal(*sizes[0])
     await game.app.run_action(f"screen.command('{command}')")
-    await game.pilot.pause(0)
+    await game.handled()
     await through_all(game, sizes)
     await game.press("tab", "down", "a", "escape", "escape", "escape")
+    await game.settled()
     assert game.app._exception is None, command
 
 
@@ -86,6 +88,7 @@ async def test_editing_a_level_goes_on_at_any_size(part: int, data_dir: Path, sh
             await game.app.run_action(f"screen.command('{command}')")
             await through_all(game, FEW)
             await game.press("down", "escape")
+            await game.settled()
             assert game.app._exception is None, command
             if not game.main.editing.is_on:
                 await game.app.run_action("screen.command('edit_level')")

@@ -90,6 +90,9 @@ class Studio:
     async def press(self, *keys: str) -> None:
         await self.game.press(*keys)
 
+    async def settled(self) -> None:
+        await self.game.settled()
+
     async def drag(self, *points: tuple[float, float]) -> None:
         """Drag with the left button along points of the map; one point is a click."""
         await self._mouse(events.MouseDown, points[0])

@@ -105,6 +105,7 @@ async def test_the_form_of_a_robot_under_way_moves_what_was_changed(
         await s.press("N")
         await game.until(lambda: game.tick == 10)
         await s.press("tab")
+        await s.settled()
         before = session.frame.after.robots[0]
         assert before.x > 44
         shown = await form()

@@ -96,11 +96,14 @@ async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
         x = s.game.session.frame.after.robots[0].x
         assert x > 44
         await s.drag((x, 50), (180, 60))
+        await s.settled()
         assert s.game.session.frame.after.robots[0].x > 170
         await s.press("u")
+        await s.settled()
         assert s.game.session.frame.after.robots[0].x == x
         assert s.level.robots[0].x == 40
         await s.press("U")
+        await s.settled()
         assert s.game.session.frame.after.robots[0].x > 170
 
 
@@ -169,6 +172,7 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
         await s.press("s")
         await game.sees("was changed by another program")
         await s.press("escape")
+        await s.settled()
         assert "Another room" in said(room_file)
 
 
@@ -184,6 +188,7 @@ async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
         await s.press("s")
         await game.until(lambda: saving.hold.has_begun)
         await s.press("j", "s", "M")  # the findings, another save, and back to playing
+        await s.settled()
         assert game.main.editing.is_on
         saving.hold.release()
         await game.until(lambda: not game.main.editing.is_on)
@@ -285,6 +290,7 @@ async def test_what_was_edited_is_offered_after_a_hangup(data_dir: Path, room_fi
     async with studio(data_dir, room_file) as s:
         await s.press("b")
         await s.drag((100, 20), (100, 60))
+        await s.settled()
     assert said(room_file) == ROOM
     async with opened(data_dir) as game:
         await game.sees("Continue editing the level “A room”")
@@ -314,6 +320,7 @@ async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(
         assert (len(s.level.areas), len(s.level.beacons)) == (areas + 1, beacons + 1)
         assert s.mode.levels.is_saved
         await s.press("a", "enter", "escape")
+        await s.settled()
         assert len(s.level.areas) == areas + 1
 
 

@@ -22,31 +22,39 @@ async def test_walls_are_painted_with_the_mouse(data_dir: Path, room_file: Path)
     async with studio(data_dir, room_file) as s:
         await s.press("b")
         await s.drag((100, 30), (100, 70))
+        await s.settled()
         assert s.is_wall(100, 50)
         assert s.live.walls[50, 100]
         await s.press("e")
         await s.drag((100, 48), (100, 52))
+        await s.settled()
         assert not s.is_wall(100, 50)
         assert s.is_wall(100, 35)
         await s.press("u", "u")
+        await s.settled()
         assert not s.is_wall(100, 35)
         assert not s.editor.edits.can_undo
         await s.press("l")
         await s.drag((60, 75), (180, 75))
+        await s.settled()
         assert s.level.walls[70:80, 65:175].any(axis=0).all()
         await s.press("u", "r", "right_square_bracket")
         await s.drag((105, 25), (175, 65))
+        await s.settled()
         assert s.is_wall(105, 45)
         assert not s.is_wall(145, 45)
         await s.press("f")
         await s.drag((145, 45))
+        await s.settled()
         assert s.is_wall(145, 45)
         assert not s.is_wall(60, 60)
         await s.press("k")
         await s.drag((145, 45))
+        await s.settled()
         assert not s.is_wall(145, 45)
         assert s.is_wall(5, 5), "the rim is another wall"
         await s.press("u", "u", "u")
+        await s.settled()
         assert not s.editor.edits.can_undo
         await s.game.sees("A room")
 
@@ -54,22 +62,29 @@ async def test_walls_are_painted_with_the_mouse(data_dir: Path, room_file: Path)
 async def test_walls_are_painted_with_keys_alone(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file, size=(80, 24)) as s:
         await s.press("b", "enter", "right", "right", "down", "enter", "right")
+        await s.settled()
         walls = s.level.walls
         before = walls.sum()
         assert s.is_wall(140, 50)
         assert walls[50:60, 140:170].any()
         await s.press("r", "v", "enter", "shift+left", "down", "enter")
+        await s.settled()
         assert s.level.walls.sum() > before
         await s.press("u")
+        await s.settled()
         assert np.array_equal(s.level.walls, walls)
         await s.press("l", "enter", "right", "escape")
+        await s.settled()
         assert s.editor.stroke is None
         assert s.mode.is_on
         await s.press("U")
+        await s.settled()
         assert s.level.walls.sum() > before
         await s.press("shift+left", "shift+left")
+        await s.settled()
         assert s.editor.cursor[0] == 0
         await s.press("g", "G")
+        await s.settled()
         assert not s.editor.settings.is_grid_shown
         assert s.editor.settings.grid == 20
         line = s.game.main.query_one(CommandBar).render().plain
@@ -83,45 +98,57 @@ async def test_things_are_placed_dragged_turned_and_deleted(
 ) -> None:
     async with studio(data_dir, room_file) as s:
         await s.drag((40, 50), (100, 60))
+        await s.settled()
         pip = s.level.robots[0]
         assert pip.x == pytest.approx(100, abs=s.units)
         assert s.editor.selected == Ref("robots", 0)
         assert s.game.session.frame.after.robots[0].x == pip.x
         await s.drag((pip.x + 18, pip.y), (pip.x, pip.y + 30))
+        await s.settled()
         assert s.level.robots[0].angle == pytest.approx(math.pi / 2, abs=0.4)
         angle = s.level.robots[0].angle
         await s.press("full_stop", "comma", "comma")
+        await s.settled()
         assert s.level.robots[0].angle < angle
         await s.drag((200, 30), (180, 30))
+        await s.settled()
         assert s.level.beacons[0].x == pytest.approx(180, abs=s.units)
         area = s.level.areas[0]
         await s.drag((area.x, area.y + 5), (area.x - 30, area.y + 5))
+        await s.settled()
         area = s.level.areas[0]
         assert area.x == pytest.approx(210, abs=s.units)
         await s.drag((area.x + area.radius, area.y), (area.x + 30, area.y))
+        await s.settled()
         assert s.level.areas[0].radius == pytest.approx(30, abs=s.units)
         await s.press("o")
         await s.drag((60, 30))
+        await s.settled()
         assert [robot.name for robot in s.level.robots] == ["Pip", "Robo1"]
         assert [robot.name for robot in s.game.session.frame.after.robots] == ["Pip", "Robo1"]
         await s.press("c")
         await s.drag((60, 70))
         await s.press("a")
         await s.drag((140, 50), (160, 50))
+        await s.settled()
         assert s.level.beacons[1].name == "beacon 1"
         assert s.level.areas[1].radius == pytest.approx(20, abs=s.units)
         await s.press("d")
+        await s.settled()
         assert len(s.level.areas) == 3
         await s.press("x", "tab", "delete")
+        await s.settled()
         assert len(s.level.areas) == 2
         assert len(s.level.robots) == 1
         await s.press("tab")
+        await s.settled()
         info = s.game.main.query_one(InfoLine)
         assert "Robo1" in info.render().plain
         await s.press("x")
         await s.game.sees("A level needs at least one robot")
         while s.editor.edits.can_undo:
             await s.press("u")
+            await s.settled()
         assert (s.level.robots, s.level.beacons) == (
             s.mode.levels.saved.robots,
             s.mode.levels.saved.beacons,
@@ -134,11 +161,14 @@ async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
 ) -> None:
     async with studio(data_dir, room_file) as s:
         await s.press("tab")
+        await s.settled()
         assert s.editor.cursor == (40, 50)
         await s.press("enter", "right", "right", "enter", "right")
+        await s.settled()
         assert s.level.robots[0].x == 60
         assert s.editor.edits.can_undo == "move"
         await s.press("c", "shift+right", "enter", "enter")
+        await s.settled()
         assert len(s.level.beacons) == 2
         tools = s.game.main.query_one(ToolLine)
         await s.game.later(0.1)
@@ -147,9 +177,11 @@ async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
         await s.game.click(ToolLine, offset=(lines[row].index("Fill"), row))
         await s.game.until(lambda: s.editor.settings.tool is Tool.FILL)
         await s.press("z", "z")
+        await s.settled()
         assert s.game.main.labyrinth.view.camera.zoom > 1
         for _ in range(4):
             await s.press("shift+right")
+            await s.settled()
         view = s.game.main.labyrinth.view.view
         assert view is not None
         assert view.cell(*s.editor.cursor) is not None

@@ -244,7 +244,7 @@ async def test_a_file_in_which_the_typed_text_is_found_counts_as_saved(data_dir:
         await game.until(lambda: game.editor.text == "x" + PAPER)
         game.session.source.path.write_text("x" + PAPER)
         await game.until(lambda: game.session.source.text == "x" + PAPER)
-        await game.pilot.pause(0)
+        await game.handled()
         await game.sees_no("has changed on disk")
         assert game.editor.text == "x" + PAPER
 

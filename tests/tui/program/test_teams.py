@@ -58,6 +58,7 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
         await game.sees("applied · red: redly")
         assert game.editor.text == RED
         await game.press("n", "n")
+        await game.settled()
         game.main.select("Bo")
         assert game.editor.text == BLUE
         assert game.main.session.source.name == "bluely"

@@ -88,7 +88,7 @@ async def test_a_key_that_was_meant_for_the_game_is_no_answer(data_dir: Path, ke
         late = events.Key(key, CHARACTERS.get(key, key if len(key) == 1 else None))
         late.time = question.answered_from - 0.001
         game.app.post_message(late)
-        await game.pilot.pause(0)
+        await game.handled()
         assert game.app.screen is question
         assert isinstance(question.focused, Button)
         assert question.focused.id == "answer-yes"
