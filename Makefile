@@ -3,8 +3,8 @@
 
 PYTHON ?= python3
 VENV ?= .venv
-# More than there are processors: many tests wait for a terminal, a process or a timer.
-WORKERS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 2)
+# As many as there are processors: hardly a test waits for anything else.
+WORKERS ?= $(shell getconf _NPROCESSORS_ONLN)
 BIN := $(VENV)/bin
 # A quick run leaves out slow tests and nine tenths of what there are many of; ALL=1 runs everything.
 ALL ?=

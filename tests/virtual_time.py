@@ -91,9 +91,9 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     def _next_events(self, select: Callable[[float | None], Any], timeout: float | None) -> Any:
         """Return what has happened outside of the loop; if nothing has, let time pass."""
         events = select(0)
-        if events or timeout == 0:
-            return events
-        if _resolved(self._handled):
+        if events:
+            self._has_changed()
+        if events or timeout == 0 or _resolved(self._handled):
             return events
         in_threads = self._in_threads - self.held
         if in_threads and not self._is_impatient:
@@ -106,9 +106,13 @@ class VirtualLoop(asyncio.SelectorEventLoop):
             events = self._waited(select)
         else:
             self.now += timeout
+        self._has_changed()
+        return events
+
+    def _has_changed(self) -> None:
+        """Tell who waits for a change as soon as all that follows from it is handled."""
         self._handled += self._changed
         self._changed.clear()
-        return events
 
     def _waited(self, select: Callable[[float | None], Any]) -> Any:
         events = select(PATIENCE)
