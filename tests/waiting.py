@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
-from contextlib import suppress
 from time import monotonic
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["PATIENCE", "SOON", "a_moment", "until"]
+__all__ = ["PATIENCE", "until"]
 
 PATIENCE = 90.0  # seconds; generous, for machines that are busy with other things
-SOON = 10.0  # seconds, for what is promised within two on a machine that is not busy
 
 _LOOK_AGAIN_AFTER = 0.02
 _never = threading.Event()
@@ -37,10 +34,3 @@ def until(
     while not condition():
         assert monotonic() < deadline, f"not within {patience} s: {otherwise()}"
         _never.wait(_LOOK_AGAIN_AFTER)
-
-
-async def a_moment(longer: float = 0.0) -> None:
-    """Leave the event loop to others, for some seconds longer than usual, and look again."""
-    with suppress(TimeoutError):
-        async with asyncio.timeout(_LOOK_AGAIN_AFTER / 2 + longer):
-            await asyncio.Event().wait()

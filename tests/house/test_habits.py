@@ -28,6 +28,7 @@ SILENCED_WITHOUT_REASON = re.compile(r"# (?:noqa|type: ignore)(?!.*(?: # | - )\S
 
 
 ACTS = re.compile(r"\.(press|drag|click|hover|write|post_message|resize_terminal)\(")
+CLOCKS = re.compile(r"\b(monotonic|perf_counter|process_time|thread_time)(_ns)?\(\) - ")
 SLEEPS = re.compile(r"(\w+\.)*(sleep\((?!0\))|pause\((delay=)?[\d.])")
 
 
@@ -72,6 +73,20 @@ def hasty_asserts(path: Path) -> Iterator[str]:
                 has_acted = False
             elif has_acted and isinstance(statement, ast.Assert):
                 yield f"{path.relative_to(CHECKOUT)}:{statement.lineno}: {told}"
+
+
+def timed_asserts(path: Path) -> Iterator[str]:
+    """Where a test asserts how long something took; to bound a wait is something else."""
+    text = path.read_text(encoding="utf-8")
+    if not CLOCKS.search(text):
+        return
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Assert) and CLOCKS.search(told := ast.unparse(node.test)):
+            yield f"{path.relative_to(CHECKOUT)}:{node.lineno}: {told}"
+
+
+def test_no_test_asserts_a_time() -> None:
+    assert [place for path in TESTS for place in timed_asserts(path)] == []
 
 
 def test_no_test_waits_for_a_time_to_pass() -> None:

@@ -278,20 +278,24 @@ def trials(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
+def _loading(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The inspector loads its pages when one is used, and at once in tests of them."""
+    at_once = "inspector" in request.path.parts
+    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 0.0 if at_once else 3600.0)
+
+
+@pytest.fixture(autouse=True)
 def _quick_run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a quick run the screen does no more than a test asks for.
 
-    Style sheets are parsed once, nothing is drawn until a test looks, and the inspector loads its
-    pages when one is used, but for tests of them. That is most of what these tests would do. With
-    ``--all`` all of it is done, and `tests/snapshots` and `tests/e2e` always look at what a
-    terminal shows.
+    Style sheets are parsed once, and nothing is drawn until a test looks. That is most of what
+    these tests would do. It changes no order in which things happen, because the clock stands still
+    while something is parsed or drawn. With ``--all`` all of it is done, and `tests/snapshots` and
+    `tests/e2e` always look at what a terminal shows.
     """
-    is_quick = not request.config.option.all
-    if is_quick:
+    if not request.config.option.all:
         monkeypatch.setattr(Stylesheet, "_parse_rules", _parsed_once)
         monkeypatch.setattr(Compositor, "render_update", _drawn_later)
-    waits = is_quick and "inspector" not in request.path.parts
-    monkeypatch.setattr(inspector_pane, "_LOADING_DELAY", 3600.0 if waits else 0.0)
 
 
 _parse_rules, _render_update = Stylesheet._parse_rules, Compositor.render_update

@@ -273,9 +273,10 @@ class InspectorPane(Pane):
         while self._stale and self.display:
             self._stale = False
             frame = self._following = self._session.frame
+            wanted = self._wanted  # which may have to be loaded
             if self._pages is not None:
                 self._pages.predicate.predicate = self._inspected
-            for page in self._wanted:
+            for page in wanted:
                 page.robot = self.robot
                 await page.show(frame)
             if self._session.running:

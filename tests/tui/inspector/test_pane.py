@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import OptionList
 
+from logical_robots_tui.tui.inspector import pane
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
@@ -41,6 +42,26 @@ async def inspect(game: Opened, name: str) -> None:
     options = choice(game)
     await game.until(lambda: any(name in entry for entry in listed(game)))
     options.highlighted = options.get_option_index(name)
+
+
+async def test_pages_are_loaded_soon_after_the_start(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pane, "_LOADING_DELAY", 0.2)
+    async with opened(data_dir) as game:
+        assert game.inspector._pages is None
+        await game.later(0.3)
+        assert game.inspector._pages is not None
+
+
+async def test_a_predicate_is_inspected_before_the_pages_are_loaded(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pane, "_LOADING_DELAY", 3600.0)
+    async with opened(data_dir, text=MORE) as game:
+        await game.ready()
+        await inspect(game, "Ray")
+        await game.sees("Ray · tick 0 · 31 rows")
 
 
 async def test_the_robots_come_first(data_dir: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,6 +13,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.tui.app.ui import Permissions
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
+from tests.virtual_time import virtual_loop
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -217,7 +217,7 @@ async def test_lines_are_indented_alone_and_together(data_dir: Path) -> None:
     async with opened(data_dir, text="A(x) :-\n  B(x),") as game:
         await game.press("2", "ctrl+end")
         await game.until(lambda: game.editor.cursor_location == (1, 7))
-        now = monotonic()
+        now = virtual_loop().time()
         for later, key in enumerate(("enter", "C", "enter", "D")):
             event = events.Key(key, key if len(key) == 1 else "\r")
             event.time = now + 0.001 * later if later > 2 else now + 1 + later

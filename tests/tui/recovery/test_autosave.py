@@ -6,7 +6,6 @@ import asyncio
 import os
 import signal
 import sys
-from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
@@ -24,7 +23,7 @@ from logical_robots_tui.tui.terminal.crash_report import BugReport
 from tests.terminal import Terminal
 from tests.tui.conftest import CHARACTERS, LEVELS, PAPER, opened
 from tests.virtual_time import Hold
-from tests.waiting import PATIENCE, SOON, until
+from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -316,15 +315,11 @@ def type_hello(terminal: Terminal) -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGTERM])
-def test_a_signal_ends_the_game_soon_with_the_text_kept(
-    data_dir: Path, number: signal.Signals
-) -> None:
+def test_a_signal_ends_the_game_with_the_text_kept(data_dir: Path, number: signal.Signals) -> None:
     with Played(data_dir) as terminal:
         type_hello(terminal)
-        began = monotonic()
         terminal.process.send_signal(number)
         terminal.finish()
-        assert monotonic() - began < SOON
     assert texts(data_dir) == ["hello" + PAPER]
 
 
@@ -340,10 +335,8 @@ def test_a_terminal_that_is_closed_ends_the_game_and_all_it_started(
         terminal._ours = os.open(os.devnull, os.O_RDWR)
         if told:  # as the kernel does for a session leader with a terminal of its own
             terminal.process.send_signal(signal.SIGHUP)
-        began = monotonic()
         terminal.process.wait(PATIENCE)
         until(lambda: not alive(group))
-        assert monotonic() - began < SOON
     assert texts(data_dir) == ["hello" + PAPER]
 
 
