@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual.containers import Container
 from textual.content import Content
+from textual.errors import NoWidget
 from textual.message import Message
 
 from logical_robots_tui.tui.theme.safe_text import visible
@@ -77,11 +78,16 @@ class Pane(Container):
             "bottom": event.y == self.outer_size.height - 1,
         }
         side = next((side for side, is_there in sides.items() if is_there), None)
-        # Events of children bubble up here, with the child's coordinates.
-        is_mine = self.screen.get_widget_at(*event.screen_offset)[0] is self
-        if side is not None and is_mine:
+        if side is not None and self._is_at(event.screen_offset):
             self._held = (side, event.screen_offset)
             self.capture_mouse()
+
+    def _is_at(self, place: Offset) -> bool:
+        """Whether a place shows this pane itself; events of children bubble up to it."""
+        try:
+            return self.screen.get_widget_at(*place)[0] is self
+        except NoWidget:  # outside of the screen, where terminals report the mouse, too
+            return False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
         """Drag the edge."""

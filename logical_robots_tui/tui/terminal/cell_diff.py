@@ -64,7 +64,7 @@ class Difference:
         Pieces are (row, first column, segments); what is outside the terminal is ignored.
         """
         for row, column, segments in pieces:
-            if not 0 <= row < self.rows:
+            if not 0 <= row < self.rows or column >= self.columns:
                 continue
             cells = _cells(segments, self._colours)
             if column < 0:

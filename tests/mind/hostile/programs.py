@@ -21,6 +21,12 @@ __all__ = ["PROGRAMS"]
 _LONG_NAME = "A" + "a" * 60_000
 
 _TEXTS: list[tuple[str, str, str]] = [
+    # digits
+    (
+        "rounds to all digits",
+        "harmless",
+        'ROBOT m = Round(2.5, ToInt64("9223372036854775807")) + Round(2.5, -400);',
+    ),
     # files
     ("reads a file", "refused", 'ROBOT m = ReadFile("/etc/passwd");'),
     ("reads a file as JSON", "refused", 'ROBOT m = ReadJson("/etc/passwd");'),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
@@ -186,6 +187,18 @@ async def test_panes_are_resized(data_dir: Path) -> None:
         await game.until(lambda: game.main.labyrinth.region.size - (4, 2) == before)
         await game.press("D", "I")
         await game.until(lambda: game.main.labyrinth.region.size == before)
+
+
+async def test_the_mouse_outside_of_the_screen_does_nothing(data_dir: Path) -> None:
+    async with opened(data_dir, size=(100, 30)) as game:
+        await game.ready()
+        for x, y in ((114, 24), (0, 30), (99, 300)):
+            down, move, up = events.MouseDown, events.MouseMove, events.MouseUp
+            for kind, at in ((down, (9, 9)), (down, (x, y)), (move, (x, y)), (up, (x, y))):
+                game.app.post_message(kind(None, *at, 0, 0, 1, False, False, False, *at))
+                await game.handled()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
 
 
 async def test_a_border_is_pulled_with_the_mouse(data_dir: Path) -> None:

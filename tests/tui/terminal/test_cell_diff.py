@@ -43,7 +43,7 @@ _segments = st.lists(
     max_size=5,
 )
 _pieces = st.lists(
-    st.tuples(st.integers(-1, ROWS), st.integers(-3, COLUMNS), _segments), max_size=6
+    st.tuples(st.integers(-1, ROWS), st.integers(-3, COLUMNS + 9), _segments), max_size=6
 )
 
 

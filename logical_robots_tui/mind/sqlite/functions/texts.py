@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.budget import TooLargeError, check_text
@@ -59,6 +60,10 @@ def formatted(template: str, *values: Any) -> str:
 
 def round_to(value: float, digits: float) -> float:
     """Round halves away from zero, to digits after the point or, if negative, before it."""
+    if digits > (0 if isinstance(value, int) else sys.float_info.max_10_exp):
+        return value
+    if digits < -sys.float_info.max_10_exp:
+        return 0 * value
     factor = 10 ** abs(int(digits))
     scaled = abs(value * factor if digits >= 0 else value / factor)
     if not math.isfinite(scaled):
