@@ -20,7 +20,7 @@ from logical_robots_tui.clock import Clock
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Coroutine, Iterator
     from concurrent.futures import Executor
 
 T = TypeVar("T")
@@ -61,6 +61,10 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     def _returned(self, _: object) -> None:
         self._in_threads -= 1
         self.now += _WORK
+
+    def shutdown_default_executor(self, timeout: float | None = None) -> Coroutine[Any, Any, None]:
+        """Join the threads, however long it takes: a limit would be one of virtual seconds."""
+        return super().shutdown_default_executor()
 
     async def handled(self) -> None:
         """Wait until everything at this time is done but what threads are working on."""

@@ -183,7 +183,10 @@ class Opened:
 
     async def until(self, condition: Callable[[], object]) -> None:
         """Let time pass until a condition holds, and stop it at that moment."""
-        await until(condition, lambda: f"the screen shows\n{self.screen()}")
+        await until(
+            lambda: self.app._exception is not None or condition(),
+            lambda: f"the screen shows\n{self.screen()}",
+        )
 
     async def settled(self) -> None:
         """Wait until everything is done that is to be done at this time."""
