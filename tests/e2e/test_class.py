@@ -348,7 +348,7 @@ def leads_anywhere(school: School, option: str, way: str) -> bool:
         except ConnectionError:
             return False
         finally:
-            client.terminate()
+            client.kill()  # ssh may overlook a wish to end until the server writes again
 
 
 def is_open(port: int) -> bool:
