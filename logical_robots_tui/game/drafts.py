@@ -286,14 +286,20 @@ def _acquire(file: Path) -> int | None:
 
 
 def _release(handle: int) -> None:
+    # Closed only, it would be locked for as long as a process that is just starting has it open.
+    fcntl.flock(handle, fcntl.LOCK_UN)
+    _close(handle)
+
+
+def _close(handle: int) -> None:
     _held_locks.discard(handle)
     os.close(handle)
 
 
-def _release_all() -> None:
+def _close_all() -> None:
     for handle in tuple(_held_locks):
-        _release(handle)
+        _close(handle)
 
 
 # A forked child would hold the locks after its parent has ended.
-os.register_at_fork(after_in_child=_release_all)
+os.register_at_fork(after_in_child=_close_all)

@@ -172,6 +172,7 @@ class Folder:
                 raise self._error("another process is at work in this folder", hint) from None
             yield
         finally:
+            fcntl.flock(handle, fcntl.LOCK_UN)  # also for a process that is just starting
             os.close(handle)
 
     def write(self, manifest: Manifest, inputs: Mapping[str, str]) -> Manifest:

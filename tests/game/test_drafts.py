@@ -342,3 +342,15 @@ def test_a_session_killed_while_it_writes_leaves_a_whole_draft(
     assert found.text == count * 5000
     assert {p.suffix for p in tmp_path.iterdir()} == {".json", ".lock"}
     session.close()
+
+
+def test_a_process_that_is_just_starting_does_not_hold_what_a_session_left(tmp_path: Path) -> None:
+    first = Drafts(tmp_path)
+    first.keep(draft("text"))
+    assert first._lock is not None
+    inherited = os.dup(first._lock)  # as between its fork and its exec
+    first.close()
+    second = Drafts(tmp_path)
+    assert [found.text for found in second.adopt("program")] == ["text"]
+    second.close()
+    os.close(inherited)
