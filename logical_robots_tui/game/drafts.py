@@ -67,6 +67,7 @@ class Drafts:
         self._session = os.urandom(8).hex()
         self._guard = threading.RLock()
         self._lock: int | None = None
+        self._is_closed = False
         self._turn = self._turns_before = 0
         self._latest: dict[Key, int] = {}
         self._mine: dict[Key, Draft] = {}
@@ -152,7 +153,7 @@ class Drafts:
                     self._retire(self._adopted_file(key))
 
     def adopt(self, kind: Kind) -> list[Draft]:
-        """Take over the drafts of sessions that have ended.
+        """Take over the drafts of sessions that have ended, unless this one has.
 
         Returns the adopted drafts of a kind, newest first, one per path.
 
@@ -160,7 +161,7 @@ class Drafts:
             OSError: The folder can't be used.
         """
         with self._guard:
-            if self.folder.is_dir():
+            if self.folder.is_dir() and not self._is_closed:
                 self._hold_lock()
                 sessions = {file.name.partition("-")[0] for file in self._draft_files()}
                 sessions |= {file.stem for file in self.folder.glob("*.lock")}
@@ -172,6 +173,7 @@ class Drafts:
     def close(self) -> None:
         """End the session; its drafts remain for the next one."""
         with self._guard:
+            self._is_closed = True
             if self._lock is None:
                 return
             if not self._mine and not self._adopted:

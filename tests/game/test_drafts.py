@@ -354,3 +354,13 @@ def test_a_process_that_is_just_starting_does_not_hold_what_a_session_left(tmp_p
     assert [found.text for found in second.adopt("program")] == ["text"]
     second.close()
     os.close(inherited)
+
+
+def test_a_session_that_has_ended_takes_over_nothing(tmp_path: Path) -> None:
+    first = Drafts(tmp_path)
+    first.keep(draft("text"))
+    first.close()
+    assert first.adopt("program") == []  # as a thread does that is late
+    second = Drafts(tmp_path)
+    assert [found.text for found in second.adopt("program")] == ["text"]
+    second.close()
