@@ -61,16 +61,17 @@ def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Co
     return command.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
 
-def number_from(least: int) -> Callable[[str], int]:
-    """Return an option type that accepts integers of at least `least`."""
+def number_from(least: int, most: int | None = None) -> Callable[[str], int]:
+    """Return an option type that accepts integers of at least `least` and at most `most`."""
+    wanted = f"of at least {least}" if most is None else f"from {least} to {most}"
 
     def read(text: str) -> int:
         try:
             number = int(text)
         except ValueError:
             number = least - 1
-        if number < least:
-            raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least {least}")
+        if number < least or (most is not None and number > most):
+            raise argparse.ArgumentTypeError(f"{text!r} is not an integer {wanted}")
         return number
 
     return read

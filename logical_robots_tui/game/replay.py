@@ -14,7 +14,7 @@ import lzma
 from bisect import bisect_left
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
 import numpy as np
@@ -23,6 +23,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.advancing import is_thought_alike
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.packing import is_state
+from logical_robots_tui.mind.limits import weight_of_text
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import LevelError, World, WorldState
@@ -54,12 +55,22 @@ Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: "") :-
 _FORMAT = 1
 _MAGIC = b"logical-robots replay "
 _MOST_BYTES = 64_000_000
-_MOST_UNPACKED = 200_000_000
-_MOST_TICKS = 1_000_000
+_MOST_UNPACKED = 48_000_000
+_MOST_TO_UNPACK = 100_000_000  # bytes of memory; the window alone may be as large as the content
+_MOST_STATES = 16_000_000  # bytes of the states of all stages; as objects a few times as much
+_HEAVIEST_MEMORIES = 120_000_000  # bytes of a stage's memories as objects, by an upper bound
+MOST_TICKS = 100_000
+"""The most ticks of a replay."""
+
 _MOST_STAGES = 10_000
+_MOST_ROBOTS = 10_000
 _MOST_TEXT = 32_000_000  # characters of all levels that differ
 _DESIRE_BYTES = 16  # two engines
 _HASH_BYTES = 8
+
+
+Columns: TypeAlias = Annotated[tuple[bytes, ...], msgspec.Meta(max_length=_MOST_ROBOTS)]
+Hashes: TypeAlias = Annotated[dict[int, bytes], msgspec.Meta(max_length=MOST_TICKS // EVERY + 2)]
 
 
 class Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -93,7 +104,7 @@ class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     state: WorldState
     memories: str
     is_decided: bool
-    desires: tuple[bytes, ...]
+    desires: Columns
 
 
 class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
@@ -109,9 +120,9 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
 
     name: str
     last: int
-    stages: tuple[Stage, ...]
-    texts: tuple[Text, ...]
-    hashes: dict[int, bytes]
+    stages: Annotated[tuple[Stage, ...], msgspec.Meta(max_length=_MOST_STAGES)]
+    texts: Annotated[tuple[Text, ...], msgspec.Meta(max_length=_MOST_STAGES)]
+    hashes: Hashes
 
     @property
     def first(self) -> int:
@@ -141,8 +152,16 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
                 yield world.save()
 
     def to_bytes(self) -> bytes:
-        """Return the content of its file; the same for the same run."""
+        """Return the content of its file; the same for the same run.
+
+        Raises:
+            InputError: It is too large for a file.
+        """
         told = msgspec.msgpack.encode(self)
+        if len(told) > _MOST_UNPACKED:
+            raise InputError(
+                f"The run takes {len(told):,} bytes, more than the {_MOST_UNPACKED:,} of a replay."
+            )
         # A window larger than the content makes it no smaller, but takes 600 MB and 30 ms.
         window = min(max(len(told), 1 << 12), 1 << 26)
         lzma2 = {"id": lzma.FILTER_LZMA2, "preset": 9, "dict_size": window}
@@ -185,19 +204,24 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             ValueError: They don't.
             LevelError: A text is not that of a level.
         """
-        if len(self.stages) > _MOST_STAGES or sum(map(len, self._level_texts)) > _MOST_TEXT:
+        if sum(map(len, self._level_texts)) > _MOST_TEXT:
             raise ValueError("it has too many levels")
         begins = [stage.state.tick for stage in self.stages]
         ends = [*begins[1:], self.last]
         texts = [each.tick for each in self.texts]
-        if not begins or not 0 <= begins[0] < self.last <= begins[0] + _MOST_TICKS:
+        if not begins or not 0 <= begins[0] < self.last <= begins[0] + MOST_TICKS:
             raise ValueError("its ticks are out of bounds")
         if any(first >= end for first, end in zip(begins, ends[:-1], strict=False)):
             raise ValueError("its stages are out of order")
         if texts != sorted(set(texts)) or texts[:1] != [begins[0] + 1]:
             raise ValueError("its programs are out of order")
+        hashed = {self.last, *range(begins[0] - begins[0] % EVERY + EVERY, self.last, EVERY)}
+        if self.hashes.keys() != hashed or {*map(len, self.hashes.values())} != {_HASH_BYTES}:
+            raise ValueError("its hashes don't belong to its ticks")
         previous: Level | None = None
         for stage, level, end in zip(self.stages, self.levels, ends, strict=True):
+            if weight_of_text(stage.memories) > _HEAVIEST_MEMORIES:
+                raise ValueError(f"its memories at tick {stage.state.tick} are too large")
             state, memories = stage.state, json.loads(stage.memories)
             sizes = {len(each) for each in stage.desires} - {(end - state.tick) * _DESIRE_BYTES}
             if sizes or len(stage.desires) != len(level.robots):
@@ -240,11 +264,36 @@ def _read(content: bytes) -> Replay:
     body = rest[32:]
     if hashlib.sha256(body).digest() != rest[:32]:
         raise ValueError("it is damaged")
-    packed = lzma.LZMADecompressor(memlimit=_MOST_UNPACKED)
+    packed = lzma.LZMADecompressor(memlimit=_MOST_TO_UNPACK)
     told = packed.decompress(body, max_length=_MOST_UNPACKED)
     if not packed.eof:
         raise ValueError(f"it holds more than {_MOST_UNPACKED:,} bytes")
+    parts = msgspec.msgpack.decode(told, type=_Parts)
+    if sum(memoryview(stage.state).nbytes for stage in parts.stages) > _MOST_STATES:
+        raise ValueError("the states in it are too large")
+    columns = sum(_length_of(bytes(memoryview(stage.desires)[:5])) for stage in parts.stages)
+    if columns * _DESIRE_BYTES > len(told) + _MOST_ROBOTS * _DESIRE_BYTES:
+        raise ValueError("its robots don't act in every tick")
     return msgspec.msgpack.decode(told, type=Replay)
+
+
+class _StageParts(msgspec.Struct):
+    """What of a stage takes far more memory as objects than in the file, not decoded yet."""
+
+    state: msgspec.Raw
+    desires: msgspec.Raw
+
+
+class _Parts(msgspec.Struct):
+    stages: Annotated[tuple[_StageParts, ...], msgspec.Meta(max_length=_MOST_STAGES)]
+
+
+def _length_of(array: bytes) -> int:
+    """Return the number of items of an array of MessagePack, 0 if it is none."""
+    if array[0] & 0xF0 == 0x90:
+        return array[0] & 0x0F
+    width = {0xDC: 2, 0xDD: 4}.get(array[0], 0)
+    return int.from_bytes(array[1 : 1 + width], "big")
 
 
 async def gather(
@@ -302,7 +351,7 @@ def _packed(wanted: NDArray[np.float64]) -> tuple[bytes, ...]:
 def _unpacked(desires: Sequence[bytes]) -> NDArray[np.float64]:
     columns = [np.frombuffer(each, "<u8").reshape(2, -1).T for each in desires]
     if not columns:
-        return np.zeros((_MOST_TICKS, 0, 2))
+        return np.zeros((MOST_TICKS, 0, 2))
     bits = np.bitwise_xor.accumulate(np.stack(columns, axis=1), axis=0)
     return bits.view("<f8")
 

@@ -7,13 +7,12 @@ from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.failures import SQLITE_ERRORS, FailureError, failures_in_words
+from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.mind.failures import FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
-from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
-from logical_robots_tui.mind.sqlite.moment import TooHeavyError
-from logical_robots_tui.mind.sqlite.stored import Interner, TooDeepError, from_sql
-from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables, UnfitError
+from logical_robots_tui.mind.sqlite.stored import Interner, from_sql
+from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables
 from logical_robots_tui.mind.table import plan_lines
 
 if TYPE_CHECKING:
@@ -28,15 +27,6 @@ if TYPE_CHECKING:
 
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
-
-_NO_QUICK_ANSWER = (
-    UnfitError,
-    TooDeepError,
-    TooHeavyError,
-    TooMuchError,
-    TooSlowError,
-    *SQLITE_ERRORS,
-)
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
@@ -129,8 +119,10 @@ class Asking:
                 tuned = self._tuned.fitting(tuned, moment)
                 planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
                 return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
-            except _NO_QUICK_ANSWER:
-                pass
+            except Stopped:
+                raise
+            except Exception:  # the plain plan is shown, or what is wrong with it
+                tuned = None
         sql = self._program.statements[predicate]
         return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
@@ -209,7 +201,9 @@ class Asking:
             if len(found) > most:
                 return None
             return self._by_viewer(columns[:-1], found, tuned, moment, within, in_order=in_order)
-        except _NO_QUICK_ANSWER:
+        except Stopped:
+            raise
+        except Exception:  # the plain query decides what it means
             return None
 
     def _by_viewer(
@@ -247,7 +241,9 @@ class Asking:
             return None
         try:
             return self._finished(self._tuned.ask(tuned, moment, view, within), tuned, within)
-        except _NO_QUICK_ANSWER:
+        except Stopped:
+            raise
+        except Exception:  # the plain query decides what it means
             return None
 
     def _finished(self, raw: RawAnswer, tuned: Tuned, within: Within) -> Answer | None:

@@ -1,13 +1,14 @@
-"""SQLite's errors during a think, in plain words."""
+"""Errors during a think, in plain words."""
 
 from __future__ import annotations
 
+import logging
 import re
 import sqlite3
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.diagnostics import printable
+from logical_robots_tui.mind.diagnostics import Stopped, printable
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError
 from logical_robots_tui.mind.sqlite.stored import TooDeepError
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.sqlite.moment import Within
 
-SQLITE_ERRORS = (sqlite3.Error, sqlite3.Warning)
-"""Exceptions that SQLite may raise for a query."""
+_log = logging.getLogger(__name__)
+_logged: set[type[Exception]] = set()  # each class of our bugs is logged once
 
 
 class FailureError(Exception):
@@ -37,7 +38,7 @@ class FailureError(Exception):
 
 @contextmanager
 def failures_in_words(within: Within) -> Iterator[None]:
-    """Turn any exception of a query into a `FailureError` for the player."""
+    """Turn any exception of a query but `Stopped` into a `FailureError` for the player."""
     try:
         yield
     except TooSlowError:
@@ -46,8 +47,15 @@ def failures_in_words(within: Within) -> Iterator[None]:
         raise FailureError(str(error), slow=True) from None
     except (TooMuchError, TooDeepError) as error:
         raise FailureError(str(error)) from None
-    except SQLITE_ERRORS as error:
+    except (sqlite3.Error, sqlite3.Warning) as error:
         raise FailureError(printable(in_plain_words(error))) from None
+    except (FailureError, Stopped):
+        raise
+    except Exception as error:
+        if type(error) not in _logged:
+            _logged.add(type(error))
+            _log.exception("a query failed in our own code")
+        raise FailureError("it can't be computed; this is a bug in the game") from error
 
 
 def _slow(within: Within) -> FailureError:
@@ -70,6 +78,7 @@ def in_plain_words(error: Exception) -> str:
 
 _WORDS = (
     (r"malformed JSON", "a field was read from something that is neither a record nor a list"),
+    (r"user-defined: '?utf", "a text holds half of a character, as Chr(55296) makes it"),
     (
         r"user-defined",
         "a function was given a value that it can't use, such as text instead of a list",

@@ -34,6 +34,8 @@ class Limits:
         query_seconds: The time limit for such a query.
         mind_bytes: SQLite's memory in this process, for all minds together. The smallest value
             that a process has seen applies, because SQLite never raises it again.
+        aggregate_bytes: What all aggregates of one evaluation or query may hold at a time, as
+            Python objects.
         value_bytes: The largest single text, list or record during a think, as SQLite stores it.
         think_rows: The most rows of `Robot` in one evaluation.
         rows: The most rows that a query of the inspector shows.
@@ -53,6 +55,7 @@ class Limits:
     query_steps: int = 200_000_000
     query_seconds: float = 30.0
     mind_bytes: int = 160 * 1024**2
+    aggregate_bytes: int = 96 * 1024**2
     value_bytes: int = 2_000_000
     think_rows: int = 10_000
     rows: int = 1_000
@@ -114,11 +117,13 @@ def weight_of_text(text: str) -> int:
 
 def weight_of_row(row: Sequence[object]) -> int:
     """Return an upper bound for the bytes of objects that a row of SQLite's values stands for."""
-    weight = _ROW + _COLUMN * len(row)
-    for value in row:
-        if isinstance(value, str):
-            if value[:1] in ("{", "["):
-                weight += weight_of_text(value)
-            else:
-                weight += _TEXT + len(value) * (1 if value.isascii() else 4)
-    return weight
+    return _ROW + _COLUMN * len(row) + sum([weight_of_scalar(v) for v in row if v.__class__ is str])
+
+
+def weight_of_scalar(value: object) -> int:
+    """Return an upper bound for the bytes of objects that a value of SQLite stands for."""
+    if not isinstance(value, str):
+        return _NUMBER
+    if value[:1] in ("{", "["):
+        return _TEXT + weight_of_text(value)
+    return _TEXT + len(value) * (1 if value.isascii() else 4)

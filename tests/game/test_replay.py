@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import lzma
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -23,6 +24,7 @@ from logical_robots_tui.mind import Program
 from logical_robots_tui.world.level import alike
 from tests.game.playing import BACKWARDS, game
 from tests.game.test_live_edits import EDITS, LEVEL, POSES, counter
+from tests.mind.hostile.bounds import bounded_memory
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -196,12 +198,57 @@ def test_what_is_no_replay_is_refused_in_a_sentence(tmp_path: Path, what: str) -
     assert caught.value.place == str(path)
 
 
-@pytest.mark.slow
-def test_what_unpacks_to_more_than_memory_should_hold_is_refused(tmp_path: Path) -> None:
+MANY = 1_500_000
+STATE = {"tick": 0, "robots": [], "areas": [], "won_at": None, "tallies": []}
+STAGE = {"level": "", "state": STATE, "memories": "{}", "is_decided": False, "desires": []}
+ROBOT = dict.fromkeys(("x", "y", "angle", "battery_level", "left_engine", "right_engine"), 1)
+
+
+def bomb(**values: object) -> bytes:
+    parts = {"name": "", "last": 1, "stages": [STAGE], "texts": [], "hashes": {}}
+    return packed(msgspec.msgpack.encode({**parts, **values}))
+
+
+BOMBS = {
+    "zeros": lambda: packed(bytes(300_000_000)),
+    "stages": lambda: bomb(stages=[STAGE] * MANY),
+    "robots": lambda: bomb(
+        stages=[{**STAGE, "state": {**STATE, "robots": [{"name": "A", **ROBOT}] * 300_000}}]
+    ),
+    "visitors": lambda: bomb(
+        stages=[
+            {**STAGE, "state": {**STATE, "areas": [{"name": "A", "visitors": ["ab"] * 9 * MANY}]}}
+        ]
+    ),
+    "tallies": lambda: bomb(stages=[{**STAGE, "state": {**STATE, "tallies": [[]] * 20 * MANY}}]),
+    "desires": lambda: bomb(stages=[{**STAGE, "desires": [b"ab"] * 7 * MANY}]),
+    "desires of stages": lambda: bomb(stages=[{**STAGE, "desires": [b"ab"] * 1_000}] * 9_000),
+    "hashes": lambda: bomb(hashes=dict.fromkeys(range(MANY), b"ab")),
+    "texts": lambda: bomb(texts=[{"tick": 1, "name": "", "text": ""}] * MANY),
+    "ticks": lambda: bomb(last=900_000, stages=[{**STAGE, "desires": [bytes(14_400_000)]}]),
+    "memories": lambda: bomb(stages=[{**STAGE, "memories": f"[{'[],' * 9 * MANY}1]"}]),
+}
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("what", BOMBS)
+def test_what_unpacks_to_more_than_memory_should_hold_is_refused(what: str, tmp_path: Path) -> None:
     path = tmp_path / "bomb.replay"
-    path.write_bytes(packed(bytes(300_000_000)))
-    with pytest.raises(InputError, match="more than 200,000,000 bytes"):
+    path.write_bytes(BOMBS[what]())
+    gc.collect()
+    with bounded_memory(), pytest.raises(InputError):
         load_replay(path)
+
+
+def test_memories_that_take_far_more_as_objects_are_refused(whole: Replay, tmp_path: Path) -> None:
+    memories = f'{{"Ada":[{"{}," * 1_000_000}1]}}'
+    with bounded_memory(), pytest.raises(InputError, match="memories at tick 0 are too large"):
+        load_replay(written(first_stage(whole, memories=memories), tmp_path))
+
+
+def test_a_run_that_is_too_large_for_a_replay_is_not_written(whole: Replay) -> None:
+    with pytest.raises(InputError, match="more than the 48,000,000"):
+        first_stage(whole, desires=(bytes(48_000_000),)).to_bytes()
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
@@ -233,7 +280,7 @@ def moved(replay: Replay, x: float) -> Replay:
         (lambda it: changed(it, stages=(it.stages[0], it.stages[0])), "out of order"),
         pytest.param(
             lambda it: changed(it, stages=it.stages * 6000),
-            "too many levels",
+            "length <= 10000",
             marks=pytest.mark.slow,
         ),
         pytest.param(
@@ -241,6 +288,9 @@ def moved(replay: Replay, x: float) -> Replay:
             "too many levels",
             marks=pytest.mark.slow,
         ),
+        (lambda it: changed(it, hashes={}), "hashes don't belong"),
+        (lambda it: changed(it, hashes={**it.hashes, it.last + 1: bytes(8)}), "hashes don't"),
+        (lambda it: changed(it, hashes={it.last: b"short"}), "hashes don't belong"),
         (lambda it: changed(it, texts=()), "out of order"),
         (lambda it: changed(it, texts=(it.texts[0], it.texts[0])), "out of order"),
         (lambda it: first_stage(it, level="[[robots]]"), "is no replay"),

@@ -90,7 +90,7 @@ def test_the_guard_counts_no_time_in_which_it_could_not_look() -> None:
 def test_functions_that_are_offered_and_aggregates_are_counted() -> None:
     text = "printf('%1000000s', 'x')"
     for sql in (f"SELECT measured({text})", f"SELECT list_of_distinct({text})"):
-        for steps, is_enough in ((900_000, False), (1_100_000, True)):
+        for steps, is_enough in ((900_000, False), (1_500_000, True)):
             database = Database(Limits())
             database.offer("measured", len)
             within = Within(steps, 30.0, 10, None)

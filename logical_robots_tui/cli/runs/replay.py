@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 SAME, DIFFERENT = 0, 3
 DEFAULT_TICKS = 5000
+MOST_TICKS = 100_000  # of a replay
 
 EPILOG = """\
 examples:
@@ -81,7 +82,7 @@ def _declare_record(commands: Commands) -> None:
     )
     command.add_argument(
         "--ticks",
-        type=number_from(1),
+        type=number_from(1, MOST_TICKS),
         default=DEFAULT_TICKS,
         metavar="N",
         help="end after this many ticks (default: %(default)s)",

@@ -1,6 +1,6 @@
-"""Limiting work: steps decide when a query ends, and a thread enforces a time limit.
+"""Limiting work: steps and bytes decide when a query ends, and a thread enforces a time limit.
 
-Each call of a function is kept short by limits on what it takes and builds.
+Each call of a function is kept short by limits on what it takes and builds, and charged for.
 """
 
 from __future__ import annotations
@@ -8,7 +8,9 @@ from __future__ import annotations
 import os
 import threading
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+from logical_robots_tui.mind.limits import weight_of_scalar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,6 +20,8 @@ STEPS_AT_ONCE = 20_000
 
 STEPS_OF_A_CALL = 10
 """Steps that a call of one of our functions counts; each character counts one more."""
+
+_BYTES_OF_A_STEP = 8  # of what an aggregate holds when it ends; it may sort that
 
 _UNCOUNTED = 2**62  # for our own statements
 _LOOK_SECONDS = 0.02
@@ -51,27 +55,32 @@ class Work:
 
     Args:
         halt: Ends the work; called in another thread repeatedly until the work has ended.
+        most_bytes: The most that its aggregates may hold at a time.
 
     Attributes:
         steps: Steps left.
+        bytes: Bytes left for its aggregates.
+        is_full: Whether the aggregates needed more since it began.
         halted: Whether the work was told to end since it began.
     """
 
-    __slots__ = ("_budget", "_halt", "_stop", "halted", "steps")
+    __slots__ = ("_budget", "_halt", "_most_bytes", "_stop", "bytes", "halted", "is_full", "steps")
 
-    def __init__(self, halt: Callable[[], None]) -> None:
+    def __init__(self, halt: Callable[[], None], most_bytes: int = _UNCOUNTED) -> None:
         self._halt = halt
+        self._most_bytes = self.bytes = most_bytes
         self._budget = Budget(0, 0.0)
         self._stop: threading.Event | None = None
         self.steps = _UNCOUNTED
-        self.halted = False
+        self.is_full = self.halted = False
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
         """Start watching."""
         self._budget = budget
         self._stop = stop
         self.steps = budget.steps
-        self.halted = False
+        self.bytes = self._most_bytes
+        self.is_full = self.halted = False
         _watcher.add(self)
 
     def end(self) -> None:
@@ -93,6 +102,19 @@ class Work:
         """Count some steps of the virtual machine, and return whether to end."""
         self.steps -= STEPS_AT_ONCE
         return self.steps < 0
+
+    def charge(self, steps: int) -> None:
+        """Count the steps of a call; raise TooLargeError if none are left."""
+        self.steps -= steps
+        if self.halted or self.steps < 0:
+            raise TooLargeError("the think was halted")
+
+    def hold(self, size: int) -> None:
+        """Count bytes that an aggregate holds; raise TooLargeError if there are too many."""
+        self.bytes -= size
+        if self.bytes < 0:
+            self.is_full = True
+            raise TooLargeError("the aggregates hold too much")
 
     def look(self, seconds: float) -> None:
         """Halt the work if due, so many processor seconds after the last look."""
@@ -195,47 +217,94 @@ def check_text(length: int) -> None:
         raise TooLargeError(f"a text of {length:,} characters")
 
 
-def counted(function: Callable[..., Any], work: Work) -> Callable[..., Any]:
-    """Return a function whose calls and characters count as steps of some work."""
+def charged(
+    function: Callable[..., Any],
+    work: Work,
+    *,
+    null_safe: bool = False,
+    checks: bool = False,
+    extra: Callable[..., int] | None = None,
+) -> Callable[..., Any]:
+    """Return a function that is charged for: its calls, and the characters it takes and returns.
 
-    def counted_function(*arguments: Any) -> Any:
+    Args:
+        function: The function.
+        work: What it is charged to.
+        null_safe: Whether null in is null out.
+        checks: Whether it refuses arguments that hold too many items.
+        extra: Further steps of a call with these arguments.
+    """
+
+    def charged_function(*arguments: Any) -> Any:
         steps = STEPS_OF_A_CALL
         for argument in arguments:
             if argument.__class__ is str:
                 steps += len(argument)
-        work.steps -= steps
-        if work.halted or work.steps < 0:
-            raise TooLargeError("the think was halted")
-        return function(*arguments)
-
-    return counted_function
-
-
-def guarded(function: Callable[..., Any], work: Work, *, null_safe: bool) -> Callable[..., Any]:
-    """Return a function that stops when the work is halted, and refuses lists that would take long.
-
-    Its calls and the characters of its arguments and result count as steps of the work.
-    """
-
-    def guarded_function(*arguments: Any) -> Any:
-        steps = STEPS_OF_A_CALL
-        for argument in arguments:
-            if argument.__class__ is str:
-                length = len(argument)
-                steps += length
-                if length > _SHORT:
-                    check_long(argument)
             elif argument is None and null_safe:
                 return None
-        work.steps -= steps
+        work.steps -= steps if extra is None else steps + extra(*arguments)
         if work.halted or work.steps < 0:
             raise TooLargeError("the think was halted")
+        if steps > _SHORT and checks:
+            for argument in arguments:
+                if argument.__class__ is str and len(argument) > _SHORT:
+                    check_long(argument)
         result = function(*arguments)
         if result.__class__ is str:
             work.steps -= len(result)
         return result
 
-    return guarded_function
+    return charged_function
+
+
+class Aggregate(Protocol):
+    """An aggregate, which says what it holds.
+
+    Attributes:
+        compares: Whether each step compares its values with what the aggregate holds.
+    """
+
+    compares: ClassVar[bool]
+
+    @property
+    def step(self) -> Callable[..., int]:
+        """Take a row, and return by how many bytes of objects the aggregate grew."""
+
+    def finalize(self) -> Any:
+        """Return the result."""
+
+
+class ChargedAggregate:
+    """An aggregate that is charged for: its steps, and what it holds.
+
+    Args:
+        make: Makes the aggregate.
+        work: What it is charged to.
+    """
+
+    __slots__ = ("_aggregate", "_held", "_work")
+
+    def __init__(self, make: Callable[[], Aggregate], work: Work) -> None:
+        self._aggregate = make()
+        self._work = work
+        self._held = 0
+
+    def step(self, *arguments: Any) -> None:
+        """Take a row."""
+        steps = STEPS_OF_A_CALL + sum([len(a) for a in arguments if a.__class__ is str])
+        if self._aggregate.compares:
+            steps += self._held // _BYTES_OF_A_STEP
+        self._work.charge(steps)
+        grown = self._aggregate.step(*arguments)
+        self._held += grown
+        self._work.hold(grown)
+
+    def finalize(self) -> Any:
+        """Return the result, and hold nothing more."""
+        self._work.charge(STEPS_OF_A_CALL + self._held // _BYTES_OF_A_STEP)
+        result = self._aggregate.finalize()
+        self._work.hold(-self._held)
+        return result
 
 
 def check_long(text: str) -> None:
@@ -245,7 +314,7 @@ def check_long(text: str) -> None:
 
 
 class Room:
-    """The remaining capacity of an aggregate."""
+    """The remaining capacity of an aggregate that collects values."""
 
     __slots__ = ("_characters", "_items", "_size")
 
@@ -254,8 +323,8 @@ class Room:
         self._size = 0
         self._characters = 0
 
-    def take(self, value: Any, items: int = 1) -> None:
-        """Count a value; raise TooLargeError if it is too much."""
+    def take(self, value: Any, items: int = 1) -> int:
+        """Count a value, and return its bytes as objects; raise TooLargeError if it is too much."""
         self._items += items
         self._size += items
         check_items(self._items)
@@ -264,6 +333,7 @@ class Room:
             check_text(self._characters)
             self._size += _size(value)
         check_items(self._size, _MAX_COLLECTED)
+        return weight_of_scalar(value)
 
 
 def _size(text: str) -> int:

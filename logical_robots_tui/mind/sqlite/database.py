@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, counted
+from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charged
 from logical_robots_tui.mind.sqlite.functions import registry
 from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import LONG, Within
@@ -72,7 +72,7 @@ class Database:
         self._connection = sqlite3.connect(
             ":memory:", isolation_level=None, check_same_thread=False, cached_statements=512
         )
-        self._work = Work(self._halt)
+        self._work = Work(self._halt, self._limits.aggregate_bytes)
         self._numbers = count()
         self._connection.set_progress_handler(self._work.count, STEPS_AT_ONCE)
         registry.install(self._connection, self._work)
@@ -160,7 +160,7 @@ class Database:
             Stopped: The caller stopped it.
             TooSlowError: It took too many steps, or too long.
             TooMuchError: It needs too much memory, or its result is too large.
-            sqlite3.Error: It failed, or used something that is not allowed.
+            sqlite3.Error: It failed, in a callback too, or used something that is not allowed.
         """
         if within is None:
             within = Within.of_thought(self._limits)
@@ -179,14 +179,19 @@ class Database:
             answer = self._fetch(sql, parameters, most)
             within.is_much = self._bytes > LONG or len(answer[1]) > _MANY
             return answer
-        except (sqlite3.Error, MemoryError) as error:
+        except TooMuchError:
+            raise
+        except Exception as error:
             if work.halted and work.stopped:
                 raise Stopped("The program was stopped while it was thinking.") from None
             if work.is_over:
                 raise TooSlowError from None
             if isinstance(error, MemoryError | sqlite3.DataError):
                 raise self._too_much(error) from None
-            raise
+            if isinstance(error, sqlite3.Error | sqlite3.Warning):
+                raise
+            # What is passed to a callback can't always be decoded, for one.
+            raise sqlite3.OperationalError(f"user-defined: {error}") from error
         finally:
             work.end()
             if work.halted:
@@ -216,7 +221,7 @@ class Database:
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
         """Register another function for queries, once; its errors and steps count as theirs."""
         if name not in self._offered:
-            self._connection.create_function(name, arguments, counted(function, self._work))
+            self._connection.create_function(name, arguments, charged(function, self._work))
             self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
@@ -268,6 +273,9 @@ class Database:
     def _too_much(self, error: Exception) -> TooMuchError:
         if isinstance(error, MemoryError):
             return TooMuchError(f"it needs more than {self._limits.mind_bytes:,} bytes of memory")
+        if self._work.is_full:
+            most = self._limits.aggregate_bytes
+            return TooMuchError(f"aggregates collect more than {most:,} bytes at a time")
         return TooMuchError(
             f"a value became too large; a text, list or record may have "
             f"{self._limits.value_bytes:,} bytes, a list in a function {MAX_ITEMS:,} items"

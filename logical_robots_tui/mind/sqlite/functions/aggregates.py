@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from logical_robots_tui.mind.limits import weight_of_scalar
 from logical_robots_tui.mind.sqlite.budget import Room
 from logical_robots_tui.mind.sqlite.functions.values import (
     Scalar,
@@ -19,17 +20,24 @@ from logical_robots_tui.mind.sqlite.stored import to_json
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from logical_robots_tui.mind.sqlite.budget import Aggregate
+
+_PAIR = 200  # bytes of a pair and its sort key
+
 
 class _Collect:
     """An aggregate that collects values in a list; null if there are none, as in DuckDB."""
+
+    compares: ClassVar[bool] = False
 
     def __init__(self) -> None:
         self.items: list[Any] = []
         self.room = Room()
 
-    def step(self, value: Scalar) -> None:
-        self.room.take(value)
+    def step(self, value: Scalar) -> int:
+        size = self.room.take(value)
         self.items.append(element(value))
+        return size
 
     def finalize(self) -> str | None:
         return to_json(self.items) if self.items else None
@@ -38,16 +46,19 @@ class _Collect:
 class _Distinct:
     """`Set`: each value once, in ascending order, without null."""
 
+    compares: ClassVar[bool] = False
+
     def __init__(self) -> None:
         self.unique: dict[str, Any] = {}
         self.room = Room()
 
-    def step(self, value: Scalar) -> None:
+    def step(self, value: Scalar) -> int:
         item = element(value)
         key = to_json(item)
-        if item is not None and key not in self.unique:
-            self.room.take(key)
-            self.unique[key] = item
+        if item is None or key in self.unique:
+            return 0
+        self.unique[key] = item
+        return self.room.take(key) + weight_of_scalar(f"{key[:1]}{key}")
 
     def finalize(self) -> str | None:
         return to_json(in_order(self.unique.values())) if self.unique else None
@@ -56,15 +67,19 @@ class _Distinct:
 class _ConcatLists(_Collect):
     """`++=`: one list of the elements of all lists."""
 
-    def step(self, value: Scalar) -> None:
-        if value is not None:
-            items = list_in(value)
-            self.room.take(value, len(items))
-            self.items.extend(items)
+    def step(self, value: Scalar) -> int:
+        if value is None:
+            return 0
+        items = list_in(value)
+        size = self.room.take(value, len(items))
+        self.items.extend(items)
+        return size
 
 
 class _Pairs:
     """An aggregate over pairs; the first of equal values comes first, nulls are ignored."""
+
+    compares: ClassVar[bool] = False
 
     def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
         self.key, self.descending = key, descending
@@ -72,12 +87,13 @@ class _Pairs:
         self.count: float | None = None
         self.room = Room()
 
-    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
+    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
         self.count = count
-        if value is not None:
-            self.room.take(value)
-            self.room.take(argument, 0)
-            self.pairs.append((self.key(value), argument))
+        if value is None:
+            return 0
+        size = self.room.take(value) + self.room.take(argument, 0)
+        self.pairs.append((self.key(value), argument))
+        return size + _PAIR
 
     def finalize(self) -> str | None:
         self.pairs.sort(key=lambda pair: pair[0], reverse=self.descending)
@@ -88,27 +104,34 @@ class _Pairs:
 class _Array(_Pairs):
     """`Array{position -> value}`: the values in the order of their positions."""
 
-    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> None:
-        self.room.take(argument)
-        self.room.take(value, 0)
+    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
+        size = self.room.take(argument) + self.room.take(value, 0)
         self.pairs.append((order(argument), value))
+        return size + _PAIR
 
 
 class _Best:
     """The argument of the least or greatest value; the first of equal ones, ignoring nulls."""
 
+    compares: ClassVar[bool] = True
+
     def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
         self.key, self.descending = key, descending
         self.best: tuple[int, Any] | None = None
         self.argument: Scalar = None
+        self.size = 0
 
-    def step(self, argument: Scalar, value: Scalar) -> None:
+    def step(self, argument: Scalar, value: Scalar) -> int:
         if value is None:
-            return
+            return 0
         found = self.key(value)
-        if self.best is None or (found > self.best if self.descending else found < self.best):
-            self.best = found
-            self.argument = argument
+        if self.best is not None and not (
+            found > self.best if self.descending else found < self.best
+        ):
+            return 0
+        self.best, self.argument, before = found, argument, self.size
+        self.size = weight_of_scalar(value) + weight_of_scalar(argument)
+        return self.size - before
 
     def finalize(self) -> Scalar:
         return self.argument
@@ -117,25 +140,29 @@ class _Best:
 class _BestNested(_Best):
     """The least or greatest of records or lists, ignoring null."""
 
-    def step(self, value: Scalar) -> None:  # type: ignore[override]  # it is the argument, too
-        super().step(value, value)
+    def step(self, value: Scalar) -> int:  # type: ignore[override]  # it is the argument, too
+        return super().step(value, value)
 
 
 class _AnyValue:
     """The first value that is not null."""
 
+    compares: ClassVar[bool] = False
+
     def __init__(self) -> None:
         self.found: Scalar = None
 
-    def step(self, value: Scalar) -> None:
-        if self.found is None:
-            self.found = value
+    def step(self, value: Scalar) -> int:
+        if self.found is not None or value is None:
+            return 0
+        self.found = value
+        return weight_of_scalar(value)
 
     def finalize(self) -> Scalar:
         return self.found
 
 
-AGGREGATES: dict[str, tuple[int, Callable[[], Any]]] = {
+AGGREGATES: dict[str, tuple[int, Callable[[], Aggregate]]] = {
     "list_of_distinct": (1, _Distinct),
     "concat_lists": (1, _ConcatLists),
     "array_by": (2, _Array),

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
+    ChargedAggregate,
     Work,
+    charged,
     check_items,
     check_text,
-    counted,
-    guarded,
 )
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
@@ -147,6 +147,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "concat_two_lists": (2, _concat),
     "number_range": (1, _range),
     "natural_hash": (1, _hash),
+    "real_as_json": (1, real_as_json),
     "record_as_json": (1, lambda record: to_json(element(record))),
     "assemble_record": (1, _assemble),
     "disassemble_record": (1, _disassemble),
@@ -169,6 +170,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
     "unique_list": (1, _unique),
     "upper_text": (1, texts.upper),
+    "value_as_json": (1, value_as_json),
 }
 
 _NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
@@ -176,12 +178,6 @@ _NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
     "least": lambda *values: min(_present(values), key=order_of_scalar, default=None),
 }
 """Functions that accept null arguments."""
-
-_QUICK: dict[str, Callable[..., Any]] = {
-    "real_as_json": real_as_json,
-    "value_as_json": value_as_json,
-}
-"""Functions of one argument that handle nulls and long texts themselves, for speed."""
 
 _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
     "acos": (1, _unary(math.acos)),
@@ -209,7 +205,25 @@ _MATHS: dict[str, tuple[int, Callable[..., Any]]] = {
 """Functions that SQLite has only if it was built with mathematical functions."""
 
 
-NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_QUICK, *_MATHS, *AGGREGATES, *REPLACED})
+def _sorting(items: Any) -> int:
+    return 7 * len(items) if isinstance(items, str) else 0
+
+
+def _searching(items: Any, wanted: Any) -> int:
+    """Return steps for null fields, which are compared even with a record that lacks them."""
+    if isinstance(items, str) and isinstance(wanted, str):
+        return items.count("{") * wanted.count("null")
+    return 0
+
+
+_EXTRA: dict[str, Callable[..., int]] = {
+    "list_has": _searching,
+    "sort_list": _sorting,
+    "unique_list": _sorting,
+}
+"""Further steps of calls whose work is more than proportional to what they take and return."""
+
+NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *AGGREGATES, *REPLACED})
 """Names of all functions of this module, in lower case as SQLite's authorizer reports them."""
 
 
@@ -224,26 +238,20 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
         except sqlite3.OperationalError:
             functions[name] = (arity, function)
 
-    def create(name: str, arity: int, function: Callable[..., Any], *, null_safe: bool) -> None:
-        safe = guarded(function, work, null_safe=null_safe)
+    def create(
+        name: str, arity: int, function: Callable[..., Any], *, null_safe: bool = True
+    ) -> None:
+        extra = _EXTRA.get(name)
+        safe = charged(function, work, null_safe=null_safe, checks=True, extra=extra)
         connection.create_function(name, arity, safe, deterministic=True)
 
     for name, (arity, function) in functions.items():
-        create(name, arity, function, null_safe=True)
+        create(name, arity, function)
     for name, (arities, function) in REPLACED.items():
         for arity in arities:
-            create(name, arity, function, null_safe=True)
+            create(name, arity, function)
     for name, function in _NULL_MEANS_ABSENT.items():
         for arity in range(1, _MOST_COMPARED + 1):
             create(name, arity, function, null_safe=False)
-    for name, function in _QUICK.items():
-        connection.create_function(name, 1, function, deterministic=True)
     for name, (arity, aggregate) in AGGREGATES.items():
-        connection.create_aggregate(name, arity, partial(_counting, aggregate, work))
-
-
-def _counting(aggregate: Callable[[], Any], work: Work) -> Any:
-    """Return an aggregate whose steps count as steps of some work."""
-    made = aggregate()
-    made.step = counted(made.step, work)
-    return made
+        connection.create_aggregate(name, arity, partial(ChargedAggregate, aggregate, work))

@@ -27,6 +27,7 @@ def decimal_to_text(value: float, scale: int) -> str:
     """Return a decimal number with a fixed number of digits after the point."""
     if not math.isfinite(value):
         return str(value)
+    check_text(scale)
     return f"{value + 0.0 if value else 0.0:.{scale}f}"
 
 
@@ -37,12 +38,15 @@ def formatted(template: str, *values: Any) -> str:
         ValueError: There is no such directive, or no value for it.
     """
     waiting = list(values)
+    length = 0
 
     def written(found: re.Match[str]) -> str:
+        nonlocal length
         flags, width, digits, kind = found.groups()
         if kind == "%":
             return "%"
-        check_text(int(width or 0) + int(digits or 0))
+        length += int(width or 0) + int(digits or 0)
+        check_text(length)
         value = waiting.pop(0) if waiting else None
         if value is None:
             raise ValueError(f"no value for {found.group()}")

@@ -1,0 +1,322 @@
+"""Whatever a callback does ends in a notice, and is charged for."""
+
+from __future__ import annotations
+
+import builtins
+import gc
+import json
+import sqlite3
+import tracemalloc
+from contextlib import suppress
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charged
+from logical_robots_tui.mind.sqlite.functions import registry
+from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
+from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
+from tests.mind.hostile.bounds import bounded_memory
+from tests.mind.rows import ROBOT, row
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from logical_robots_tui.mind.sqlite.database import Database
+
+SECONDS_OF_A_STEP = 4e-6
+SECONDS_OF_A_CALL = 0.5  # whatever is parsed once
+BYTES_OF_A_BYTE = 1.5
+MANY = 10**12
+
+EXCEPTIONS = sorted(
+    (
+        kind
+        for kind in vars(builtins).values()
+        if isinstance(kind, type)
+        and issubclass(kind, Exception)
+        and not issubclass(kind, UnicodeError | BaseExceptionGroup)
+    ),
+    key=lambda kind: kind.__name__,
+)
+
+
+def undecodable() -> Exception:
+    return UnicodeDecodeError("utf-8", b"\xed\xa0\x80", 0, 1, "invalid continuation byte")
+
+
+RAISED: list[Callable[[], BaseException]] = [
+    *EXCEPTIONS,
+    undecodable,
+    lambda: UnicodeEncodeError("utf-8", "\ud800", 0, 1, "surrogates not allowed"),
+    lambda: ExceptionGroup("several", [ValueError()]),
+    KeyboardInterrupt,
+    SystemExit,
+]
+CALLBACKS = ["function", "step", "finalize", "text", "read"]
+
+USES_ALL = f"""
+{ROBOT} Memory(robot_name:, memory:), m = {{
+  text: Upper(memory), all: Set{{x :- x in [2, 1]}}, first: AnyValue{{x :- x in [2, 1]}}
+}};
+"""
+
+
+@pytest.fixture(scope="module")
+def uses_all() -> Program:
+    return Program.compile(USES_ALL)
+
+
+def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]) -> None:
+    """Let each callback of this kind raise, in all databases of a mind."""
+
+    def fail(*_: Any) -> Any:
+        raise error()
+
+    step = fail if callback == "step" else lambda *_: None
+    finalize = fail if callback == "finalize" else lambda *_: "[]"
+    aggregate = type("Failing", (), {"step": step, "finalize": finalize})
+    for database in databases(mind):
+        connection = database._connection
+        if callback == "function":
+            for name in ("upper_text", "upper"):
+                connection.create_function(name, 1, fail)
+        elif callback == "text":
+            connection.text_factory = fail
+        elif callback == "read":
+            mind._asking._read_value = fail  # type: ignore[assignment]
+        else:
+            for name in ("list_of_distinct", "any_value"):
+                connection.create_aggregate(name, 1, aggregate)
+
+
+def databases(mind: Mind) -> Iterator[Database]:
+    asking = mind._asking
+    yield asking.plain_tables._database
+    if asking._tuned is not None:
+        yield asking._tuned._database
+
+
+@pytest.mark.parametrize("callback", CALLBACKS)
+def test_every_exception_in_a_thought_is_a_notice(callback: str, uses_all: Program) -> None:
+    for error in RAISED:
+        if callback in ("text", "read") and error in (KeyboardInterrupt, SystemExit, StopIteration):
+            continue  # in our own code these have another meaning
+        mind = Mind(uses_all)
+        break_callback(mind, callback, error)
+        (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+        mind.close()
+        assert [n.kind for n in decision.notices] == ["failed"], error
+        assert decision.memory == "kept"
+
+
+@pytest.mark.parametrize(
+    "memory",
+    [
+        "Set{Chr(55296) :- x in [1, 2]}",
+        "Min{[Chr(55296)] :- x in [1, 2]}",
+        "Upper(Chr(55296))",
+        "{a: [Chr(56320), Chr(55296)]}",
+    ],
+)
+def test_half_a_character_ends_no_game(memory: str) -> None:
+    mind = Mind(Program.compile(f"{ROBOT} m = {memory};"))
+    (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    mind.close()
+    assert decision.notices or "\ud800" not in str(decision.memory)
+
+
+def test_a_function_of_another_kind_is_charged_for_as_well() -> None:
+    work = Work(lambda: None)
+    before = work.steps
+    charged(lambda text: text * 2, work)("abcde")
+    assert before - work.steps >= 15
+
+
+ENTRIES = {
+    **{name: arity for name, (arity, _) in {**registry._FUNCTIONS, **registry._MATHS}.items()},
+    **{name: arities[-1] for name, (arities, _) in REPLACED.items()},
+    **dict.fromkeys(registry._NULL_MEANS_ABSENT, 2),
+}
+
+NUMBERS = st.one_of(
+    st.integers(-(2**63), 2**63 - 1),
+    st.floats(allow_infinity=True, allow_nan=False),
+    st.sampled_from([0, -0.0, 1e300, 5e-324, 2**63 - 1, -(2**63), 1e308]),
+)
+TEXTS = st.one_of(
+    st.text(max_size=50),
+    st.sampled_from(
+        ["", "a", "%s", "%2000000d", "%.99999999999f", "[", "{", "Inf", "NaN", "1e999"]
+    ),
+    st.builds(
+        lambda part, times: part * times,
+        st.sampled_from(["a", "%d ", "%", "_a%", "ab", "\N{GRINNING FACE}", "ß", ",", "\x00", "9"]),
+        st.integers(1, 20_000),
+    ),
+)
+ITEMS = st.sampled_from(
+    ["1", '"a"', "null", "{}", "[]", '{"a":null}', '{"b":1,"a":[1]}', "1e999", "[[[]]]", '"[1]"']
+)
+NESTED = st.one_of(
+    st.builds(lambda item, n: f"[{','.join([item] * n)}]", ITEMS, st.integers(0, 9_000)),
+    st.builds(
+        lambda item, n: "{" + ",".join(f'"{i}":{item}' for i in range(n)) + "}",
+        ITEMS,
+        st.integers(0, 9_000),
+    ),
+    st.builds(lambda n: "[" * n + "]" * n, st.integers(0, 9_000)),
+    st.builds(lambda n: '{"a":' * n + "1" + "}" * n, st.integers(0, 3_000)),
+    st.builds(
+        lambda n: json.dumps([{"arg": str(i), "value": -i} for i in range(n)]),
+        st.integers(0, 6_000),
+    ),
+    st.builds(lambda n: json.dumps([[1] * (n % 40) + [-i] for i in range(n)]), st.integers(0, 900)),
+    st.lists(NUMBERS, max_size=20).map(json.dumps),
+)
+VALUES = st.one_of(st.none(), NUMBERS, TEXTS, NESTED)
+
+NULLS = json.dumps(dict.fromkeys(map(str, range(9_000))))
+
+
+def characters(arguments: list[Any]) -> int:
+    return sum(len(a) for a in arguments if isinstance(a, str))
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", sorted(ENTRIES))
+@given(data=st.data())
+def test_a_call_takes_no_longer_than_it_is_charged_for(name: str, data: st.DataObject) -> None:
+    count = ENTRIES[name] if ENTRIES[name] >= 0 else data.draw(st.integers(0, 6))
+    arguments = [data.draw(VALUES) for _ in range(count)]
+    check_call(name, arguments)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("list_has", [f"[{','.join(['{}'] * 19_000)}]", NULLS]),
+        ("sort_list", [json.dumps([[1] * 10 + [-i] for i in range(1_500)])]),
+        ("formatted", ["%1999999d" * 50, *[1] * 50]),
+        ("decimal_to_text", [1.5, 2_000_000_000]),
+        ("round_to", [200, 2**63 - 1]),
+        ("round_to", [2.5, -(2**63)]),
+        ("compare_values", [NULLS, NULLS]),
+    ],
+)
+def test_a_call_that_is_meant_to_take_long_is_charged_for(name: str, arguments: list[Any]) -> None:
+    check_call(name, arguments)
+
+
+def check_call(name: str, arguments: list[Any]) -> None:
+    called = installed()[name, len(arguments)]
+    work = WORK
+    work.steps = before = MANY
+    start = process_time()
+    with suppress(Exception):
+        called(*arguments)
+    seconds, steps = process_time() - start, before - work.steps
+    assert seconds <= SECONDS_OF_A_CALL + steps * SECONDS_OF_A_STEP, (seconds, steps)
+    if None not in arguments:
+        assert steps >= characters(arguments)
+
+
+WORK = Work(lambda: None)
+
+
+class _Registered:
+    """What is registered with a connection, to be called without one."""
+
+    def __init__(self) -> None:
+        self.functions: dict[tuple[str, int], Callable[..., Any]] = {}
+        self.aggregates: dict[str, Callable[[], Any]] = {}
+
+    def execute(self, _: str) -> Any:
+        raise sqlite3.OperationalError  # as if SQLite had no mathematical functions
+
+    def create_function(self, name: str, arity: int, function: Any, **_: Any) -> None:
+        for count in range(60) if arity < 0 else (arity,):
+            self.functions[name, count] = function
+
+    def create_aggregate(self, name: str, _: int, make: Any) -> None:
+        self.aggregates[name] = make
+
+
+_registered = _Registered()
+registry.install(_registered, WORK)  # type: ignore[arg-type]  # all that it uses
+
+
+def installed() -> dict[tuple[str, int], Callable[..., Any]]:
+    return _registered.functions
+
+
+ROWS = st.lists(st.tuples(VALUES, VALUES, st.integers(-1, 5)), max_size=12)
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", sorted(AGGREGATES))
+@given(rows=ROWS, times=st.integers(1, 60))
+@example(rows=[(NULLS, NULLS, 1), *[("{}", "{}", 1)] * 50], times=2)
+@example(rows=[('[{"a":[1]},{"b":[2]}]', 1, 2)] * 100, times=10)
+def test_an_aggregate_is_charged_for_what_it_does_and_holds(
+    name: str, rows: list[tuple[Any, ...]], times: int
+) -> None:
+    made = _registered.aggregates[name]
+    arity = AGGREGATES[name][0]
+    assert isinstance(made(), ChargedAggregate)
+    WORK.steps = WORK.bytes = MANY
+    start = process_time()
+    aggregate = made()
+    for arguments in rows * times:
+        with suppress(Exception):
+            aggregate.step(*arguments[:arity])
+    held = MANY - WORK.bytes
+    with suppress(Exception):
+        aggregate.finalize()
+    seconds, steps = process_time() - start, MANY - WORK.steps
+    assert seconds <= SECONDS_OF_A_CALL + steps * SECONDS_OF_A_STEP, (seconds, steps)
+    assert held >= 0
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", sorted(AGGREGATES))
+@pytest.mark.parametrize(
+    "item",
+    ['{"a":{},"b":%d}', "[[%d]]", '"%d"', "%d", '[{"a":[]},%d]', "text%d", '[" \N{SNOWMAN}%d"]'],
+)
+def test_an_aggregate_holds_no_more_than_it_is_charged_for(name: str, item: str) -> None:
+    made, arity = _registered.aggregates[name], AGGREGATES[name][0]
+    values = [item % n for n in range(2_000)]
+    WORK.steps = WORK.bytes = MANY
+    gc.collect()
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    aggregate = made()
+    for value in values:
+        with suppress(Exception):
+            aggregate.step(*[value, value + " ", 5][:arity])
+    held = tracemalloc.get_traced_memory()[0] - before
+    tracemalloc.stop()
+    assert held <= BYTES_OF_A_BYTE * (MANY - WORK.bytes) + 20_000
+
+
+NINETY = ", ".join(f"s{n}? Set= {{a: {{b: {{}}, c: x + {n}}}}}" for n in range(90))
+
+
+def test_what_aggregates_hold_is_bounded() -> None:
+    program = Program.compile(
+        f"""
+        All({NINETY}) distinct :- x in Range(19000);
+        {ROBOT} All(s0:), m = Size(s0);
+        """
+    )
+    mind = Mind(program, limits=Limits(think_seconds=60))
+    with bounded_memory():
+        (decision,) = mind.think([row("Ada")], {"Ada": "kept"})
+    mind.close()
+    assert [n.kind for n in decision.notices] == ["failed"]
+    assert "aggregates collect more than 100,663,296 bytes" in decision.notices[0].message
