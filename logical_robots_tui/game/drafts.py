@@ -21,7 +21,7 @@ OLD_DRAFTS_KEPT = 50
 
 Kind: TypeAlias = Literal["program", "level", "place"]
 Key: TypeAlias = tuple[Kind, str]
-"""The kind and the file path of a draft. A newer draft of the same key replaces the older one."""
+"""The kind and the file path of a draft. A session has one draft of each key."""
 
 _held_locks: set[int] = set()
 
@@ -37,6 +37,7 @@ class Draft:
         text: The unsaved text.
         saved: When the draft was made, with time zone, to show.
         turn: A counter that orders drafts regardless of the clock.
+        level: The level that a program was written in, or "".
     """
 
     kind: Kind
@@ -45,11 +46,20 @@ class Draft:
     text: str
     saved: datetime = field(default_factory=lambda: datetime.now(UTC))
     turn: int = field(default=0, compare=False)
+    level: str = ""
 
     @property
     def key(self) -> Key:
         """Its kind and path."""
         return self.kind, self.path
+
+    @property
+    def identity(self) -> tuple[str, ...]:
+        """What drafts of several sessions have in common if only the newest of them is wanted.
+
+        Texts that differ are all wanted.
+        """
+        return self.key if self.kind == "place" else (*self.key, self.text)
 
 
 class Drafts:
@@ -71,7 +81,7 @@ class Drafts:
         self._turn = self._turns_before = 0
         self._latest: dict[Key, int] = {}
         self._mine: dict[Key, Draft] = {}
-        self._adopted: dict[Key, Draft] = {}
+        self._adopted: dict[tuple[str, ...], Draft] = {}
         self._unwritten: set[Key] = set()
 
     def next_turn(self) -> int:
@@ -115,20 +125,23 @@ class Drafts:
         """Return this session's draft, or None."""
         return self._mine.get(key)
 
-    def take(self, key: Key) -> Draft | None:
+    def take(self, key: Key, text: str | None = None) -> Draft | None:
         """Turn an adopted draft into an own one; return None if there is none.
 
-        An own draft of the same key is moved to the folder ``old``.
+        It is the newest of a key, or that with a text. An own draft of the same key is moved to the
+        folder ``old``.
         """
         with self._guard:
-            draft = self._adopted.pop(key, None)
+            found = [d for d in self._adopted.values() if d.key == key and text in (None, d.text)]
+            draft = max(found, key=lambda draft: draft.turn, default=None)
             if draft is not None:
+                del self._adopted[draft.identity]
                 self._mine[key] = draft
                 self._unwritten.add(key)
                 with suppress(OSError):
                     if self._file(key).exists():
                         self._retire(self._file(key))
-                    self._adopted_file(key).replace(self._file(key))
+                    self._adopted_file(draft).replace(self._file(key))
                     self._unwritten.discard(key)
             return draft
 
@@ -145,17 +158,18 @@ class Drafts:
                 with suppress(OSError):
                     self._file(key).unlink(missing_ok=True)
 
-    def put_away(self, key: Key) -> None:
+    def put_away(self, draft: Draft) -> None:
         """Move an adopted draft to the folder ``old``."""
         with self._guard:
-            if self._adopted.pop(key, None) is not None:
+            if self._adopted.pop(draft.identity, None) is not None:
                 with suppress(OSError):
-                    self._retire(self._adopted_file(key))
+                    self._retire(self._adopted_file(draft))
 
     def adopt(self, kind: Kind) -> list[Draft]:
         """Take over the drafts of sessions that have ended, unless this one has.
 
-        Returns the adopted drafts of a kind, newest first, one per path.
+        Returns the adopted drafts of a kind, newest first; of those that differ in nothing but
+        their time, and of the places in one level, only the newest.
 
         Raises:
             OSError: The folder can't be used.
@@ -192,8 +206,8 @@ class Drafts:
     def _file(self, key: Key) -> Path:
         return self.folder / f"{self._session}-{_fingerprint(key)}.json"
 
-    def _adopted_file(self, key: Key) -> Path:
-        return self.folder / f"{self._session}-{_fingerprint(key)}-adopted.json"
+    def _adopted_file(self, draft: Draft) -> Path:
+        return self.folder / f"{self._session}-{_fingerprint(draft.identity)}-adopted.json"
 
     def _lock_file(self, session: str) -> Path:
         return self.folder / f"{session}.lock"
@@ -227,14 +241,14 @@ class Drafts:
         if draft is None:
             self._retire(file)
             return
-        rival = self._adopted.get(draft.key)
+        rival = self._adopted.get(draft.identity)
         if rival is not None and rival.turn >= draft.turn:
             self._retire(file)
             return
         if rival is not None:
-            self._retire(self._adopted_file(draft.key))
-        file.replace(self._adopted_file(draft.key))
-        self._adopted[draft.key] = draft
+            self._retire(self._adopted_file(draft))
+        file.replace(self._adopted_file(draft))
+        self._adopted[draft.identity] = draft
 
     def _retire(self, file: Path) -> None:
         old = self.folder / "old"
@@ -244,7 +258,7 @@ class Drafts:
             surplus.unlink(missing_ok=True)
 
 
-def _fingerprint(key: Key) -> str:
+def _fingerprint(key: tuple[str, ...]) -> str:
     """A short name for a key: the same key, the same name."""
     import hashlib  # takes time that the first picture needs
 
@@ -268,7 +282,7 @@ def _from_json(file: Path) -> Draft | None:
         draft.kind in get_args(Kind)
         and draft.saved.tzinfo is not None
         and isinstance(draft.turn, int)
-        and all(isinstance(part, str) for part in (draft.name, draft.path, draft.text))
+        and all(isinstance(part, str) for part in (draft.name, draft.path, draft.text, draft.level))
     )
     return draft if is_whole else None
 

@@ -146,6 +146,17 @@ class Progress:
         level = _storable(level)
         self._store.write(lambda connection: _keep(connection, level, text, _now()))
 
+    def keep_aside(self, level: str, text: str, otherwise: str) -> None:
+        """Store a version after the newest; if there is none, `otherwise` becomes that."""
+        level = _storable(level)
+        newest = self.newest(level)
+
+        def note(connection: sqlite3.Connection) -> None:
+            _keep(connection, level, text, _now())
+            _keep(connection, level, otherwise if newest is None else newest, _now())
+
+        self._store.write(note)
+
     def versions(self, level: str) -> list[Version]:
         """Return the versions stored for a level, last used first."""
         level = _storable(level)

@@ -11,6 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.clock import CLOCK, Clock
+from logical_robots_tui.game import level_key
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.tui.app.background import ScreenUi
@@ -39,7 +40,7 @@ from logical_robots_tui.tui.program.controller import FileWatch, ProgramControll
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.program.teams import TeamChoice, TeamTabs
-from logical_robots_tui.tui.recovery.autosave import Autosave, leave, program_draft
+from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, leave, program_draft
 from logical_robots_tui.tui.recovery.offers import Bookmark, Offers
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
 from logical_robots_tui.tui.timeline.replays import Replays
@@ -128,7 +129,7 @@ class MainScreen(Screen[None], SessionListener):
         self.drafts = Drafts(data_dir / "drafts")
         self.autosave = Autosave(
             self.drafts,
-            state=lambda: (session.source, program.text),
+            state=lambda: UnsavedText(session.source, program.text, level_key(session.level)),
             draft=program_draft,
             failed=self.warn,
             what="What you type",

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.tui.recovery.autosave import Autosave
+    from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.levels.labyrinths import DailySize
@@ -41,7 +41,7 @@ class LibraryController:
         ui: Ui,
         recorder: ProgressRecorder,
         drafts: Drafts,
-        autosave: Autosave[tuple[Source, str]],
+        autosave: Autosave[UnsavedText],
         program: ProgramText,
         data_dir: Path,
         *,
@@ -223,21 +223,31 @@ class LibraryController:
         return text
 
     async def offer(self, offers: Offers) -> None:
-        """Offer the text that an earlier session left unsaved, if there is one."""
-        drafts = await offers.at_hand(self._left_unsaved)
-        if not drafts:
-            return
-        here = self._session.source.draft
-        draft = next((draft for draft in drafts if draft.path == here), drafts[0])
-        answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
-        question = (
-            f"Continue with your unsaved text of {short_name(draft)} from {when_saved(draft)}?"
-        )
-        answer = await offers.ask("Unsaved text", question, answers, text=draft.text)
-        if answer == "yes":
-            self._continue_with(draft)
-        elif answer == "no":
-            await asyncio.to_thread(self._drafts.put_away, draft.key)
+        """Offer the texts of a program that earlier sessions left unsaved, if there are any.
+
+        Texts of other programs are offered next time.
+        """
+        asked: str | None = None
+        while drafts := await offers.at_hand(self._left_unsaved):
+            here = asked or self._session.source.draft
+            draft = next((draft for draft in drafts if draft.path == here), drafts[0])
+            if asked not in (None, draft.path):
+                return
+            another = "another" if asked else "your"
+            question = (
+                f"Continue with {another} unsaved text of {short_name(draft)} "
+                f"from {when_saved(draft)}?"
+            )
+            answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
+            answer = await offers.ask("Unsaved text", question, answers, text=draft.text)
+            if answer == "yes":
+                self._continue_with(draft)
+            elif answer == "no":
+                self._recorder.set_aside(draft)
+                await asyncio.to_thread(self._drafts.put_away, draft)
+            else:
+                return
+            asked = draft.path
 
     async def _left_unsaved(self) -> list[Draft]:
         try:
@@ -252,7 +262,9 @@ class LibraryController:
         if source.team != sources.team and source.team in sources.teams:
             self.look_at(source.team)
         self._autosave.flush()
-        self._drafts.take(draft.key)
+        if replaced := self._drafts.get(draft.key):
+            self._recorder.set_aside(replaced)
+        self._drafts.take(draft.key, draft.text)
         if draft.path == self._session.source.draft:
             source = self._session.source
             self._program.put(draft.text)
@@ -266,5 +278,5 @@ class LibraryController:
         kept = await self._recorder.ask(lambda progress: progress.holds(draft.text))
         if source.text != draft.text and not kept:
             return True
-        await asyncio.to_thread(self._drafts.put_away, draft.key)
+        await asyncio.to_thread(self._drafts.put_away, draft)
         return False

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game import level_key
+from logical_robots_tui.game import Source, level_key
 from logical_robots_tui.game.continuing import keep_if_own, note_level
 from logical_robots_tui.game.victory import keep_victory, references_for
 from logical_robots_tui.progress import NEW, Progress
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.game import Frame
+    from logical_robots_tui.game.drafts import Draft
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
@@ -137,6 +138,16 @@ class ProgressRecorder(SessionListener):
         def keep(progress: Progress) -> None:
             for text in texts:
                 progress.keep(key, text)
+
+        self._write(keep)
+
+    def set_aside(self, draft: Draft) -> None:
+        """Keep the text of a draft for its level, or the current one, but not as the newest."""
+        key = draft.level or self._key
+
+        def keep(progress: Progress) -> None:
+            source = Source.of_draft(draft.path, draft.name)
+            progress.keep_aside(key, draft.text, source.text)
 
         self._write(keep)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
 
 from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -17,6 +17,20 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Ui
 
 State = TypeVar("State")
+
+
+class UnsavedText(NamedTuple):
+    """What is in the editor.
+
+    Attributes:
+        source: The program.
+        text: Its text as edited.
+        level: Key of the level that it is edited in.
+    """
+
+    source: Source
+    text: str
+    level: str
 
 
 class Autosave(Generic[State]):
@@ -107,12 +121,12 @@ class Autosave(Generic[State]):
             self._written, self._written_turn = state, turn
 
 
-def program_draft(unsaved: tuple[Source, str]) -> Draft | Key:
+def program_draft(unsaved: UnsavedText) -> Draft | Key:
     """The draft of a program's text, unless that is as in its file."""
-    source, text = unsaved
+    source, text, level = unsaved
     if text == source.text:
         return "program", source.draft
-    return Draft("program", source.name, source.draft, text)
+    return Draft("program", source.name, source.draft, text, level=level)
 
 
 class Unsaved(Protocol):

@@ -112,20 +112,20 @@ async def offer(
     store: Drafts,
     go_on: Callable[[Level, Draft], Awaitable[None]],
 ) -> None:
-    """Offer the newest level that can be restored; others are offered next time."""
+    """Offer the levels that can be restored, newest first, until one is taken."""
     for draft in drafts:
         found = await asyncio.to_thread(_read, draft)
         if found is None:
-            await asyncio.to_thread(store.put_away, draft.key)
+            await asyncio.to_thread(store.put_away, draft)
             continue
         question = f"Continue editing the level {short_name(draft)} from {when_saved(draft)}?"
         answers = [("yes", "Yes, continue"), ("no", "No, set it aside")]
         answer = await offers.ask("Unsaved level", question, answers)
-        if answer == "yes":
-            await go_on(found, draft)
-        elif answer == "no":
-            await asyncio.to_thread(store.put_away, draft.key)
-        return
+        if answer != "no":
+            if answer == "yes":
+                await go_on(found, draft)
+            return
+        await asyncio.to_thread(store.put_away, draft)
 
 
 def _read(draft: Draft) -> Level | None:
@@ -174,7 +174,7 @@ class Bookmark:
             for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
                 with contextlib.suppress(ValueError):
                     await self._ask(offers, Place.from_text(draft.text), draft)
-                self._drafts.put_away(draft.key)
+                self._drafts.put_away(draft)
 
     async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
         question = (

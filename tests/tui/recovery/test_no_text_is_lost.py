@@ -1,0 +1,252 @@
+"""Whatever sessions do, every text that stood for half a second can be had again."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, rule
+
+from logical_robots_tui.game import drafts as drafts_module
+from logical_robots_tui.game import level_key
+from logical_robots_tui.game.continuing import programs_to_begin_with
+from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.tui.library.controller import LibraryController
+from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
+from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, program_draft
+from logical_robots_tui.tui.recovery.offers import Offers
+from logical_robots_tui.world import load_level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game import Source
+    from logical_robots_tui.tui.layout.dialogs import Question
+
+LEVEL = load_level("01-first-steps")
+ANSWERS = st.lists(st.sampled_from(["yes", "no", None]), max_size=4)
+
+
+class Editor:
+    """The text in the editor of a session, and the program that is applied."""
+
+    def __init__(self, source: Source, text: str) -> None:
+        self.source, self.text = source, text
+        self.level = LEVEL
+        self.sources = self
+        self.team, self.teams = "", ()
+
+    def put(self, text: str) -> None:
+        self.text = text
+
+    load = put
+
+    def open_program(self, source: Source, text: str) -> None:
+        self.source = source._replace(text=source.text)
+        self.text = text
+
+
+class Player:
+    """Somebody at the screen: answers the questions, and is told nothing."""
+
+    def __init__(self, answers: list[str | None]) -> None:
+        self._answers = answers
+        self.asked: list[tuple[str, str | None]] = []
+        self._tasks: list[asyncio.Task[None]] = []
+
+    def tell(self, _message: str) -> None:
+        pass
+
+    def warn(self, message: str) -> None:
+        raise AssertionError(message)
+
+    def spawn(self, work: Any, *_: Any, **__: Any) -> None:
+        self._tasks.append(asyncio.create_task(work()))
+
+    async def ask(self, question: Question) -> str | None:
+        answer = self._answers.pop() if self._answers else None
+        self.asked.append((question._text, answer))
+        return answer
+
+    async def done(self) -> None:
+        await asyncio.gather(*self._tasks)
+        self._tasks.clear()
+
+
+class Session:
+    """A session without a screen."""
+
+    def __init__(self, folder: Path, answers: list[str | None]) -> None:
+        self.drafts = Drafts(folder / "drafts")
+        self.recorder = ProgressRecorder(folder / "progress.sqlite")
+        self.player = Player(answers)
+        sources, text = programs_to_begin_with(self.recorder.progress, LEVEL, (), {}, folder)
+        self.editor = Editor(sources[""], sources[""].text if text is None else text)
+        self.autosave = Autosave(
+            self.drafts,
+            state=lambda: UnsavedText(self.editor.source, self.editor.text, level_key(LEVEL)),
+            draft=program_draft,
+            failed=self.player.warn,
+            what="What you type",
+        )
+        screen = cast("Any", self.editor)
+        self.library = LibraryController(
+            screen,
+            cast("Any", self.player),
+            self.recorder,
+            self.drafts,
+            self.autosave,
+            screen,
+            folder,
+            drawing=lambda: cast("Any", None),
+            make_level=lambda: cast("Any", None),
+        )
+
+    async def begin(self) -> None:
+        nothing = cast("Any", lambda *_: None)
+        self.recorder.attach(cast("Any", self.player), changed=nothing, measured=nothing)
+        self.recorder.level_opened(LEVEL)
+        self.autosave.flush()
+        await self.library.offer(Offers(cast("Any", self.player), lambda: True))
+        self.autosave.flush()
+        await self.player.done()
+
+    async def apply(self) -> None:
+        self.recorder.keep(self.editor.text)
+        await self.player.done()
+
+    async def end(self, *, killed: bool) -> None:
+        if not killed:
+            self.autosave.stop()
+            self.drafts.close()
+        elif self.drafts._lock is not None:
+            drafts_module._release(self.drafts._lock)
+        await self.recorder.close()
+
+    async def at_hand(self) -> set[str]:
+        """All texts that a player of this session can get."""
+        offered = {draft.text for draft in self.drafts.adopt("program")}
+        versions = {version.text for version in await self.recorder.versions()}
+        return {self.editor.text, self.editor.source.text} | offered | versions
+
+
+class Sessions(RuleBasedStateMachine):
+    """Several sessions of one player, some of which hang: they do nothing and hold their lock."""
+
+    sessions: Bundle[Session] = Bundle("sessions")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.runner = asyncio.Runner()
+        self.folder = tempfile.TemporaryDirectory()
+        self.wanted: set[str] = set()
+        self.number = 0
+        self.alive: list[Session] = []
+
+    @rule(target=sessions, answers=ANSWERS)
+    def open(self, answers: list[str | None]) -> Session:
+        session = Session(Path(self.folder.name), answers)
+        shown = session.editor.text
+        self.runner.run(session.begin())
+        self.alive.append(session)
+        self.wanted.add(shown)
+        self.wanted |= {text for text, _ in session.player.asked}
+        # What is in the editor now stands there, and only there.
+        self.wanted -= {text for text, answer in session.player.asked if answer == "yes"} & {
+            session.editor.text
+        }
+        return session
+
+    @rule(session=sessions)
+    def type(self, session: Session) -> None:
+        self.number += 1
+        session.editor.put(f"{session.editor.text}# {self.number}\n")
+        session.autosave.flush()
+
+    @rule(session=sessions)
+    def take_back(self, session: Session) -> None:
+        session.editor.put(session.editor.source.text)
+        session.autosave.flush()
+
+    @rule(session=sessions)
+    def apply(self, session: Session) -> None:
+        self.runner.run(session.apply())
+        self.wanted.add(session.editor.text)
+
+    @rule(session=consumes(sessions), killed=st.booleans())
+    def end(self, session: Session, killed: bool) -> None:
+        self._end(session, killed=killed)
+
+    def _end(self, session: Session, *, killed: bool) -> None:
+        self.wanted.add(session.editor.text)
+        self.alive.remove(session)
+        self.runner.run(session.end(killed=killed))
+
+    def teardown(self) -> None:
+        for session in [*self.alive]:
+            self._end(session, killed=True)
+        last = Session(Path(self.folder.name), [])
+        self.runner.run(last.begin())
+        found = self.runner.run(last.at_hand())
+        self.runner.run(last.end(killed=False))
+        self.runner.close()
+        self.folder.cleanup()
+        assert self.wanted <= found
+
+
+Sessions.TestCase.settings = settings(
+    max_examples=max(10, settings().max_examples // 4), stateful_step_count=12, deadline=None
+)
+TestNoTextIsLost = pytest.mark.sampled(Sessions.TestCase)
+
+
+async def test_what_a_hung_session_left_is_offered_after_one_that_was_only_opened(
+    tmp_path: Path,
+) -> None:
+    hung = Session(tmp_path, [])
+    await hung.begin()
+    hung.editor.put(hung.editor.text + "# changed\n")
+    await hung.apply()
+    hung.editor.put(hung.editor.text + "# PRECIOUS WORK\n")
+    hung.autosave.flush()
+    second = Session(tmp_path, [])
+    await second.begin()
+    assert second.editor.text.endswith("# changed\n")
+    await hung.end(killed=True)
+    await second.end(killed=False)
+    third = Session(tmp_path, ["yes"])
+    await third.begin()
+    assert third.editor.text == hung.editor.text
+    await third.end(killed=False)
+
+
+async def test_what_was_set_aside_is_a_version_and_not_the_one_to_go_on_with(
+    tmp_path: Path,
+) -> None:
+    first = Session(tmp_path, [])
+    await first.begin()
+    first.editor.put(first.editor.text + "# unwanted\n")
+    await first.end(killed=False)
+    second = Session(tmp_path, ["no"])
+    await second.begin()
+    versions = [version.text for version in await second.recorder.versions()]
+    assert versions == [second.editor.text, first.editor.text]
+    await second.end(killed=False)
+
+
+async def test_two_texts_that_differ_are_both_offered(tmp_path: Path) -> None:
+    both = [Session(tmp_path, []), Session(tmp_path, [])]
+    for number, session in enumerate(both):
+        await session.begin()
+        session.editor.put(session.editor.text + f"# {number}\n")
+    for session in both:
+        await session.end(killed=False)
+    third = Session(tmp_path, ["yes", "yes"])
+    await third.begin()
+    assert [text for text, _ in third.player.asked] == [s.editor.text for s in reversed(both)]
+    assert third.editor.text == both[0].editor.text
+    assert both[1].editor.text in [version.text for version in await third.recorder.versions()]
+    await third.end(killed=False)
