@@ -9,15 +9,18 @@ import mmap
 import os
 import resource
 from errno import EACCES, EDQUOT
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 MOST_FILES = 2_000
 MOST_BYTES = 200 * 2**20
 """Total size of all files in a player's folder."""
+
+WRITABLE = (".l", ".toml", ".json", ".replay", ".csv", ".svg", ".txt")
+"""Endings of the files that a player can write."""
 
 WHY = "restricted mode allows only your own files"
 
@@ -55,6 +58,20 @@ def check_mine(path: str | Path) -> None:
         folders = (confined.own, *confined.readable)
         if not any(where == folder or where.startswith(folder + os.sep) for folder in folders):
             raise PermissionError(EACCES, WHY, str(path))
+
+
+def check_name(path: Path) -> None:
+    """Refuse to write a file that another program might run, or take for its settings.
+
+    Raises:
+        PermissionError: The file has another ending than the game's, or is in a hidden folder.
+    """
+    for confined in _confined:
+        parts = Path(os.path.relpath(path, confined.own)).parts
+        is_hidden = any(part.startswith(".") for part in parts)
+        if is_hidden or path.suffix not in WRITABLE:
+            said = f"restricted mode writes only files that end in {', '.join(WRITABLE)}"
+            raise PermissionError(EACCES, f"{said}, in no hidden folder", str(path))
 
 
 def check_quota(path: Path, size: int) -> None:

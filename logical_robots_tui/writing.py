@@ -8,7 +8,7 @@ import re
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.confinement import check_quota
+from logical_robots_tui.confinement import check_name, check_quota
 from logical_robots_tui.paths import is_file, is_there, real
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ def write_atomically(path: Path, text: str | bytes) -> None:
         path.write_bytes(content)
         return
     path = real(path)
+    check_name(path)
     check_quota(path, len(content))
     temporary, handle = _opened_beside(path)
     try:

@@ -103,6 +103,10 @@ def start(options: argparse.Namespace) -> int:
         InputError: There is no terminal, the player's name is missing, or the level or program
             can't be used.
     """
+    if options.restricted:
+        from logical_robots_tui.cli.restricted import clear_environment
+
+        clear_environment()
     if not options.plain:
         _prepare_screen()
     if options.restricted and not options.player:

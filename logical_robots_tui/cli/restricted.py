@@ -1,9 +1,7 @@
 """Restricted mode: what this process may do on a shared or public machine.
 
-A Python audit hook enforces it; once set, nothing in this process can remove it. The hook refuses
-files outside the player's folder (under any name and through any symbolic link), programs other
-than the game's own helpers, and connections. The installed Python and the game itself can be read,
-because their modules are loaded while the game runs.
+An audit hook enforces it. It refuses files outside the player's folder, programs other than the
+game's own helpers, and connections.
 """
 
 from __future__ import annotations
@@ -11,16 +9,17 @@ from __future__ import annotations
 import fcntl
 import os
 import resource
-import sys
-import sysconfig
-from errno import EACCES
-from pathlib import Path
-from typing import Any
-from urllib.parse import unquote
+import site
+from typing import TYPE_CHECKING
 
-from logical_robots_tui.confinement import WHY, confine
+from logical_robots_tui.audit import refuse_all_but
+from logical_robots_tui.confinement import confine
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.helper import is_helper
 from logical_robots_tui.shipped import shipped_folder
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 MOST_GAMES = 4
 """Games that one player may have open at the same time, of at most three processes each."""
@@ -37,29 +36,33 @@ LIMITS = {
 }
 """Limits for each process of the game, by their names in Python's module ``resource``."""
 
-_GRACE = 5  # processor seconds that a game over its limit has for a clean exit
-_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
-_DEVICES = frozenset(("/dev/null", "/dev/tty", "/dev/urandom"))
-_PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
-_SYSTEM = ("/usr/share/zoneinfo", "/etc/localtime", "/usr/share/terminfo", "/lib/terminfo")
-_CHANGES = frozenset(
-    f"os.{name}"
-    for name in (
-        *("chmod", "chown", "link", "mkdir", "mkfifo", "mknod", "remove", "removexattr", "rename"),
-        *("rmdir", "setxattr", "symlink", "truncate", "utime"),
-    )
-)
-_OF_TWO = frozenset(("os.rename", "os.link", "os.symlink"))
-_LISTINGS = frozenset(("os.listdir", "os.scandir", "os.chdir"))
-_REFUSED = frozenset(
+_KEPT = frozenset(
     (
-        *("os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.spawn", "os.system"),
-        *("pty.spawn", "socket.connect", "socket.bind", "socket.sendto", "socket.sendmsg"),
-        *("socket.getaddrinfo", "socket.gethostbyaddr", "socket.gethostbyname"),
-        *("socket.getnameinfo", "ctypes.dlopen", "sqlite3.load_extension"),
+        *("COLORTERM", "HOME", "LANG", "LANGUAGE", "NO_COLOR", "PATH", "SSH_CONNECTION", "STY"),
+        *("TERM", "TMUX", "TZ", "XDG_DATA_HOME", "OPENBLAS_NUM_THREADS"),
+        *("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH"),
     )
 )
-_HELPERS = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")
+"""Environment variables that are left, beside those of the language."""
+
+_OPENING = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
+_GRACE = 5  # processor seconds that a game over its limit has for a clean exit
+
+
+def clear_environment() -> None:
+    """Remove what others may have set for Python, Textual or an editor, before they are loaded.
+
+    Raises:
+        InputError: Python would load modules from the player's home folder.
+    """
+    if site.ENABLE_USER_SITE:
+        raise InputError(
+            "restricted mode needs a Python that loads no packages from home folders",
+            hint="Install the game in a virtual environment, or set PYTHONNOUSERSITE=1.",
+        )
+    for name in [*os.environ]:
+        if name not in _KEPT and not name.startswith("LC_"):
+            del os.environ[name]
 
 
 def restrict(own: Path) -> None:
@@ -79,16 +82,13 @@ def restrict(own: Path) -> None:
         hint = "Tell the administrator of this machine."
         said = f"the player's folder can't be used: {reason}"
         raise InputError(said, place=str(own), hint=hint) from None
-    for name in ("VISUAL", "EDITOR", "SHELL", "TMPDIR", "LOGICAL_ROBOTS_CACHE_DIR"):
-        os.environ.pop(name, None)
-    for name in [name for name in os.environ if name.startswith("XDG_")]:
-        del os.environ[name]
+    os.environ.pop("XDG_DATA_HOME", None)
     os.environ["HOME"] = str(own)
     os.chdir(own)
     for name, bound in LIMITS.items():
         _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
     confine(own, shipped_folder("levels"), shipped_folder("programs"))
-    sys.addaudithook(_AuditHook(own))
+    refuse_all_but(own, is_helper)
 
 
 def _take_slot(own: Path) -> None:
@@ -99,7 +99,7 @@ def _take_slot(own: Path) -> None:
         OSError: The folder can't be written to.
     """
     for number in range(MOST_GAMES):
-        handle = os.open(own / f".game-{number}", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        handle = os.open(own / f".game-{number}", _OPENING, 0o600)
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -116,65 +116,3 @@ def _limit(which: int, bound: int, grace: int) -> None:
     _, hard = resource.getrlimit(which)
     last = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
     resource.setrlimit(which, (min(bound, last), last))
-
-
-class _AuditHook:
-    """Refuses operations that Python announces, by raising PermissionError."""
-
-    def __init__(self, own: Path) -> None:
-        self._own = str(own)
-        # Not sys.prefix: that may be /usr, which holds much else.
-        code: set[str | Path] = {Path(__file__).parents[1]}
-        code |= {
-            sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
-        }
-        code |= {path for path in sys.path if Path(path).name in _PACKAGES or path.endswith(".zip")}
-        code |= {shipped_folder("levels"), shipped_folder("programs")}
-        real = {os.path.realpath(os.fspath(folder)) for folder in code if folder}
-        # A folder that contains the player's would also contain those of others.
-        self._code = tuple(
-            folder for folder in (*real, *_SYSTEM) if not _is_within(self._own, folder)
-        )
-
-    def __call__(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event == "open":
-            path, _, flags = arguments
-            self._check(path, writing=bool(flags & _WRITING))
-        elif event == "sqlite3.connect":
-            self._check_database(arguments[0])
-        elif event in _CHANGES:
-            for path in arguments[: 2 if event in _OF_TWO else 1]:
-                self._check(path, writing=True)
-        elif event in _LISTINGS:
-            self._check(arguments[0], writing=False)
-        elif event == "subprocess.Popen":
-            _check_program(arguments[0], arguments[1])
-        elif event in _REFUSED:
-            raise PermissionError(EACCES, f"restricted mode has no {event}")
-
-    def _check(self, path: object, *, writing: bool) -> None:
-        if not isinstance(path, str | bytes | os.PathLike):
-            return  # an open file
-        real = os.path.realpath(os.fsdecode(path))
-        if _is_within(real, self._own) or real in _DEVICES:
-            return
-        if writing or not any(_is_within(real, folder) for folder in self._code):
-            raise PermissionError(EACCES, WHY, str(path))
-
-    def _check_database(self, name: str | bytes | os.PathLike[str]) -> None:
-        text = os.fsdecode(name)
-        if text not in ("", ":memory:"):
-            self._check(unquote(text.removeprefix("file:").partition("?")[0]), writing=True)
-
-
-def _is_within(path: str, folder: str) -> bool:
-    return path == folder or path.startswith(folder.rstrip(os.sep) + os.sep)
-
-
-def _check_program(executable: object, words: object) -> None:
-    """Refuse every program except this Python with one of the game's helper modules."""
-    if executable == sys.executable and isinstance(words, list | tuple):
-        module = words[words.index("-m") + 1] if "-m" in words[:-1] else ""
-        if module in _HELPERS:
-            return
-    raise PermissionError(EACCES, "restricted mode starts no other program")

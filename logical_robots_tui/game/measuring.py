@@ -6,15 +6,14 @@ import asyncio
 import json
 import os
 import pickle
-import subprocess
 import sys
 import threading
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
 from logical_robots_tui.game.victory import measures_of
+from logical_robots_tui.helper import Helper, begin
 from logical_robots_tui.progress import Measures
 
 if TYPE_CHECKING:
@@ -25,6 +24,9 @@ if TYPE_CHECKING:
 
 MOST_TICKS = 20_000
 """Ticks within which every level can be won."""
+
+PROCESSOR_SECONDS = 3600
+"""The longest measuring."""
 
 NICENESS = 10
 """How much other processes go before this one."""
@@ -82,7 +84,7 @@ class _Work:
     def __init__(self, request: bytes) -> None:
         self._request = request
         self._guard = threading.Lock()
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: Helper | None = None
         self.is_over = False
 
     def end(self) -> None:
@@ -97,28 +99,17 @@ class _Work:
         with self._guard:
             if self.is_over:
                 raise MeasuringError
-            self._process = process = self._begin()
-        with process:
-            try:
-                return self._results_of(process, report)
-            except (OSError, ValueError) as error:
-                raise MeasuringError from error
-            finally:
-                process.kill()
+            self._process = process = Helper(__name__)
+        try:
+            return self._results_of(process, report)
+        except (OSError, ValueError) as error:
+            raise MeasuringError from error
+        finally:
+            with self._guard:
+                self._process = None
+            process.end()
 
-    def _begin(self) -> subprocess.Popen[bytes]:
-        return subprocess.Popen(  # noqa: S603 - our own interpreter, and a number
-            [sys.executable, "-P", "-m", "logical_robots_tui.game.measuring", str(NICENESS)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": _path()},
-            start_new_session=True,  # keyboard interrupts must reach only the game
-        )
-
-    def _results_of(
-        self, process: subprocess.Popen[bytes], report: Callable[[Trial], None]
-    ) -> Measures | None:
+    def _results_of(self, process: Helper, report: Callable[[Trial], None]) -> Measures | None:
         assert process.stdin is not None
         assert process.stdout is not None
         process.stdin.write(len(self._request).to_bytes(8, "big") + self._request)
@@ -135,20 +126,14 @@ class _Work:
         raise MeasuringError
 
 
-def _path() -> str:
-    """Return the module search path for the process."""
-    home = str(Path(__file__).resolve().parents[2])
-    return os.pathsep.join(dict.fromkeys([home, *(p for p in sys.path if p)]))
-
-
 def main() -> None:
-    """Process the request on standard input; end at once when it is closed."""
-    os.nice(int(sys.argv[1]))
+    """Process the request on standard input."""
+    begin(PROCESSOR_SECONDS)
+    os.nice(NICENESS)
     size = int.from_bytes(sys.stdin.buffer.read(8), "big")
     level, program, known = pickle.loads(  # noqa: S301 - from the game that started this process
         sys.stdin.buffer.read(size)
     )
-    threading.Thread(target=_end_with_the_game, daemon=True).start()
     try:
         found = _measured(level, program, known)
         _say(late=False, measures=found and found._asdict())
@@ -172,12 +157,3 @@ def _measured(level: Level, program: Program, known: Measures | None) -> Measure
 def _say(**what: object) -> None:
     sys.stdout.write(json.dumps(what) + "\n")
     sys.stdout.flush()
-
-
-def _end_with_the_game() -> None:
-    sys.stdin.buffer.read()
-    os._exit(0)
-
-
-if __name__ == "__main__":
-    main()

@@ -8,14 +8,12 @@ import logging
 import os
 import select
 import signal
-import subprocess
-import sys
 import threading
 from collections import OrderedDict
-from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
+from logical_robots_tui.helper import Helper
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
@@ -33,12 +31,11 @@ T = TypeVar("T", bound="DataclassInstance")
 
 _log = logging.getLogger(__name__)
 
+_WORKER = "logical_robots_tui.mind.compiling.worker"
 _KEPT = 64
 _LOOK_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy machine
 _LARGEST_ANSWER = 32_000_000  # bytes
-_PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH", "PYTHONHOME")
-"""Environment variables without which Python itself may not start."""
 
 
 def compiled(
@@ -83,7 +80,7 @@ def stop_compiling() -> None:
 
 class _Compiler:
     def __init__(self) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: Helper | None = None
         self._bounds = ("", "")
         self._turn = threading.Lock()
         self._kept: OrderedDict[bytes, Any] = OrderedDict()
@@ -122,11 +119,7 @@ class _Compiler:
     def close(self) -> None:
         process, self._process = self._process, None
         if process is not None:
-            process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                if pipe is not None:
-                    pipe.close()
+            process.end()
 
     def _ask(
         self,
@@ -192,36 +185,15 @@ class _Compiler:
                     raise OSError("the compile process ended or sent too much")
                 answer += piece
 
-    def _started(self, limits: Limits) -> subprocess.Popen[bytes]:
+    def _started(self, limits: Limits) -> Helper:
         bounds = str(limits.compile_bytes), str(limits.compile_seconds)
         running = self._process is not None and self._process.poll() is None
         if self._process is not None and running and bounds == self._bounds:
             return self._process
         self.close()
         self._bounds = bounds
-        self._process = subprocess.Popen(  # noqa: S603 - our own interpreter, and two numbers
-            [sys.executable, "-P", "-S", "-m", "logical_robots_tui.mind.compiling.worker", *bounds],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            bufsize=0,
-            cwd="/",
-            env=_environment(),
-            start_new_session=True,  # a keyboard interrupt is for the game alone
-        )
+        self._process = Helper(_WORKER, *bounds)
         return self._process
-
-
-def _environment() -> dict[str, str]:
-    """Return what Python needs of this process's environment."""
-    home = str(Path(__file__).resolve().parents[2])
-    paths = [home, *(str(Path(p).resolve()) for p in sys.path if p)]
-    return {
-        "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)),
-        "PYTHONDONTWRITEBYTECODE": "1",
-        "PYTHONUTF8": "1",
-        **{name: os.environ[name] for name in _PASSED_ON if name in os.environ},
-    }
 
 
 def _check(stop: threading.Event | None) -> None:

@@ -212,7 +212,7 @@ def _copy_of(file: Path) -> sqlite3.Connection | None:
             kept.execute("SELECT count(*) FROM sqlite_master").fetchone()
             kept.backup(copy)
         prepare(copy)
-    except (sqlite3.Error, DamagedError, NewerError):
+    except (OSError, sqlite3.Error, DamagedError, NewerError):
         copy.close()
         return None
     return copy

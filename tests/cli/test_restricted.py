@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.cli.restricted import MOST_GAMES
+from logical_robots_tui.cli.restricted import MOST_GAMES, clear_environment
 from logical_robots_tui.confinement import MOST_FILES
+from logical_robots_tui.errors import InputError
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
@@ -75,6 +76,16 @@ attempt("ask for an address by name", lambda: socket.gethostbyname("localhost"))
 attempt("load", lambda: ctypes.CDLL("libc.so.6"))
 attempt("fill the disk", lambda: (own / "big").write_bytes(bytes(65 * 1024**2)))
 attempt("fill memory", lambda: bytearray(3 * 1024**3))
+from logical_robots_tui.writing import write_atomically
+packages = own / ".local/lib/python3.11/site-packages"
+attempt("own hidden folder", lambda: packages.mkdir(parents=True))
+(own / ".local").mkdir(exist_ok=True)
+attempt("write a module's path", lambda: (own / ".local" / "evil.pth").write_text("import evil"))
+attempt("save a module's path", lambda: write_atomically(own / "evil.pth", "import evil"))
+attempt("save a shell's settings", lambda: write_atomically(own / ".profile", "true"))
+attempt("save a hidden program", lambda: write_atomically(own / ".mine.l", "true"))
+attempt("save over the progress", lambda: write_atomically(own / "progress.sqlite", ""))
+attempt("save", lambda: write_atomically(own / "mine.l", ""))
 attempt("own file", lambda: (own / "mine.l").write_text("mine"))
 attempt("own file read", lambda: (own / "mine.l").read_text())
 attempt("own folder", lambda: list(own.iterdir()))
@@ -109,7 +120,7 @@ print(json.dumps(found))
 """
 
 ALLOWED = {
-    *("own file", "own file read", "own folder", "own database", "database in memory"),
+    *("save", "own file", "own file read", "own folder", "own database", "database in memory"),
     *("a level", "compile"),
 }
 REFUSALS = {"fill the disk": "OSError", "fill memory": "MemoryError", "link": "PermissionError"}
@@ -143,13 +154,38 @@ def test_a_restricted_process_reaches_its_own_folder_and_the_game_and_nothing_el
     assert not list(neighbour.iterdir())
 
 
+def test_a_restricted_game_takes_nothing_from_the_environment_but_what_it_needs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kept = {"TERM": "xterm", "LC_ALL": "C.UTF-8", "HOME": "/home/ada"}
+    others = dict.fromkeys(("TEXTUAL_LOG", "TEXTUAL_SCREENSHOT", "PYTHONPATH", "EDITOR"), "x")
+    monkeypatch.setattr(os, "environ", {**kept, **others})
+    clear_environment()
+    assert os.environ == kept
+
+
+def test_a_restricted_game_wants_no_packages_from_home_folders(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("site.ENABLE_USER_SITE", True)
+    with pytest.raises(InputError, match="loads no packages from home folders"):
+        clear_environment()
+
+
+@pytest.mark.parametrize("name", ["progress.sqlite", ".game-0"])
+def test_a_link_in_place_of_a_file_of_the_game_leads_nowhere(tmp_path: Path, name: str) -> None:
+    own, elsewhere = tmp_path / "players" / "ada", tmp_path / "elsewhere"
+    own.mkdir(parents=True)
+    (own / name).symlink_to(elsewhere)
+    done = in_lines(tmp_path, "step\nquit\n", "02-open-space")
+    assert done.returncode in (0, 2), done.stderr
+    assert "can't be " in done.stdout + done.stderr
+    assert not elsewhere.exists()
+
+
 def game(folder: Path, *arguments: str) -> Sequence[object]:
     command = [sys.executable, "-m", "logical_robots_tui", "play", "--restricted"]
     return [*command, "--data-dir", folder, "--player", "ada", *arguments]
-
-
-def unwrapped(text: str) -> str:
-    return " ".join(text.replace("│", " ").split())
 
 
 @pytest.mark.slow
@@ -174,9 +210,10 @@ def test_a_restricted_game_says_what_is_off(tmp_path: Path) -> None:
             terminal.send(str(path))
             terminal.wait_for(path.name)
             terminal.send("\r")
-            terminal.wait_for(lambda: "restricted mode" in unwrapped(terminal.text))
+            # Where the message is wrapped depends on how long the path is.
+            terminal.wait_for(lambda: "restricted" in terminal.text.split())
             terminal.send("\x1b")
-            terminal.wait_for(lambda: "restricted mode" not in unwrapped(terminal.text))
+            terminal.wait_for(lambda: "restricted" not in terminal.text.split())
         terminal.send("q")
         assert terminal.finish() == 0
         assert "nobody" not in terminal.everything

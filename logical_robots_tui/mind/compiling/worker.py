@@ -7,7 +7,6 @@ start processes.
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import json
 import os
@@ -25,6 +24,7 @@ from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.garbage import collect_seldom
+from logical_robots_tui.helper import begin, limit
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
@@ -60,11 +60,11 @@ _SAMPLES = (
 def main() -> None:
     """Serve requests until standard input ends.
 
-    The process's arguments are its bytes of address space, and the processor seconds for one
-    program.
+    The arguments are bytes of address space, and the processor seconds for one program.
     """
+    arguments = begin(processor_seconds=None)  # each program has its own bound
+    address_space, seconds = int(arguments[0]), float(arguments[1])
     collect_seldom()
-    address_space, seconds = int(sys.argv[1]), float(sys.argv[2])
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     # The package prints; its output must not reach the screen or the answers.
     silence = os.open(os.devnull, os.O_WRONLY)
@@ -105,18 +105,10 @@ def _warm_up() -> None:
 
 def _drop_permissions(address_space: int) -> None:
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    _limit(resource.RLIMIT_AS, address_space)
-    _limit(resource.RLIMIT_CORE, 0)
-    _limit(resource.RLIMIT_FSIZE, 0)
-    _limit(resource.RLIMIT_NOFILE, 0)
+    limit(resource.RLIMIT_AS, address_space)
+    limit(resource.RLIMIT_NOFILE, 0)
     if hasattr(resource, "RLIMIT_NPROC"):
-        _limit(resource.RLIMIT_NPROC, 0)
-
-
-def _limit(kind: int, amount: int) -> None:
-    """Set a limit of this process, permanently; some systems lack some limits."""
-    with contextlib.suppress(OSError, ValueError):
-        resource.setrlimit(kind, (amount, amount))
+        limit(resource.RLIMIT_NPROC, 0)
 
 
 def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
@@ -286,7 +278,3 @@ def _plain(diagnostic: Diagnostic) -> Diagnostic:
 
 def _refusal(message: str, hint: str) -> dict[str, object]:
     return {"diagnostics": [asdict(Diagnostic(1, 1, message, hint))]}
-
-
-if __name__ == "__main__":
-    main()

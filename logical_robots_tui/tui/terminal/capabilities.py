@@ -19,10 +19,13 @@ _POOR_FONTS = ("linux", "vt", "ansi", "cygwin", "dumb")
 def assume_colours(environ: MutableMapping[str, str]) -> None:
     """Set COLORTERM if the terminal's name implies true colour.
 
-    `environ` is changed in place, before the app reads it.
+    In GNU screen it is removed: there it is that of the terminal around, which screen (4.9) does
+    not pass true colour on to. `environ` is changed in place, before the app reads it.
     """
     name = environ.get("TERM", "").lower()
-    if "COLORTERM" not in environ and (
+    if _is_in_screen(environ):
+        environ.pop("COLORTERM", None)
+    elif "COLORTERM" not in environ and (
         name.endswith("-direct") or any(known in name for known in _TRUECOLOR)
     ):
         environ["COLORTERM"] = "truecolor"
@@ -55,7 +58,10 @@ def may_use_mouse(environ: Mapping[str, str]) -> bool:
     ``screen-256color`` is more often tmux than GNU screen.
     """
     name = environ.get("TERM", "").lower()
-    inside, in_tmux = "STY" in environ, "TMUX" in environ
     if name == "screen" or name.startswith("screen."):
-        return in_tmux and not inside
-    return not (name.startswith("screen-") and inside and not in_tmux)
+        return "TMUX" in environ and "STY" not in environ
+    return not (name.startswith("screen-") and _is_in_screen(environ))
+
+
+def _is_in_screen(environ: Mapping[str, str]) -> bool:
+    return "STY" in environ and "TMUX" not in environ

@@ -53,6 +53,16 @@ def test_what_the_environment_says_of_colours_stands() -> None:
     assert environ["COLORTERM"] == "no"
 
 
+@pytest.mark.parametrize("term", ["screen", "screen.alacritty", "screen-256color", "xterm-direct"])
+def test_in_gnu_screen_there_is_no_true_colour(term: str) -> None:
+    environ = {"TERM": term, "STY": "1.pts", "COLORTERM": "truecolor"}
+    assume_colours(environ)
+    assert "COLORTERM" not in environ
+    environ |= {"TMUX": "x", "COLORTERM": "truecolor"}
+    assume_colours(environ)
+    assert environ["COLORTERM"] == "truecolor"
+
+
 @pytest.mark.parametrize(
     ("environ", "used"),
     [

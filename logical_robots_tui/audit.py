@@ -1,0 +1,130 @@
+"""A Python audit hook that refuses what a process has no need of.
+
+Once set, nothing in the process can remove it. The installed Python and the game itself can be
+read, because their modules are loaded while it runs. Names are followed through symbolic links.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import sysconfig
+from errno import EACCES
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
+
+from logical_robots_tui.confinement import WHY
+from logical_robots_tui.shipped import shipped_folder
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+_DEVICES = frozenset(("/dev/null", "/dev/tty", "/dev/urandom"))
+_PACKAGES = ("site-packages", "dist-packages", "lib-dynload")
+_SYSTEM = ("/usr/share/zoneinfo", "/etc/localtime", "/usr/share/terminfo", "/lib/terminfo")
+_HIDDEN = (".cache/logical-robots", ".local/state/logical-robots")
+"""The game's own folders below a player's; in no other that begins with a dot can it write."""
+
+_CHANGES = frozenset(
+    f"os.{name}"
+    for name in (
+        *("chmod", "chown", "link", "mkdir", "mkfifo", "mknod", "remove", "removexattr", "rename"),
+        *("rmdir", "setxattr", "symlink", "truncate", "utime"),
+    )
+)
+_OF_TWO = frozenset(("os.rename", "os.link", "os.symlink"))
+_LISTINGS = frozenset(("os.listdir", "os.scandir", "os.chdir"))
+_REFUSED = frozenset(
+    (
+        *("os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.spawn", "os.system"),
+        *("pty.spawn", "socket.connect", "socket.bind", "socket.sendto", "socket.sendmsg"),
+        *("socket.getaddrinfo", "socket.gethostbyaddr", "socket.gethostbyname"),
+        *("socket.getnameinfo", "ctypes.dlopen", "sqlite3.load_extension"),
+    )
+)
+
+
+def refuse_all_but(
+    own: Path | None, may_start: Callable[[object, object], bool] = lambda *_: False
+) -> None:
+    """Allow this process only files in a folder, and only some programs, permanently.
+
+    Args:
+        own: The folder; None for no files but those of the game and Python, to read.
+        may_start: Whether a program may be started, given its path and its words.
+    """
+    sys.addaudithook(_AuditHook(own, may_start))
+
+
+class _AuditHook:
+    """Refuses operations that Python announces, by raising PermissionError."""
+
+    def __init__(self, own: Path | None, may_start: Callable[[object, object], bool]) -> None:
+        self._own = "" if own is None else str(own)
+        self._may_start = may_start
+        # Not sys.prefix: that may be /usr, which holds much else.
+        code: set[str | Path] = {Path(__file__).parent}
+        code |= {
+            sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
+        }
+        code |= {
+            path
+            for path in sys.path
+            if own is None or Path(path).name in _PACKAGES or path.endswith(".zip")
+        }
+        code |= {shipped_folder("levels"), shipped_folder("programs")}
+        real = {os.path.realpath(os.fspath(folder)) for folder in code if folder}
+        # A folder that contains the player's would also contain those of others.
+        self._code = tuple(
+            folder
+            for folder in (*real, *_SYSTEM)
+            if not self._own or not _is_within(self._own, folder)
+        )
+
+    def __call__(self, event: str, arguments: tuple[Any, ...]) -> None:
+        if event == "open":
+            path, _, flags = arguments
+            self._check(path, writing=bool(flags & _WRITING))
+        elif event == "sqlite3.connect":
+            self._check_database(arguments[0])
+        elif event in _CHANGES:
+            for path in arguments[: 2 if event in _OF_TWO else 1]:
+                self._check(path, writing=True)
+        elif event in _LISTINGS:
+            self._check(arguments[0], writing=False)
+        elif event == "subprocess.Popen":
+            if not self._may_start(arguments[0], arguments[1]):
+                raise PermissionError(EACCES, "restricted mode starts no other program")
+        elif event in _REFUSED:
+            raise PermissionError(EACCES, f"restricted mode has no {event}")
+
+    def _check(self, path: object, *, writing: bool) -> None:
+        if not isinstance(path, str | bytes | os.PathLike):
+            return  # an open file
+        real = os.path.realpath(os.fsdecode(path))
+        if real in _DEVICES:
+            return
+        if self._own and _is_within(real, self._own):
+            if not writing or _is_visible(real[len(self._own) + 1 :]):
+                return
+        elif not writing and any(_is_within(real, folder) for folder in self._code):
+            return
+        raise PermissionError(EACCES, WHY, str(path))
+
+    def _check_database(self, name: str | bytes | os.PathLike[str]) -> None:
+        text = os.fsdecode(name)
+        if text not in ("", ":memory:"):
+            self._check(unquote(text.removeprefix("file:").partition("?")[0]), writing=True)
+
+
+def _is_within(path: str, folder: str) -> bool:
+    return path == folder or path.startswith(folder.rstrip(os.sep) + os.sep)
+
+
+def _is_visible(relative: str) -> bool:
+    """Return whether a file is in no hidden folder but those of the game."""
+    if not any(part.startswith(".") for part in Path(relative).parts[:-1]):
+        return True
+    return any(_is_within(relative, folder) or _is_within(folder, relative) for folder in _HIDDEN)

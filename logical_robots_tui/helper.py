@@ -1,0 +1,128 @@
+"""Helper processes: the game's own modules, isolated from what a player has written.
+
+A helper is started without the variables, the home folder and the user site-packages of the
+player. Before it is given anything, it gives up what it does not need. It has a bound of processor
+time, and ends with the game, whatever either of them is doing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import resource
+import select
+import subprocess
+import sys
+from pathlib import Path
+
+_MODULES = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")
+_FLAGS = ("-I", "-S", "-B", "-X", "utf8")
+_BEGIN = (
+    "import sys; sys.path[:] = sys.argv.pop(1).split(':'); "
+    "from importlib import import_module; import_module(sys.argv.pop(1)).main()"
+)
+_PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH")
+"""Environment variables without which Python itself may not start."""
+
+
+class Helper(subprocess.Popen[bytes]):
+    """A process that runs `main` of one of the game's modules, with pipes to it.
+
+    Args:
+        module: The module.
+        arguments: What it finds in `sys.argv`, after the number of the lifeline.
+
+    Raises:
+        OSError: It can't be started.
+    """
+
+    def __init__(self, module: str, *arguments: str) -> None:
+        lifeline, self._lifeline = os.pipe()
+        try:
+            super().__init__(
+                _words(module, str(lifeline), *arguments),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                cwd="/",
+                env=_environment(),
+                pass_fds=[lifeline],
+                start_new_session=True,  # a keyboard interrupt is for the game alone
+            )
+        except BaseException:
+            os.close(self._lifeline)
+            raise
+        finally:
+            os.close(lifeline)
+
+    def end(self) -> None:
+        """Kill it, wait for that, and close the pipes."""
+        self.kill()
+        self.wait()
+        for pipe in (self.stdin, self.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):
+                    pipe.close()
+        if self._lifeline >= 0:
+            os.close(self._lifeline)
+            self._lifeline = -1
+
+
+def is_helper(executable: object, words: object) -> bool:
+    """Return whether a program is this Python with one of the game's helpers."""
+    if executable != sys.executable or not isinstance(words, list) or len(words) < len(_FLAGS) + 6:
+        return False
+    module, lifeline, *arguments = words[len(_FLAGS) + 4 :]
+    return module in _MODULES and words == _words(module, lifeline, *arguments)
+
+
+def _words(module: str, *arguments: str) -> list[str]:
+    home = str(Path(__file__).resolve().parents[1])
+    paths = dict.fromkeys([home, *(str(Path(p).resolve()) for p in sys.path if p)])
+    return [sys.executable, *_FLAGS, "-c", _BEGIN, os.pathsep.join(paths), module, *arguments]
+
+
+def _environment() -> dict[str, str]:
+    return {
+        "HOME": "/",
+        "LOGICAL_ROBOTS_CACHE_DIR": "",
+        "OPENBLAS_NUM_THREADS": "1",
+        "PYTHONNOUSERSITE": "1",
+        **{name: os.environ[name] for name in _PASSED_ON if name in os.environ},
+    }
+
+
+def begin(processor_seconds: int | None) -> list[str]:
+    """Give up permissions as the first thing a helper does, and return its arguments.
+
+    Args:
+        processor_seconds: The bound of its whole life; None if it has another one.
+    """
+    from logical_robots_tui.audit import refuse_all_but
+
+    _end_with_the_game(int(sys.argv.pop(1)))
+    if processor_seconds is not None:
+        limit(resource.RLIMIT_CPU, processor_seconds)
+    limit(resource.RLIMIT_CORE, 0)
+    limit(resource.RLIMIT_FSIZE, 0)
+    refuse_all_but(None)
+    return sys.argv[1:]
+
+
+def limit(kind: int, amount: int) -> None:
+    """Lower a limit of this process, permanently; some systems lack some limits."""
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(kind, (amount, amount))
+
+
+def _end_with_the_game(lifeline: int) -> None:
+    """Let the kernel end this process when the game's end of a pipe is closed.
+
+    It sends a signal then, which needs no interpreter: a call into C may hold that for minutes.
+    """
+    fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
+    flags = fcntl.fcntl(lifeline, fcntl.F_GETFL)
+    fcntl.fcntl(lifeline, fcntl.F_SETFL, flags | os.O_ASYNC)
+    if select.select([lifeline], [], [], 0)[0]:
+        os._exit(0)

@@ -1,0 +1,96 @@
+"""Helpers can do nothing but compute, and end with the game whatever they do."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui.helper import Helper, is_helper
+from tests.waiting import PATIENCE, until
+
+MODULE = "tests.game.odd_helper"
+
+
+def test_a_helper_reaches_no_file_program_or_network(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "secret.l").write_text("nobody's business")
+    monkeypatch.setenv("SOME_SECRET", "swordfish")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    helper = Helper(MODULE, "attempt", str(tmp_path))
+    assert helper.stdout is not None
+    found = json.loads(helper.stdout.readline())
+    helper.end()
+    assert found == {
+        "isolated": "True",
+        "home": "/",
+        "folder": "/",
+        "secret": "",
+        "read the game": "done",
+        **dict.fromkeys(("read", "list", "write", "run", "call"), "PermissionError"),
+    }
+    assert [path.name for path in tmp_path.iterdir()] == ["secret.l"]
+
+
+PARENT = f"""
+import sys
+from logical_robots_tui.helper import Helper
+helper = Helper("{MODULE}", sys.argv[1])
+helper.stdout.readline()
+print(helper.pid, flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("what", ["in C", "in Python"])
+def test_a_helper_ends_with_a_game_that_is_killed_whatever_it_does(what: str) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", PARENT, what],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    ) as parent:
+        assert parent.stdout is not None
+        pid = int(parent.stdout.readline())
+        parent.kill()
+    until(lambda: not is_alive(pid))
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        return " Z " not in Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return False
+
+
+def test_a_helper_has_a_bound_of_processor_time() -> None:
+    helper = Helper(MODULE, "in C", "bounded")
+    assert -helper.wait(PATIENCE) in (signal.SIGXCPU, signal.SIGKILL)
+    helper.end()
+
+
+def test_only_the_games_own_helpers_are_taken_for_one() -> None:
+    words: list[list[str]] = []
+
+    class Noted(Helper):
+        def __init__(self, module: str) -> None:
+            super().__init__(module, "1", "2")
+            assert isinstance(self.args, list)
+            words.append([str(word) for word in self.args])
+            self.end()
+
+    Noted("logical_robots_tui.mind.compiling.worker")
+    Noted(MODULE)
+    assert is_helper(sys.executable, words[0])
+    assert not is_helper(sys.executable, words[1])
+    assert not is_helper("/bin/sh", words[0])
+    for at in range(len(words[0]) - 3):
+        for change in ([], ["-c"], ["import os"]):
+            changed = [*words[0][:at], *change, *words[0][at + 1 :]]
+            assert not is_helper(sys.executable, changed) or changed == words[0]
