@@ -148,7 +148,7 @@ def test_a_class_plays_at_once(school: School, names: list[str]) -> None:
 
 
 BREAKS_OUT = """\
-import json, os, pathlib, socket, subprocess, sys
+import fcntl, json, os, pathlib, pty, socket, subprocess, sys, termios
 port, outside, neighbour, own = int(sys.argv[1]), *map(pathlib.Path, sys.argv[2:])
 found = {}
 def attempt(name, work):
@@ -159,6 +159,7 @@ def attempt(name, work):
         found[name] = type(error).__name__
 attempt("call", lambda: socket.create_connection(("127.0.0.1", port), 5))
 attempt("write", lambda: (outside / "touched").write_text("x"))
+attempt("fill memory", lambda: pathlib.Path("/dev/shm/x").write_text("x"))
 attempt("write into the system", lambda: pathlib.Path("/usr/touched").write_text("x"))
 attempt("read a neighbour's", lambda: neighbour.read_text())
 attempt("mount", lambda: subprocess.run(["mount", "-t", "tmpfs", "x", "/usr"], check=True))
@@ -166,6 +167,19 @@ attempt("remount", lambda: subprocess.run(["mount", "-o", "remount,rw", "/"], ch
 attempt("kill", lambda: os.kill(int((outside / "pid").read_text()), 0))
 attempt("many processes", lambda: [subprocess.Popen(["sleep", "5"]) for _ in range(100)])
 attempt("much memory", lambda: bytearray(3 * 1024**3))
+attempt("read the accounts", lambda: pathlib.Path("/etc/passwd").read_text())
+attempt("make users", lambda: subprocess.run(["unshare", "-Ur", "true"], check=True))
+def type_into_the_terminal():
+    child, _ = pty.fork()
+    if child == 0:
+        try:
+            fcntl.ioctl(0, termios.TIOCSTI, b"x")
+        finally:
+            os._exit(1 if sys.exc_info()[0] else 0)
+    if os.waitpid(child, 0)[1]:
+        raise OSError
+attempt("type into the terminal", type_into_the_terminal)
+attempt("read the environment", lambda: os.environ["SECRET"])
 attempt("own file", lambda: (own / "mine.l").write_text("x"))
 found["processes"] = sum(name.isdecimal() for name in os.listdir("/proc")) < 90
 print(json.dumps(found))
@@ -188,14 +202,20 @@ def has_walls() -> str:
 
 
 @pytest.fixture
-def wall(tmp_path: Path) -> Path:
+def wall(tmp_path: Path, installed: Installed) -> Path:
     """The script of the recipe, for players in a folder of these tests."""
     if why := has_walls():
         pytest.skip(why)
-    script = tmp_path / "robots-session"
+    script, bpf = tmp_path / "robots-session", tmp_path / "robots-session.bpf"
+    makes = recipe("robots-filter").replace("/usr/local/lib/robots-session.bpf", str(bpf))
+    subprocess.run(["sh", "-c", makes], check=True, timeout=PATIENCE)
     text = recipe("robots-session").replace("/srv/robots", str(tmp_path / "srv"))
-    # These tests, and the Python that they run in, may be in one of these folders.
-    script.write_text(text.replace("--tmpfs /tmp ", "").replace("--tmpfs /home ", ""))
+    text = text.replace("/usr/local/lib/robots-session.bpf", str(bpf))
+    # These tests, and the Python that they run in, are not where the recipe puts the game.
+    homes = [CHECKOUT, sys.prefix, os.path.realpath(sys.base_prefix), installed.root]
+    homes += [tmp_path / name for name in ("breaks_out.py", "pid")]
+    text = text.replace('needed="', f'needed="{" ".join(map(str, homes))} ')
+    script.write_text(text)
     script.chmod(0o755)
     return script
 
