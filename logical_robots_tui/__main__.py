@@ -2,7 +2,7 @@
 
 import sys
 
-from logical_robots_tui.cli.main import main
+from logical_robots_tui.supervisor import main
 
 if __name__ == "__main__":
     sys.exit(main())

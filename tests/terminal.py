@@ -10,6 +10,7 @@ import subprocess
 import termios
 from collections import deque
 from fcntl import ioctl
+from pathlib import Path
 from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Self
 
@@ -34,6 +35,7 @@ class Terminal:
         command: What to run.
         size: Columns and lines.
         env: Added to the environment of the tests.
+        controls: Whether it is the command's controlling terminal, whose keys can be signals.
 
     Attributes:
         patience: Seconds to wait for something.
@@ -47,7 +49,9 @@ class Terminal:
         *,
         size: tuple[int, int] = (100, 40),
         env: Mapping[str, str] | None = None,
+        controls: bool = False,
     ) -> None:
+        self._controls = controls
         self._screen = pyte.Screen(*size)
         self._stream = pyte.ByteStream(self._screen)
         self._raw = bytearray()
@@ -72,7 +76,7 @@ class Terminal:
             stderr=theirs,
             env=self._env,
             start_new_session=True,
-            preexec_fn=_hear_signals,
+            preexec_fn=_take_control if self._controls else _hear_signals,
         )
         os.close(theirs)
         return self
@@ -98,6 +102,13 @@ class Terminal:
     def everything(self) -> str:
         """All that was ever written to the screen."""
         return self._raw.decode("utf-8", "replace")
+
+    @property
+    def game(self) -> int:
+        """The process of the game, which the command has forked."""
+        pid = self.process.pid
+        (found,) = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        return int(found)
 
     @property
     def traffic(self) -> int:
@@ -214,3 +225,8 @@ def looks(screen: pyte.Screen) -> list[list[tuple[object, ...]]]:
                 line.append((cell.data, cell.bg, cell.fg, *marks))
         shown.append(line)
     return shown
+
+
+def _take_control() -> None:
+    _hear_signals()
+    ioctl(0, termios.TIOCSCTTY, 0)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 
+from logical_robots_tui import heartbeat
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
@@ -31,7 +33,7 @@ from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from textual.binding import BindingType
@@ -126,6 +128,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     def on_load(self) -> None:
         """Choose the theme before the first picture."""
         self._event_loop = asyncio.get_running_loop()
+        heartbeat.keep_beating(self._event_loop)
         self.register_theme(NIGHT)
         wanted = self._first_theme
         if not wanted and self.console.color_system == "standard" and not self.no_color:
@@ -238,6 +241,12 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         """Ask the app to end; may be called on any thread or in a signal handler."""
         if self._event_loop is not None:
             self._event_loop.call_soon_threadsafe(self.exit)
+
+    @contextmanager
+    def suspend(self) -> Iterator[None]:
+        """Give the terminal to another program for a while."""
+        with heartbeat.away(), super().suspend():
+            yield
 
     def action_suspend_process(self) -> None:
         """Go to the background, to the shell that the game was started from."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 from textual.app import App
+from textual.css.query import NoMatches
 from textual.worker import WorkerFailed
 
 from logical_robots_tui.errors import is_out_of_memory
@@ -50,6 +51,8 @@ class CrashSafeApp(App[None]):
         cause = error.error if isinstance(error, WorkerFailed) else error
         if self.mistake is not None:
             return  # that one ends the game
+        if isinstance(cause, NoMatches) and self._exit:
+            return  # a dialog that was about to be shown has lost its parts
         self._reserve = CrashSafeApp._reserve = b""
         self.mistake = cause if isinstance(cause, Exception) else error
         self.save_unsaved()

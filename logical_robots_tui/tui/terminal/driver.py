@@ -82,6 +82,12 @@ class ListeningDriver(LinuxDriver):
             self._asked = 0
         super().disable_input()
 
+    def _sigcont_application(self, *_: object) -> None:
+        # After a stop that no process is asked about, Textual would take the terminal twice.
+        if self._auto_restart and not self._must_signal_resume:
+            self.suspend_application_mode()
+        super()._sigcont_application()
+
     def process_message(self, message: Message) -> None:
         """Forward a message, with the terminal's size limited."""
         if isinstance(message, events.Resize):

@@ -1,0 +1,258 @@
+"""The command's first process: forks the game, and gives the terminal back whatever becomes of it.
+
+A call into C can hold Python's interpreter for hours, and then no key and no signal ends the game.
+This process loads nothing else and never touches the player's files. The game's event loop counts
+up a byte that both share; when it stands still, the game is ended. Its only other concern is the
+terminal: job control passes through, and after a game that did not end by itself, the terminal is
+as it was.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import mmap
+import os
+import signal
+import sys
+import termios
+from contextlib import suppress
+from time import clock_gettime, monotonic
+from typing import Any
+
+from logical_robots_tui.heartbeat import AWAY, BEATS, is_watched_in
+
+STUCK = 70  # as for any other bug: EX_SOFTWARE in sysexits.h
+
+_MOST_COMPUTED = 15.0  # processor seconds since the last heartbeat
+_MOST_IDLE = 60  # looks without a heartbeat in which the game computed nothing at all
+_LOOK_SECONDS = 0.5
+_LOOKS_TO_INTERRUPT = 4  # without a heartbeat, from which on ^C is a signal
+_INTERRUPTS, _INTERRUPT_SECONDS = 3, 2.0
+_TO_END = 1.5  # seconds that a game has to end after it was asked to
+_LITTLE = 0.001  # processor seconds
+
+_ENDS = frozenset((signal.SIGHUP, signal.SIGTERM))
+_HEARD = frozenset((*_ENDS, signal.SIGCHLD, signal.SIGCONT, signal.SIGINT, signal.SIGTSTP))
+_BLOCKED = frozenset((*_HEARD, signal.SIGTTOU))  # blocked, it does not stop who sets the terminal
+
+_PLAIN_SCREEN = (
+    "\x1b[?2026l"  # no synchronized output
+    "\x1b[?1000l\x1b[?1002l\x1b[?1003l\x1b[?1006l\x1b[?1015l\x1b[?1016l"  # no mouse
+    "\x1b[?1004l\x1b[?2004l\x1b[?2048l\x1b[<u"  # no focus, pastes, sizes or keys as sequences
+    "\x1b[?1049l\x1b[0m\x1b[?7h\x1b[?25h"  # the shell's screen, colours, wrapping and cursor
+)
+_FAULTS = {"SIGSEGV", "SIGBUS", "SIGILL", "SIGFPE", "SIGABRT", "SIGTRAP", "SIGSYS"}
+_KEPT = "What you typed is kept. Start the game again to go on."
+
+
+def main() -> int:
+    """Run the command ``logical-robots`` and return its exit status; a game on screen supervised.
+
+    Raises:
+        SystemExit: By the command.
+    """
+    if _opens_screen(sys.argv[1:]) and hasattr(signal, "sigtimedwait"):
+        status = _supervise()
+        if status is not None:
+            return status
+    from logical_robots_tui.cli.main import main as run
+
+    return run()
+
+
+def _opens_screen(words: list[str]) -> bool:
+    """Return whether a command, as typed, opens the screen of the game."""
+    if {"--plain", "-h", "--help", "--version"} & {*words} or not os.isatty(0):
+        return False
+    return words[:2] == ["replay", "play"] or not words or words[0].startswith(("-", "play"))
+
+
+def _supervise() -> int | None:
+    """Fork; return None in the game, and in this process its exit status."""
+    lifeline, held = os.pipe()
+    shared = mmap.mmap(-1, 2)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED)
+    game = os.fork()
+    if game == 0:
+        os.close(held)
+        is_watched_in(shared)
+        _hang_up_with(lifeline)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        return None
+    os.close(lifeline)
+    return _Supervisor(game, shared).run()
+
+
+def _hang_up_with(lifeline: int) -> None:
+    """Let the kernel send this process the hangup signal when its supervisor ends."""
+    fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(lifeline, getattr(fcntl, "F_SETSIG", 10), signal.SIGHUP)
+    fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
+
+
+class _Supervisor:
+    """Waits for a game and for signals, and looks for its heartbeat."""
+
+    def __init__(self, game: int, shared: mmap.mmap) -> None:
+        self._game = game
+        self._shared = shared
+        self._terminal: list[Any] | None = None
+        with suppress(termios.error):
+            self._terminal = termios.tcgetattr(0)
+        self._raw: list[Any] | None = None  # the game's settings while ^C is a signal
+        self._interrupts: list[float] = []
+        self._has_begun = False
+        self._beats = 0
+        self._forget()
+
+    def run(self) -> int:
+        """Return the game's exit status when it has ended."""
+        while True:
+            heard = signal.sigtimedwait(_HEARD, _LOOK_SECONDS)
+            number = 0 if heard is None else heard.si_signo
+            if number == signal.SIGCHLD or number == 0:
+                status = self._status()
+                if status is not None:
+                    return self._ended(status)
+            if number in _ENDS:
+                self._end(signal.Signals(number))
+                self._restore_terminal()
+                return 128 + number
+            if number == signal.SIGTSTP:
+                self._send(number)
+            if number == signal.SIGCONT:
+                self._go_on()
+            if number == signal.SIGINT and self._is_interrupted():
+                return self._ended(self._end(signal.SIGKILL), "was stuck and was interrupted")
+            if number == 0 and self._is_stuck():
+                return self._ended(self._end(signal.SIGTERM), "was stuck and was ended")
+
+    def _status(self) -> int | None:
+        """Return what the game ended with, or None; stop with it if it was stopped."""
+        pid, status = os.waitpid(self._game, os.WNOHANG | os.WUNTRACED)
+        if pid == 0:
+            return None
+        if os.WIFSTOPPED(status):
+            os.kill(os.getpid(), signal.SIGSTOP)
+            self._go_on()
+            return None
+        return os.waitstatus_to_exitcode(status)
+
+    def _go_on(self) -> None:
+        """Continue the game with this process, unless both were continued as a shell does it.
+
+        The game would take the terminal twice.
+        """
+        with suppress(OSError), open(f"/proc/{self._game}/stat") as file:  # noqa: PTH123
+            if file.read().rpartition(")")[2].split()[0] == "T":
+                self._send(signal.SIGCONT)
+        self._forget()
+
+    def _forget(self) -> None:
+        """Count anew: the game has shown that it is alive, or was not allowed to."""
+        self._looks = self._idle_looks = 0
+        self._computed = self._computed_before = _processor_seconds(self._game)
+        if self._raw is not None:
+            self._set_terminal(self._raw)
+            self._raw = None
+
+    def _is_stuck(self) -> bool:
+        """Look at the heartbeat, and return whether the game must be ended."""
+        beats, is_away = self._shared[BEATS], self._shared[AWAY]
+        if is_away or beats != self._beats or not self._has_begun:
+            self._beats, self._has_begun = beats, beats != 0
+            self._forget()
+            return False
+        now = _processor_seconds(self._game)
+        self._looks += 1
+        self._idle_looks = self._idle_looks + 1 if now - self._computed_before < _LITTLE else 0
+        self._computed_before = now
+        if self._looks == _LOOKS_TO_INTERRUPT and not _is_restricted():
+            self._let_interrupt()
+        return (
+            now - self._computed > _MOST_COMPUTED or self._idle_looks * _LOOK_SECONDS > _MOST_IDLE
+        )
+
+    def _let_interrupt(self) -> None:
+        """Let ^C be a signal, which the game could not read as a key."""
+        with suppress(termios.error):
+            self._raw = termios.tcgetattr(0)
+            interruptible = termios.tcgetattr(0)
+            interruptible[3] |= termios.ISIG
+            for key in (termios.VSUSP, termios.VQUIT):
+                interruptible[6][key] = b"\0"
+            self._set_terminal(interruptible)
+
+    def _is_interrupted(self) -> bool:
+        """Note one ^C, and return whether these were enough."""
+        if self._raw is None:  # not from the keyboard, or the game is not there yet
+            self._send(signal.SIGTERM if self._has_begun else signal.SIGINT)
+            return False
+        now = monotonic()
+        recent = [at for at in self._interrupts if now - at < _INTERRUPT_SECONDS]
+        self._interrupts = [*recent, now]
+        return len(self._interrupts) >= _INTERRUPTS
+
+    def _end(self, number: signal.Signals) -> int:
+        """Ask the game to end, insist, and return what it ended with."""
+        self._send(number)
+        self._send(signal.SIGCONT)
+        deadline = monotonic() + _TO_END
+        while (left := deadline - monotonic()) > 0:
+            pid, status = os.waitpid(self._game, os.WNOHANG)
+            if pid:
+                return os.waitstatus_to_exitcode(status)
+            signal.sigtimedwait({signal.SIGCHLD}, left)
+        self._send(signal.SIGKILL)
+        return os.waitstatus_to_exitcode(os.waitpid(self._game, 0)[1])
+
+    def _send(self, number: int) -> None:
+        with suppress(ProcessLookupError):
+            os.kill(self._game, number)
+
+    def _ended(self, status: int, reason: str = "") -> int:
+        """Return the command's exit status; say what happened if the game did not end by itself."""
+        if status >= 0 and not reason:
+            return status
+        self._restore_terminal()
+        if not reason:
+            name = signal.Signals(-status).name
+            reason = f"was ended by {name}"
+            if name == "SIGKILL":
+                reason += ", perhaps because memory ran out"
+            elif name in _FAULTS:
+                reason += ", a fault in compiled code"
+        with suppress(OSError):
+            os.write(2, f"logical-robots: the game {reason}. {_KEPT}\n".encode())
+        return STUCK if "stuck" in reason else 128 - status
+
+    def _restore_terminal(self) -> None:
+        """Leave the screen of the game, with the settings of before and nothing left to read."""
+        if self._terminal is None:
+            return
+        with suppress(termios.error, OSError):
+            # Where nobody reads what the game has drawn, a write would wait for that.
+            termios.tcflush(1, termios.TCOFLUSH)
+            os.write(1, _PLAIN_SCREEN.encode())
+        self._set_terminal(self._terminal)
+        with suppress(termios.error):
+            termios.tcflush(0, termios.TCIFLUSH)
+
+    def _set_terminal(self, settings: list[Any]) -> None:
+        with suppress(termios.error):
+            termios.tcsetattr(0, termios.TCSANOW, settings)
+
+
+def _processor_seconds(process: int) -> float:
+    """Return how long a process has computed, in all of its threads."""
+    try:
+        return clock_gettime(~process << 3 | 2)  # CPUCLOCK_SCHED of a process, in Linux
+    except OSError:
+        return 0.0
+
+
+def _is_restricted() -> bool:
+    return "--restricted" in sys.argv or os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in (
+        "",
+        "0",
+    )
