@@ -84,8 +84,11 @@ def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]
     """Write the runs, and the rows of questions, as tables; return the names of the files.
 
     Raises:
-        InputError: A file can't be written.
+        InputError: A file can't be written, or an input that the tables name is damaged.
     """
+    named = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
+    for name in sorted(named - {""}):
+        folder.text(name)
     done = list(done_runs(manifest, ledger))
     tables = {"runs": _runs(manifest, ledger, [*done, *failed_runs(manifest, ledger)])}
     if manifest.asked:

@@ -7,13 +7,15 @@ import hashlib
 import os
 from contextlib import contextmanager
 from errno import ENOSPC
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.ledger import Ledger
 from logical_robots_tui.lab.running import Asked, engine, fingerprint
+from logical_robots_tui.lab.specification import Starts  # noqa: TC001 - msgspec reads types
+from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -21,6 +23,15 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _FORMAT = 1
+_MOST_BYTES = 64_000_000  # of a manifest
+_MOST_NESTED = 5_000_000  # brackets and commas of one, whose objects take far more than their text
+
+_UNREADABLE = (msgspec.MsgspecError, AttributeError, RecursionError, TypeError, ValueError)
+_NESTING = (b"[", b"{", b",")
+
+Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]
+Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]
+Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -39,15 +50,15 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
         parts: In a match, digests of the texts of the teams' programs, in the order of the teams.
     """
 
-    level: str
-    program: str
+    level: Digest
+    program: Digest
     level_name: str
     program_name: str
-    ticks: int
+    ticks: Ticks
     settings: dict[str, bool | int | float | str] = {}
     student: str = ""
-    own: str = ""
-    parts: tuple[str, ...] = ()
+    own: Digest = ""
+    parts: tuple[Digest, ...] = ()
 
 
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -78,7 +89,7 @@ class Player(msgspec.Struct, frozen=True, omit_defaults=True):
     """
 
     name: str
-    program: str = ""
+    program: Digest = ""
     lost: str = ""
 
 
@@ -110,7 +121,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     kind: Literal["sweep", "grade", "tournament"]
     title: str
     specification: str
-    starts: int
+    starts: Starts
     given_first: bool
     measures: tuple[str, ...]
     asked: tuple[Asked, ...]
@@ -122,8 +133,8 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     players: tuple[Player, ...] = ()
     teams: tuple[str, ...] = ()
     match: Cell = Cell("", "", "", "", 0)
-    rounds: tuple[tuple[tuple[int, int], ...], ...] = ()
-    most_rounds: int = 1
+    rounds: tuple[tuple[tuple[Index, Index], ...], ...] = ()
+    most_rounds: Index = 1
     engine: dict[str, str] = {}
     format: int = _FORMAT
 
@@ -209,16 +220,28 @@ class Folder:
         """
         file = self.path / "manifest.json"
         try:
-            content = file.read_bytes()
+            content = read_ordinary(file, _MOST_BYTES + 1)
         except OSError as error:
             hint = "The folder is what `sweep`, `grade` or `tournament` wrote with -o."
             raise self._error(f"there is no manifest: {error.strerror}", hint) from error
         try:
+            if len(content) > _MOST_BYTES or sum(map(content.count, _NESTING)) > _MOST_NESTED:
+                raise ValueError("it is too large")
             if msgspec.json.decode(content).get("format", _FORMAT) > _FORMAT:
                 hint = "Use the version of Logical Robots that wrote it."
                 raise InputError("a newer version wrote this manifest", place=str(file), hint=hint)
-            return msgspec.json.decode(content, type=Manifest)
-        except (msgspec.MsgspecError, AttributeError, TypeError) as error:
+            manifest = msgspec.json.decode(content, type=Manifest)
+            players = range(len(manifest.players))
+            if any(not {*pair} <= {*players} for pairs in manifest.rounds for pair in pairs):
+                raise ValueError("there is no such player")
+            return manifest
+        except (
+            msgspec.MsgspecError,
+            AttributeError,
+            TypeError,
+            ValueError,
+            RecursionError,
+        ) as error:
             hint = "Run the same command with -o again; results in the ledger are kept."
             raise InputError("this manifest is damaged", place=str(file), hint=hint) from error
 

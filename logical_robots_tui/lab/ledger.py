@@ -93,6 +93,9 @@ class Ledger:
         self._db.executescript("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
         if version == 0:
             self._db.executescript(f"BEGIN; {_SCHEMA} PRAGMA user_version = {_VERSION}; COMMIT;")
+        kinds = self._db.execute("SELECT DISTINCT type FROM sqlite_schema").fetchall()
+        if not {kind for (kind,) in kinds} <= {"table", "index"}:
+            raise LedgerError("it is damaged (it is no ledger)", place=str(self._file))
         found = self._db.execute("SELECT DISTINCT engine FROM results").fetchall()
         if not self._mixed and any(engine != self._engine for (engine,) in found):
             message = "its results are from another version of Logical Robots, Python or SQLite"
@@ -111,7 +114,7 @@ class Ledger:
         read = msgspec.json.Decoder(Result).decode
         try:
             return {job: read(result) for job, result in found}
-        except msgspec.DecodeError as error:
+        except (msgspec.DecodeError, RecursionError, TypeError, ValueError) as error:
             raise LedgerError("a result in it is damaged", place=str(self._file)) from error
 
     def engines(self) -> Mapping[str, str]:

@@ -27,6 +27,7 @@ _MOST_BYTES = 1_000_000
 _MOST_VALUES = 10_000
 
 Positive: TypeAlias = Annotated[int, msgspec.Meta(ge=1)]
+Starts: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
 Share: TypeAlias = Annotated[float, msgspec.Meta(ge=0)]
 Name: TypeAlias = Annotated[str, msgspec.Meta(min_length=1)]
 
@@ -85,7 +86,7 @@ class ExperimentTable(_Table, frozen=True):
     level: Name | Annotated[list[Name], msgspec.Meta(min_length=1)]
     program: Name | Annotated[list[Name], msgspec.Meta(min_length=1)]
     title: str = ""
-    starts: Annotated[int, msgspec.Meta(ge=0)] = 0
+    starts: Starts = 0
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = False
 
@@ -128,7 +129,7 @@ class AssignmentTable(_Table, frozen=True):
     """``[assignment]``."""
 
     title: str = ""
-    starts: Annotated[int, msgspec.Meta(ge=0)] = 20
+    starts: Starts = 20
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = True
     roster: str = ""
@@ -152,7 +153,7 @@ class TournamentTable(_Table, frozen=True):
 
     level: Name
     title: str = ""
-    starts: Annotated[int, msgspec.Meta(ge=0)] = 20
+    starts: Starts = 20
     ticks: Positive | None = None
     format: Literal["all", "swiss"] | None = None
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _MOST_BYTES = 1_000_000
 _LONGEST_NAME = 200
+_MOST_REMARKS = 20
 
 
 class Submission:
@@ -207,10 +208,16 @@ def _students(
                 _readable(row.get("name") or ""),
                 name if entry else "",
                 mine in late or (after is not None and changed is not None and changed > after),
-                tuple(_readable(remark) for remark in remarks),
+                tuple(_readable(remark) for remark in _first(remarks)),
             )
         )
     return students
+
+
+def _first(remarks: list[str]) -> list[str]:
+    """Return the first remarks, and how many more there are."""
+    more = len(remarks) - _MOST_REMARKS
+    return remarks if more <= 0 else [*remarks[:_MOST_REMARKS], f"and {more:,} more"]
 
 
 def _readable(name: str) -> str:

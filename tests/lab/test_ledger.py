@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import re
 import resource
+import shutil
 import sqlite3
-from contextlib import closing
+from contextlib import closing, suppress
+from time import process_time
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import given
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.exporting import export_runs
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.ledger import Entry, Ledger, LedgerError
 from logical_robots_tui.lab.sweeping import plan_sweep
+from tests.damage import Change, changed, changes
 from tests.lab.laboratory import write_experiment
+from tests.mind.hostile.bounds import bounded_memory
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 WON, LOST = '{"outcome":"won","ticks":3}', '{"outcome":"out of ticks","ticks":3}'
@@ -117,3 +125,88 @@ def test_damaged_inputs_and_manifests_get_a_sentence(tmp_path: Path) -> None:
     (folder.path / "manifest.json").write_text('{"kind": 7}')
     with pytest.raises(InputError, match="this manifest is damaged"):
         folder.manifest()
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """A folder with a manifest and a ledger."""
+    path = tmp_path_factory.mktemp("swept")
+    folder = Folder(path / "out")
+    with folder.locked():
+        manifest = folder.write(*plan_sweep(write_experiment(path)))
+    with folder.ledger() as ledger:
+        job = manifest.job(manifest.cells[0], 0)
+        ledger.record([Entry(job, manifest.run(job), WON, 1.0, "here")])
+    return folder
+
+
+MANIFESTS: dict[str, Callable[[bytes], bytes]] = {
+    "deeply nested": lambda told: b"[" * 100_000,
+    "nested in it": lambda told: told.replace(
+        b'"title":', b'"more": ' + b"[" * 99_999 + b',"title":'
+    ),
+    "many starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": 1000000000', told),
+    "fewer than no starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": -5', told),
+    "a path": lambda told: re.sub(rb'"level": "[0-9a-f]+"', b'"level": "../../etc/passwd"', told),
+    "long": lambda told: b"[" + b"[]," * 9_000_000 + b"1]",
+}
+
+
+@pytest.mark.parametrize("how", MANIFESTS)
+def test_a_forged_manifest_is_refused(swept: Folder, tmp_path: Path, how: str) -> None:
+    told = (swept.path / "manifest.json").read_bytes()
+    forged = MANIFESTS[how](told)
+    assert forged != told
+    (tmp_path / "manifest.json").write_bytes(forged)
+    with bounded_memory(), pytest.raises(InputError, match="this manifest is damaged"):
+        Folder(tmp_path).manifest()
+
+
+def test_an_export_says_which_input_is_damaged(swept: Folder, tmp_path: Path) -> None:
+    copy = shutil.copytree(swept.path, tmp_path / "copy")
+    folder = Folder(copy)
+    manifest = folder.manifest()
+    (copy / "inputs" / manifest.cells[0].level).write_text("another")
+    with folder.ledger() as ledger, pytest.raises(InputError, match="this input is damaged"):
+        export_runs(folder, manifest, ledger)
+
+
+def test_a_ledger_with_a_view_is_none(tmp_path: Path) -> None:
+    file = tmp_path / "l.db"
+    with closing(Ledger(file, "e")) as ledger:
+        ledger.record([entry("a")])
+    with closing(sqlite3.connect(file)) as other:
+        other.execute("CREATE VIEW endless AS SELECT 1")
+    with pytest.raises(LedgerError, match="it is damaged"):
+        Ledger(file, "e")
+
+
+@pytest.mark.sampled
+@given(changes=changes())
+def test_a_manifest_that_was_changed_is_read_or_refused(
+    swept: Folder, tmp_path_factory: pytest.TempPathFactory, changes: list[Change]
+) -> None:
+    told = (swept.path / "manifest.json").read_bytes()
+    folder = Folder(tmp_path_factory.mktemp("changed"))
+    (folder.path / "manifest.json").write_bytes(changed(told, changes))
+    start = process_time()
+    with bounded_memory(), suppress(InputError):
+        manifest = folder.manifest()
+        with folder.ledger() as ledger:
+            export_runs(folder, manifest, ledger)
+    assert process_time() - start < 10
+
+
+@pytest.mark.sampled
+@given(changes=changes())
+def test_a_ledger_that_was_changed_is_read_or_refused(
+    swept: Folder, tmp_path_factory: pytest.TempPathFactory, changes: list[Change]
+) -> None:
+    copy = shutil.copytree(swept.path, tmp_path_factory.mktemp("changed") / "copy")
+    (copy / "ledger.db").write_bytes(changed((swept.path / "ledger.db").read_bytes(), changes))
+    start, folder = process_time(), Folder(copy)
+    with bounded_memory(), suppress(InputError), folder.ledger() as ledger:
+        export_runs(folder, folder.manifest(), ledger)
+        ledger.seconds()
+        ledger.differences()
+    assert process_time() - start < 10
