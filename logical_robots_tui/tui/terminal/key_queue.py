@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from textual.app import App
     from textual.message_pump import MessagePump
     from textual.screen import Screen
+    from textual.widget import Widget
 
 _LONGEST = 0.5  # seconds that a key may delay the next ones
 _ROUNDS = 3  # rounds of the event loop after which a worker has opened its dialog
@@ -29,6 +30,7 @@ class KeyQueue:
         self._waiting: deque[events.Key | events.Paste] = deque()
         self._number = 0  # of the key being handled
         self._answering = False
+        self._typed_into: Widget | None = None  # has perhaps not taken its text yet
 
     @property
     def waiting(self) -> int:
@@ -43,20 +45,45 @@ class KeyQueue:
         """Return whether an event is held back; it is sent again when its turn comes."""
         if self._answering:
             self._waiting.append(event)
-        return self._answering
+            return True
+        before = self._typed_into
+        if before is None or not self._has_priority(event):
+            return False
+        # It would come before the text that was typed for the focused widget.
+        self._typed_into = None
+        self._waiting.appendleft(event)
+        self._hold()
+        before.call_later(self._later, self._end, self._number)
+        return True
 
     def begin(self, event: events.Key | events.Paste) -> None:
         """Hold back events until the one just sent to the focus has been handled."""
         focused = self._app.focused
-        if isinstance(event, events.Paste) or (
-            focused is not None and focused.check_consume_key(event.key, event.character)
-        ):
+        if self._is_text(event):
+            self._typed_into = focused
             return  # text never opens a dialog
+        screen = self._app.screen
+        self._hold()
+        self._follow(focused or screen, screen, self._number)
+
+    def _is_text(self, event: events.Key | events.Paste) -> bool:
+        """Return whether the focused widget takes an event as text."""
+        focused = self._app.focused
+        return isinstance(event, events.Paste) or (
+            focused is not None and focused.check_consume_key(event.key, event.character)
+        )
+
+    def _has_priority(self, event: events.Key | events.Paste) -> bool:
+        """Return whether an event is a command of the whole screen, whatever has the focus."""
+        if isinstance(event, events.Paste):
+            return False
+        active = self._app.screen.active_bindings.get(event.key)
+        return active is not None and active.binding.priority
+
+    def _hold(self) -> None:
         self._answering = True
         self._number += 1
-        screen = self._app.screen
         asyncio.get_running_loop().call_later(_LONGEST, self._later, self._end, self._number)
-        self._follow(focused or screen, screen, self._number)
 
     def _later(self, *what: Any) -> None:
         self._app.call_later(*what)

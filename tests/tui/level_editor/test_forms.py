@@ -12,11 +12,36 @@ from logical_robots_tui.shipped import ARENAS, shipped_folder
 from logical_robots_tui.tui.level_editor.form import Ticks
 from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm
 from logical_robots_tui.world import Visibility
+from tests.tui.app.test_key_queue import press_at_once
 from tests.tui.conftest import opened
 from tests.tui.level_editor.conftest import studio
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+
+def focuses(game: Opened, line: Input) -> bool:
+    return game.app.focused is line
+
+
+async def test_a_form_takes_what_was_typed_before_it_was_applied(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        await s.press("shift+tab")
+        for name, field in (("Zoe", "name"), ("31", "radius")):
+            await s.press("i")
+            await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
+            form = s.game.app.screen
+            line = form.query_one(f"#{field}", Input)
+            line.focus()
+            await s.game.until(partial(focuses, s.game, line))
+            press_at_once(s.game, "ctrl+u", *name, "f2")
+            await s.game.until(lambda: s.game.app.screen is s.game.main)
+        area = s.level.areas[0]
+        assert (area.name, area.radius) == ("Zoe", 31)
 
 
 async def test_properties_are_set_in_forms_with_the_choices_there_are(
