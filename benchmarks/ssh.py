@@ -127,9 +127,9 @@ def _thought_seconds(level: Level, text: str, ticks: int) -> float:
 
 
 def _percent(terminal: Terminal, seconds: float) -> float:
-    before, began = _computed(terminal.process.pid), perf_counter()
+    before, began = _computed(terminal.game), perf_counter()
     terminal.read_for(seconds)
-    return 100 * (_computed(terminal.process.pid) - before) / (perf_counter() - began)
+    return 100 * (_computed(terminal.game) - before) / (perf_counter() - began)
 
 
 def _computed(pid: int) -> float:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless, new_command
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_file, is_there
+from logical_robots_tui.paths import is_file, is_folder
 
 if TYPE_CHECKING:
     from logical_robots_tui.cli.command import Commands
@@ -72,7 +72,7 @@ def declare_new(commands: Commands) -> None:
         metavar="N",
         help="corridor width in map units (default: 60)",
     )
-    _add_force(command)
+    add_force(command)
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -81,7 +81,7 @@ def _new(options: argparse.Namespace) -> int:
     from logical_robots_tui.world import load_level
     from logical_robots_tui.world.levels.load import read_text
 
-    _refuse_existing(options.file, force=options.force)
+    refuse_existing(options.file, force=options.force)
     level = load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
     new = set_words(level, **words)
@@ -141,7 +141,7 @@ def declare_convert(commands: Commands) -> None:
     )
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
     command.add_argument("file", metavar="FILE", type=Path, help="the file to write")
-    _add_force(command)
+    add_force(command)
 
 
 def _convert(options: argparse.Namespace) -> int:
@@ -149,24 +149,25 @@ def _convert(options: argparse.Namespace) -> int:
     from logical_robots_tui.world import load_level
 
     level = load_level(options.level)
-    _refuse_existing(options.file, force=options.force)
+    refuse_existing(options.file, force=options.force)
     save_level(level, options.file, anew=True)
     _tell_lost(level, options.file)
     print(harmless(f"Wrote {options.file}."))
     return 0
 
 
-def _add_force(command: argparse.ArgumentParser) -> None:
+def add_force(command: argparse.ArgumentParser) -> None:
+    """Add an option to replace an existing file."""
     command.add_argument("--force", action="store_true", help="replace an existing file")
 
 
-def _refuse_existing(path: Path, *, force: bool) -> None:
+def refuse_existing(path: Path, *, force: bool) -> None:
     """Refuse to overwrite a file.
 
     Raises:
         InputError: The file exists and may not be replaced.
     """
-    if is_there(path) and not force:
+    if (is_file(path) or is_folder(path)) and not force:
         raise InputError(
             "This file already exists.",
             place=str(path),

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
 
 SIZES = ("small", "medium", "large")
@@ -96,6 +97,9 @@ def declare(commands: Commands) -> None:
     )
 
 
+_held: list[OpenGames] = []  # for as long as this process lives
+
+
 def start(options: argparse.Namespace) -> int:
     """Open the game.
 
@@ -116,11 +120,10 @@ def start(options: argparse.Namespace) -> int:
         _choose_daily(options)
     if options.plain:
         if options.restricted:
-            _restrict(options, "logical_robots_tui.cli.plain")
+            _held.append(_restrict(options, "logical_robots_tui.cli.plain"))
         return _play_in_lines(options)
-    if options.restricted:
-        _restrict(options, "logical_robots_tui.tui.app.app")
-    return _play_on_screen(options)
+    games = _restrict(options, "logical_robots_tui.tui.app.app") if options.restricted else None
+    return _play_on_screen(options, games)
 
 
 def _choose_daily(options: argparse.Namespace) -> None:
@@ -157,13 +160,13 @@ def _refuse_shared_folder(folder: Path) -> None:
         )
 
 
-def _restrict(options: argparse.Namespace, game: str) -> None:
+def _restrict(options: argparse.Namespace, game: str) -> OpenGames:
     """Load the game, then restrict this process: afterwards no library can be loaded."""
     from logical_robots_tui.cli.restricted import restrict
 
     import_module(game)
     options.data_dir = options.data_dir.absolute()
-    restrict(options.data_dir)
+    return restrict(options.data_dir)
 
 
 def _prepare_screen() -> None:
@@ -189,7 +192,7 @@ def _prepare_screen() -> None:
     collect_later()  # after the first picture
 
 
-def _play_on_screen(options: argparse.Namespace) -> int:
+def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int:
     from logical_robots_tui.tui.app.app import play
     from logical_robots_tui.tui.app.ui import Permissions
 
@@ -206,6 +209,7 @@ def _play_on_screen(options: argparse.Namespace) -> int:
         permissions,
         teams=dict(options.teams),
         start=options.start_number,
+        games=games,
     )
 
 

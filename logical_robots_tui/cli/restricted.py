@@ -6,7 +6,6 @@ game's own helpers, and connections.
 
 from __future__ import annotations
 
-import fcntl
 import os
 import resource
 import site
@@ -15,16 +14,12 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.audit import refuse_all_but
 from logical_robots_tui.confinement import confine
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.open_games import OpenGames
 from logical_robots_tui.helper import is_helper
 from logical_robots_tui.shipped import shipped_folder
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-MOST_GAMES = 4
-"""Games that one player may have open at the same time, of at most three processes each."""
-
-_slots: list[int] = []  # file descriptors; closing one would free the slot
 
 LIMITS = {
     "RLIMIT_AS": 2 * 1024**3,  # bytes of address space; the game needs half of that
@@ -45,7 +40,6 @@ _KEPT = frozenset(
 )
 """Environment variables that are left, beside those of the language."""
 
-_OPENING = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 _GRACE = 5  # processor seconds that a game over its limit has for a clean exit
 
 
@@ -65,10 +59,13 @@ def clear_environment() -> None:
             del os.environ[name]
 
 
-def restrict(own: Path) -> None:
+def restrict(own: Path) -> OpenGames:
     """Confine this process and its children to a folder and to `LIMITS`, permanently.
 
     The folder becomes the home directory. It is created if it is missing.
+
+    Returns:
+        The games that the player has open.
 
     Raises:
         InputError: It can't be created or used, or the player has too many games open.
@@ -76,7 +73,7 @@ def restrict(own: Path) -> None:
     try:
         own.mkdir(mode=0o700, parents=True, exist_ok=True)
         own = own.resolve()
-        _take_slot(own)
+        games = OpenGames(own)
     except OSError as error:
         reason = error.strerror or str(error)
         hint = "Tell the administrator of this machine."
@@ -89,26 +86,7 @@ def restrict(own: Path) -> None:
         _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
     confine(own, shipped_folder("levels"), shipped_folder("programs"))
     refuse_all_but(own, is_helper)
-
-
-def _take_slot(own: Path) -> None:
-    """Take one of the player's slots for open games, until this process ends.
-
-    Raises:
-        InputError: All slots are taken.
-        OSError: The folder can't be written to.
-    """
-    for number in range(MOST_GAMES):
-        handle = os.open(own / f".game-{number}", _OPENING, 0o600)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(handle)
-        else:
-            _slots.append(handle)
-            return
-    hint = "Leave one of them first; a game whose connection broke ends within a minute."
-    raise InputError(f"you have {MOST_GAMES} games open, the most allowed", hint=hint)
+    return games
 
 
 def _limit(which: int, bound: int, grace: int) -> None:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.game.source import (
     Source,
     programs_for,
@@ -124,6 +125,7 @@ class Place(NamedTuple):
         program: Name of the last program if it is a shipped one, otherwise the path of its file.
         tick: Number of the tick, at least 1.
         programs: The first tick that each program decided, and its text, in order.
+        speed: The speed in ticks per second; None is full speed.
     """
 
     level: str
@@ -131,6 +133,7 @@ class Place(NamedTuple):
     program: str
     tick: int
     programs: tuple[tuple[int, str], ...]
+    speed: float | None = 40.0
 
     def as_text(self) -> str:
         """Serialise the place for `from_text`."""
@@ -148,6 +151,8 @@ class Place(NamedTuple):
             programs = tuple((int(begin), str(program)) for begin, program in found["programs"])
             level, title, program = (str(found[name]) for name in ("level", "title", "program"))
             place = cls(level, title, program, int(found["tick"]), programs)
+            if (speed := found.get("speed", place.speed)) in SPEEDS:
+                place = place._replace(speed=speed)
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError("this is not a place in a game") from error
         begins = [begin for begin, _ in place.programs]

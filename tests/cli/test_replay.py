@@ -34,6 +34,19 @@ def test_the_same_run_makes_the_same_file(
     assert len(other.read_bytes()) < 2000
 
 
+def test_a_file_is_replaced_only_if_that_is_wished(
+    command: Command, level: Path, ahead: Path, recorded: Path
+) -> None:
+    before = recorded.read_bytes()
+    short = "replay", "record", level, ahead, "-o", recorded, "--ticks", 3
+    told = command(*short)
+    assert told.status == 2
+    assert "already exists" in told.err
+    assert recorded.read_bytes() == before
+    assert command(*short, "--force").status == 0
+    assert load_replay(recorded).last == 3
+
+
 def test_a_replay_is_verified(command: Command, recorded: Path) -> None:
     told = command("replay", "verify", recorded)
     assert (told.status, told.out) == (0, f"The same: {load_replay(recorded).last} ticks.\n")

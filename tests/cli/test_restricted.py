@@ -6,13 +6,15 @@ import json
 import os
 import subprocess
 import sys
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.cli.restricted import MOST_GAMES, clear_environment
+from logical_robots_tui.cli.restricted import clear_environment
 from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.open_games import MOST_GAMES
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
@@ -319,6 +321,24 @@ def test_a_player_has_so_many_games_and_no_more(tmp_path: Path) -> None:
         for each in games:
             each.kill()
             each.communicate(timeout=PATIENCE)
+
+
+def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None:
+    with Terminal(game(tmp_path, "02-open-space")) as hung, ExitStack() as later:
+        hung.wait_for("· applied")
+        hung.send("2hello")
+        hung.wait_for("hello")
+        second = later.enter_context(Terminal(game(tmp_path, "02-open-space")))
+        second.wait_for("You have another game open since")
+        second.wait_for("Yes, end it")
+        second.send("y")
+        assert hung.finish() == 0
+        second.wait_for("Continue with your unsaved text")
+        second.wait_for("Yes, continue")
+        second.send("y")
+        second.wait_for("hello")
+        second.send("q")
+        assert second.finish() == 0
 
 
 FILLS_CACHES = """if True:

@@ -81,7 +81,7 @@ def test_when_the_process_is_killed_what_was_on_disk_a_moment_ago_is_offered(
     player.play_short_way()
     type_an_idea(player)
     until(lambda: any(TYPED in f.read_text() for f in player.folder.rglob("data/**/*.json")))
-    os.kill(player.tmux.pid, signal.SIGKILL)
+    os.kill(player.tmux.game, signal.SIGKILL)
     until(lambda: not player.tmux.is_running)
     player.tmux.mend()
     assert_the_idea_is_offered(player)

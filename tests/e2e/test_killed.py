@@ -73,7 +73,7 @@ def test_drafts_programs_and_versions_outlive_forty_kills(tmp_path: Path) -> Non
         commands = [[sys.executable, "-c", KEEPS, tmp_path, name] for name in ("ada", "ben")]
         said = killed(commands, chance)
         drafts = Drafts(tmp_path / "drafts")
-        kept = {draft.name: draft.text for draft in drafts.adopt("program")}
+        kept = {draft.name: draft.text for draft in reversed(drafts.adopt("program"))}
         drafts.close()
         progress = Progress(tmp_path / FILE_NAME, pytest.fail)
         for name, told in zip(("ada", "ben"), said, strict=True):

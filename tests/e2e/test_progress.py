@@ -33,7 +33,7 @@ def record_of(player: Player) -> Progress:
 
 
 def kill(player: Player) -> None:
-    os.kill(player.tmux.pid, signal.SIGKILL)
+    os.kill(player.tmux.game, signal.SIGKILL)
     until(lambda: not player.tmux.is_running)
     player.tmux.mend()
 

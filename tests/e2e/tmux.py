@@ -87,6 +87,12 @@ class Tmux:
         return int(self._pid_file.read_text())
 
     @property
+    def game(self) -> int:
+        """The process of the game, which what `start` started has forked."""
+        (found,) = Path(f"/proc/{self.pid}/task/{self.pid}/children").read_text().split()
+        return int(found)
+
+    @property
     def is_running(self) -> bool:
         """Whether what was started still runs."""
         return runs(self.pid)

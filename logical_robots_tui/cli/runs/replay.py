@@ -19,7 +19,7 @@ from logical_robots_tui.cli.command import (
     new_group,
     number_from,
 )
-from logical_robots_tui.cli.level_files import write
+from logical_robots_tui.cli.level_files import add_force, refuse_existing, write
 from logical_robots_tui.cli.runs.common import opened, progress_bar
 from logical_robots_tui.wording import counted
 
@@ -91,6 +91,7 @@ def _declare_record(commands: Commands) -> None:
     command.add_argument(
         "--no-programs", action="store_true", help="leave the text of the program out"
     )
+    add_force(command)
     add_data_dir(command)
     add_no_solutions(command)
 
@@ -100,6 +101,7 @@ def _record(options: argparse.Namespace) -> int:
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import gather
 
+    refuse_existing(options.output, force=options.force)
     level, program = opened(options)
 
     async def run() -> Replay:

@@ -41,10 +41,13 @@ if TYPE_CHECKING:
     from textual.theme import Theme
 
     from logical_robots_tui.game import Source
+    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.world import Level
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
+
+_LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
 
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
@@ -65,6 +68,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         theme: The theme to begin with where the settings name none; "" is what suits the terminal.
         permissions: What the player may do with the machine; by default everything.
         replay: A replay in the level, to open at once, or None.
+        games: The games that the player has open, where they are counted.
         clock: What everything in the game is timed by; the event loop must have the same time.
     """
 
@@ -91,6 +95,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         theme: str = "",
         permissions: Permissions | None = None,
         replay: Replay | None = None,
+        games: OpenGames | None = None,
         clock: Clock = CLOCK,
     ) -> None:
         super().__init__(clock)
@@ -110,8 +115,10 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             welcome=welcome,
             permissions=permissions,
             replay=replay,
+            games=games,
             clock=clock,
         )
+        self._games = games
         self.animation_level = "none"
         self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
@@ -146,8 +153,15 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         """Do as the settings say, and tell what in them can't be used."""
         if not self.main.permissions.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
+            self.watch_terminal()
+        if self._games is not None:
+            self.set_interval(_LOOK_FOR_WISHES, self._end_if_asked)
         self._follow(self._settings)
         self.theme_changed_signal.subscribe(self, self._keep_theme)
+
+    def _end_if_asked(self) -> None:
+        if self._games is not None and self._games.is_to_end:
+            os.kill(os.getpid(), signal.SIGHUP)
 
     def _follow(self, settings: Settings) -> None:
         self.main.scheduler.rate.frames = settings.frames
@@ -281,6 +295,7 @@ def play(
     teams: Mapping[str, str] | None = None,
     start: int = 0,
     replay: Replay | None = None,
+    games: OpenGames | None = None,
 ) -> int:
     """Open the game and return when the player leaves.
 
@@ -293,6 +308,7 @@ def play(
         teams: Further programs by team.
         start: The number of a shifted start; 0 is the given one.
         replay: What to open instead of a level and a program.
+        games: The games that the player has open, where they are counted.
 
     Returns:
         The exit status.
@@ -327,6 +343,7 @@ def play(
         settings=read_settings(settings_path()),
         theme=progress.fact(THEME) or "",
         welcome=not (level_name or replay) and progress.fact(TOUR) is None,
+        games=games,
     )
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)

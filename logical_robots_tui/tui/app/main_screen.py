@@ -41,7 +41,7 @@ from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane
 from logical_robots_tui.tui.program.teams import TeamChoice, TeamTabs
 from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, leave, program_draft
-from logical_robots_tui.tui.recovery.offers import Bookmark, Offers
+from logical_robots_tui.tui.recovery.offers import Bookmark, Offering, Offers, OtherGames
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
 from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame, Source
+    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
@@ -78,6 +79,7 @@ class MainScreen(Screen[None], SessionListener):
         welcome: Whether to start with the tour.
         permissions: What the player may do with the machine.
         replay: What to open at once, a replay in the level, or None.
+        games: The games that the player has open, where they are counted.
 
     Attributes:
         data_dir: Folder with drafts and the player's programs.
@@ -98,6 +100,7 @@ class MainScreen(Screen[None], SessionListener):
         welcome: bool = False,
         permissions: Permissions | None = None,
         replay: Replay | None = None,
+        games: OpenGames | None = None,
         clock: Clock = CLOCK,
     ) -> None:
         super().__init__(id="main")
@@ -111,7 +114,7 @@ class MainScreen(Screen[None], SessionListener):
         self.session = Session(level, sources, self.spawn, self.scheduler.soon, clock)
         self.scheduler.pace = self.session.pace
         self._text_to_begin_with = self.session.source.text if text is None else text
-        self._is_new_here, self._replay = welcome, replay
+        self._is_new_here, self._replay, self._games = welcome, replay, games
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
         self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
@@ -215,8 +218,10 @@ class MainScreen(Screen[None], SessionListener):
         if self._replay is not None:
             self.spawn(partial(self.replays.open, self._replay), "replay", exclusive=False)
         else:
-            offers = partial(self.offers.make, self.library, self.editing, self.bookmark)
-            self.spawn(offers, "drafts", exclusive=False)
+            offered: list[Offering] = [self.library, self.editing, self.bookmark]
+            if self._games is not None:
+                offered.insert(0, OtherGames(self._games, self.ui))
+            self.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._is_new_here:
             self.tour.begin()

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Game, Source
     from logical_robots_tui.game.drafts import Drafts
+    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.ui import Ui
@@ -38,6 +39,10 @@ _NOTICING = 0.7
 
 Seeing something new and stopping a key press takes about half a second.
 """
+
+
+_LOOK_SECONDS, _LOOKS = 0.25, 40
+"""How often, and how many times, to look whether other games have ended."""
 
 
 class Offering(Protocol):
@@ -142,6 +147,33 @@ def _read(draft: Draft) -> Level | None:
         return None
 
 
+class OtherGames:
+    """Offers to end the player's other games, such as one whose connection hangs."""
+
+    def __init__(self, games: OpenGames, ui: Ui) -> None:
+        self._games, self._ui = games, ui
+
+    async def offer(self, offers: Offers) -> None:
+        """Offer it, if there are any; what was typed there can be taken over then."""
+        others = await offers.at_hand(partial(asyncio.to_thread, self._games.others))
+        if not others:
+            return
+        since = f"{others[0].astimezone():%H:%M, %d %B}"
+        are = "another game open" if len(others) == 1 else f"{len(others)} other games open, one"
+        question = f"You have {are} since {since}. End it? What you typed there is kept."
+        if len(others) > 1:
+            question = question.replace("End it?", "End them?")
+        answers = [("no", "No, leave it open"), ("yes", "Yes, end it")]
+        if await offers.ask("Another game", question, answers) != "yes":
+            return
+        await asyncio.to_thread(self._games.end_others)
+        for _ in range(_LOOKS):
+            await asyncio.sleep(_LOOK_SECONDS)
+            if not await asyncio.to_thread(self._games.others):
+                return
+        self._ui.warn("It has not ended yet; what you typed there is offered the next time.")
+
+
 class Bookmark:
     """Saves the place of a session that is cut off, and offers it to the next one."""
 
@@ -165,6 +197,7 @@ class Bookmark:
             return
         place = place_of(session.game, session.opened, session.sources.first)
         if place is not None:
+            place = place._replace(speed=session.pace.speed)
             with contextlib.suppress(OSError):  # nobody is there to be told
                 self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
@@ -202,6 +235,7 @@ class Bookmark:
         source = source._replace(team=sources.team)
         is_unsaved = self._drafts.get(("program", source.draft)) is not None
         self._open_program(source, None if is_unsaved else last)
+        self._session.pace.speed = place.speed
         ends = [(await compile_program(text), end) for text, end in place.stretches()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))
 

@@ -8,6 +8,8 @@ what a terminal shows with a full rendering of the same lines.
 from __future__ import annotations
 
 import asyncio
+import os
+import signal
 from collections import deque
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -35,6 +37,10 @@ ASK = "\x1b[6n"
 """Asks a terminal for its cursor position; it answers after everything sent before."""
 
 _PATIENCE = 2.0  # seconds after which an answer counts as lost
+
+_ASK_EVERY = 10.0  # seconds; of a terminal that is watched
+_SILENT = 12.0  # seconds without an answer after which nothing is drawn any more
+_GONE = 40.0  # seconds without an answer after which a terminal is taken for gone
 
 _QUEUE = 0.05  # seconds of data that may queue on the way
 _LEAST = 1500  # bytes; less is not worth a query
@@ -128,6 +134,7 @@ class DiffApp(CrashSafeApp):
     _cursor_sent: tuple[int, int] | None = None
     _is_waiting = False
     _is_sending = False
+    _is_watching = False
 
     def __init__(self, clock: Clock) -> None:
         super().__init__(driver_class=ListeningDriver)
@@ -139,6 +146,24 @@ class DiffApp(CrashSafeApp):
         if self._sent is not None:
             self._sent.forget()
             self._send()
+
+    def watch_terminal(self) -> None:
+        """End as after a hangup when a terminal that used to answer is silent for long.
+
+        sshd notices a client that hangs only after minutes, if what is sent to it does not queue.
+        """
+        self._is_watching = True
+        self.set_interval(_ASK_EVERY, self._ask_terminal)
+
+    def _ask_terminal(self) -> None:
+        driver = self._driver
+        if not isinstance(driver, ListeningDriver):
+            return
+        if driver.silence > _GONE:
+            os.kill(os.getpid(), signal.SIGHUP)
+        else:
+            driver.ask(ASK)
+            self._line.sent(0, self.clock.now())
 
     def terminal(self) -> Difference | None:
         """What the terminal shows and should show; None if a full repaint is due.
@@ -209,6 +234,8 @@ class DiffApp(CrashSafeApp):
             return
         if (self._sent.columns, self._sent.rows) != self.size:
             return  # a full repaint is due
+        if self._is_watching and driver.silence > _SILENT:
+            return  # the next answer calls this again
         if self._line.is_to_be_measured:
             driver.ask(ASK)
             self._line.sent(0, self.clock.now())

@@ -68,6 +68,12 @@ class ListeningDriver(LinuxDriver):
         self._asked = 0
         self._under_way = 0
         self._all_answered = threading.Condition()
+        self._heard_at: float | None = None  # since it has answered once
+
+    @property
+    def silence(self) -> float:
+        """Seconds since a terminal that answers has said anything; 0 for any other."""
+        return 0.0 if self._heard_at is None else monotonic() - self._heard_at
 
     def ask(self, text: str) -> None:
         """Write something that ends in a query to the terminal."""
@@ -131,6 +137,8 @@ class ListeningDriver(LinuxDriver):
                 if not data:
                     break
                 pieces, answers = incoming.take(data, monotonic())
+                if answers or self._heard_at is not None:
+                    self._heard_at = monotonic()
                 self._hear(answers)
             for piece in pieces:
                 if isinstance(piece, Pasted):

@@ -32,18 +32,16 @@ ADDRESSES = 2 * 1024**3  # as in restricted mode
 
 def leave_room(terminal: Terminal, room: int) -> None:
     """Let the game have so many more bytes of address space, and none beyond."""
-    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    status = Path(f"/proc/{terminal.game}/status").read_text()
     found = re.search(r"VmSize:\s+(\d+)", status)
     assert found
     # The last bound stays where it was, and can be returned to.
-    resource.prlimit(
-        terminal.process.pid, resource.RLIMIT_AS, (int(found[1]) * 1024 + room, ADDRESSES)
-    )
+    resource.prlimit(terminal.game, resource.RLIMIT_AS, (int(found[1]) * 1024 + room, ADDRESSES))
 
 
 def draw(terminal: Terminal) -> None:
     ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", 400, 1000, 0, 0))
-    os.kill(terminal.process.pid, signal.SIGWINCH)
+    os.kill(terminal.game, signal.SIGWINCH)
 
 
 def think(terminal: Terminal) -> None:
@@ -73,7 +71,7 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
         work(terminal)
         terminal.wait_for_quiet(1.0)
         if terminal.process.poll() is None:
-            resource.prlimit(terminal.process.pid, resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
+            resource.prlimit(terminal.game, resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
             terminal.send("\x1b")
             terminal.wait_for_quiet(0.5)
             terminal.send("q")
@@ -89,7 +87,7 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
 
 def most_held(terminal: Terminal) -> int:
     """The most MiB that the game ever held."""
-    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    status = Path(f"/proc/{terminal.game}/status").read_text()
     found = re.search(r"VmHWM:\s+(\d+)", status)
     assert found
     return int(found[1]) // 1024

@@ -26,6 +26,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         await game.press("n", "n")
         await game.until(lambda: game.tick == 5)
         there = game.session.frame
+        game.session.pace.speed = 160.0
         game.app.save_unsaved()
         await game.press("n")
         await game.until(lambda: game.tick == 6)
@@ -41,6 +42,7 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         assert (again.after, again.memories) == (there.after, there.memories)
         assert game.session.state.applied == game.editor.text == STILL
         assert game.session.source.name == "mine"
+        assert game.session.pace.speed == 160.0
 
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()

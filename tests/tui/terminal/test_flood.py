@@ -30,7 +30,7 @@ FLOODS = {
 
 def memory_of(terminal: Terminal) -> int:
     """KiB that the game holds."""
-    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
+    status = Path(f"/proc/{terminal.game}/status").read_text()
     found = re.search(r"VmRSS:\s+(\d+)", status)
     assert found
     return int(found[1])
@@ -54,7 +54,7 @@ def flood(terminal: Terminal, data: bytes) -> None:
 
 def resize(terminal: Terminal, columns: int, lines: int) -> None:
     ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
-    os.kill(terminal.process.pid, signal.SIGWINCH)
+    os.kill(terminal.game, signal.SIGWINCH)
 
 
 @pytest.mark.sampled
