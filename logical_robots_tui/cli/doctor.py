@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 FINE, PROBLEM = 0, 1
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 
+SAFE_SQLITE = (3, 50, 2)
+"""The first SQLite without a known hole that a query of a robot's program might reach."""
+
 EPILOG = """\
 examples:
   logical-robots doctor           what the game detects (for bug reports)
@@ -125,7 +128,11 @@ def _versions() -> Iterator[Finding]:
 
     yield Finding("versions", "logical-robots", __version__)
     yield Finding("versions", "python", f"{platform.python_version()} on {platform.platform()}")
-    yield Finding("versions", "sqlite", sqlite3.sqlite_version)
+    sqlite = sqlite3.sqlite_version
+    if sqlite3.sqlite_version_info < SAFE_SQLITE:
+        # Not a problem: distributions mend it without changing the version.
+        sqlite += ", which has a hole (CVE-2025-6965) unless your system has mended it"
+    yield Finding("versions", "sqlite", sqlite)
     sandbox = shutil.which("bwrap")
     yield Finding("versions", "bubblewrap", sandbox or "not installed, a sandbox for classes")
     for package in PACKAGES:

@@ -6,13 +6,13 @@ import io
 import tomllib
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from tests.cli.running import in_terminal
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
     from tests.cli.running import Command
 
@@ -88,3 +88,11 @@ def test_a_home_that_is_out_of_reach_stops_nothing(
     assert told.status == 0
     assert "Tick 1." in told.out
     assert "can't be written" in told.out
+
+
+@pytest.mark.parametrize(("version", "is_old"), [((3, 40, 1), True), ((3, 50, 2), False)])
+def test_an_sqlite_with_a_known_hole_is_named(
+    command: Command, monkeypatch: pytest.MonkeyPatch, version: tuple[int, ...], is_old: bool
+) -> None:
+    monkeypatch.setattr("sqlite3.sqlite_version_info", version)
+    assert ("CVE-2025-6965" in command("doctor").out) == is_old

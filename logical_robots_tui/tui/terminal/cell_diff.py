@@ -240,11 +240,14 @@ def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[Cel
                 cells.append((char, look))
                 if width == 2:
                     cells.append(("", look))
-            elif cells:
+            elif cells and char not in _TURNING:
                 base = -1 if cells[-1][0] else -2
                 cells[base] = (cells[base][0] + char, cells[base][1])
     return cells
 
+
+_TURNING = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Characters with which a text would turn the direction of everything around it."""
 
 _width = lru_cache(maxsize=4096)(cell_len)
 

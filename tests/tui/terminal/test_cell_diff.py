@@ -190,3 +190,11 @@ def test_a_dark_blue_stays_blue_in_256_colours(colour: str, is_blue: bool) -> No
 def test_a_colour_among_256_is_near(rgb: tuple[int, int, int]) -> None:
     found = reduced(Color.from_rgb(*rgb), ColorSystem.EIGHT_BIT).get_truecolor()
     assert max(abs(a - b) for a, b in zip(found, rgb, strict=True)) <= 60
+
+
+def test_nothing_turns_the_direction_of_what_follows() -> None:
+    difference = Difference(COLUMNS, ROWS, ColorSystem.TRUECOLOR)
+    text = "a\u202eb\u2066c\u200fe\u0301"
+    sent = send(difference, [(0, 0, [Segment(text)])])
+    assert "abce\u0301" in sent
+    assert not set("\u202e\u2066\u200f") & {*sent}
