@@ -15,6 +15,7 @@ BEATS, AWAY = 0, 1
 """Bytes that both processes share: what counts up, 0 before the first beat, and `away`."""
 
 _BEAT_SECONDS = 1.0
+_MOST_COMPUTED = 30.0  # processor seconds without a heartbeat after which the kernel ends the game
 
 _shared: list[mmap] = []  # in a game that is supervised, one
 
@@ -30,6 +31,7 @@ def keep_beating(loop: AbstractEventLoop) -> None:
         if not shared[BEATS]:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the supervisor
         shared[BEATS] = shared[BEATS] % 255 + 1
+        signal.setitimer(signal.ITIMER_PROF, _MOST_COMPUTED)  # should the supervisor be killed
         loop.call_later(_BEAT_SECONDS, keep_beating, loop)
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 GETS_STUCK = """
 import sys, threading
-from logical_robots_tui import supervisor
+from logical_robots_tui import heartbeat, supervisor
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 how, computed, idle = sys.argv.pop(1), float(sys.argv.pop(1)), float(sys.argv.pop(1))
 def get_stuck(self):
@@ -33,6 +33,7 @@ def get_stuck(self):
     lock.acquire()
 LogicalRobotsApp.action_interrupt = get_stuck
 supervisor._MOST_COMPUTED, supervisor._MOST_IDLE = computed, idle
+heartbeat._MOST_COMPUTED = 5.0
 sys.exit(supervisor.main())
 """
 NEVER = 1e9
@@ -145,6 +146,16 @@ def test_a_game_whose_supervisor_is_killed_keeps_the_text_and_ends(tmp_path: Pat
         terminal.process.kill()
         until(lambda: not Path(f"/proc/{game}").exists())
     assert texts(tmp_path) == ["hello"]
+
+
+def test_a_stuck_game_whose_supervisor_is_killed_ends_as_well(tmp_path: Path) -> None:
+    with getting_stuck(tmp_path, "in C") as terminal:
+        terminal.wait_for("applied")
+        game = terminal.game
+        terminal.send("\x03")
+        until(lambda: termios.tcgetattr(terminal.fileno())[3] & termios.ISIG)
+        terminal.process.kill()
+        until(lambda: not Path(f"/proc/{game}").exists())
 
 
 def test_a_stopped_game_is_not_stuck(tmp_path: Path) -> None:
