@@ -19,7 +19,7 @@ from contextlib import suppress
 from time import clock_gettime, monotonic
 from typing import Any
 
-from logical_robots_tui.heartbeat import AWAY, BEATS, is_watched_in
+from logical_robots_tui.processes.heartbeat import AWAY, BEATS, is_watched_in
 
 STUCK = 70  # as for any other bug: EX_SOFTWARE in sysexits.h
 
@@ -143,7 +143,7 @@ class _Supervisor:
 
         The game would take the terminal twice.
         """
-        with suppress(OSError), open(f"/proc/{self._game}/stat") as file:  # noqa: PTH123
+        with suppress(OSError), open(f"/proc/{self._game}/stat") as file:  # noqa: PTH123 - pathlib takes a while to load
             if file.read().rpartition(")")[2].split()[0] == "T":
                 self._send(signal.SIGCONT)
         self._forget()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
 from logical_robots_tui.game.victory import measures_of
-from logical_robots_tui.helper import Helper, begin
+from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
 
 if TYPE_CHECKING:

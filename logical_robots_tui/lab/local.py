@@ -79,6 +79,7 @@ class _Worker:
         self._pid: Future[int] | None = None
         self._deadline = 0.0
         self._false_starts = 0
+        self._is_stuck = False
 
     def start(self, key: object, task: Task) -> None:
         self._key, self.task = key, task
@@ -96,6 +97,7 @@ class _Worker:
             self.future.set_exception(error)
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        self._is_stuck = False
         self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
 
     def finish(self) -> tuple[object, Answer]:
@@ -104,6 +106,7 @@ class _Worker:
         Raises:
             InputError: Its process died again and again before it could begin.
         """
+        assert self.task is not None
         assert self.future is not None
         error = self.future.exception()
         if isinstance(error, BrokenProcessPool):
@@ -111,7 +114,8 @@ class _Worker:
             self._false_starts = 0 if has_begun else self._false_starts + 1
             if self._false_starts > _MOST_FALSE_STARTS:
                 raise InputError("a worker process can't start", hint="Is there memory left?")
-            answer = Answer(failure="its worker process died")
+            said = f"it took more than {self.task.seconds:g} seconds and could not be stopped"
+            answer = Answer(failure=said if self._is_stuck else "its worker process died")
             self.close(at_once=True)
         elif error is not None:
             answer = Answer(failure=f"a bug in Logical Robots: {error!r}")
@@ -123,6 +127,7 @@ class _Worker:
 
     def end_if_stuck(self) -> None:
         if self.task is not None and monotonic() > self._deadline:
+            self._is_stuck = True
             self._kill()
 
     def close(self, *, at_once: bool) -> None:

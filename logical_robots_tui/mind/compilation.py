@@ -13,10 +13,10 @@ from collections import OrderedDict
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from logical_robots_tui.helper import Helper
 from logical_robots_tui.mind import cache
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.processes.helper import Helper
 from logical_robots_tui.records import record
 
 if TYPE_CHECKING:

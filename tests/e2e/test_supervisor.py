@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 GETS_STUCK = """
 import sys, threading
-from logical_robots_tui import heartbeat, supervisor
+from logical_robots_tui import supervisor
+from logical_robots_tui.processes import heartbeat
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 how, computed, idle = sys.argv.pop(1), float(sys.argv.pop(1)), float(sys.argv.pop(1))
 def get_stuck(self):

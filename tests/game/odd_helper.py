@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.helper import begin
+from logical_robots_tui.processes.helper import begin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,6 +52,6 @@ def attempts(folder: Path) -> dict[str, str]:
     attempt("read", lambda: (folder / "secret.l").read_text())
     attempt("list", lambda: list(folder.iterdir()))
     attempt("write", lambda: (folder / "more.l").write_text("x"))
-    attempt("run", lambda: subprocess.run(["true"], check=False))
+    attempt("run", lambda: subprocess.run(["true"], check=False, timeout=60))
     attempt("call", lambda: socket.create_connection(("127.0.0.1", 9)))
     return found

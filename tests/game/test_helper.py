@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.helper import Helper, is_helper
+from logical_robots_tui.processes.helper import Helper, is_helper
 from tests.waiting import PATIENCE, until
 
 MODULE = "tests.game.odd_helper"
@@ -40,7 +40,7 @@ def test_a_helper_reaches_no_file_program_or_network(
 
 PARENT = f"""
 import sys
-from logical_robots_tui.helper import Helper
+from logical_robots_tui.processes.helper import Helper
 helper = Helper("{MODULE}", sys.argv[1])
 helper.stdout.readline()
 print(helper.pid, flush=True)

@@ -7,7 +7,6 @@ import resource
 import shutil
 import sqlite3
 from contextlib import closing, suppress
-from time import process_time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -20,7 +19,7 @@ from logical_robots_tui.lab.ledger import Entry, Ledger, LedgerError
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.damage import Change, changed, changes
 from tests.lab.laboratory import write_experiment
-from tests.mind.hostile.bounds import bounded_memory
+from tests.mind.hostile.bounds import bounded_memory, bounded_work
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -189,12 +188,10 @@ def test_a_manifest_that_was_changed_is_read_or_refused(
     told = (swept.path / "manifest.json").read_bytes()
     folder = Folder(tmp_path_factory.mktemp("changed"))
     (folder.path / "manifest.json").write_bytes(changed(told, changes))
-    start = process_time()
-    with bounded_memory(), suppress(InputError):
+    with bounded_memory(), bounded_work(), suppress(InputError):
         manifest = folder.manifest()
         with folder.ledger() as ledger:
             export_runs(folder, manifest, ledger)
-    assert process_time() - start < 10
 
 
 @pytest.mark.sampled
@@ -204,9 +201,8 @@ def test_a_ledger_that_was_changed_is_read_or_refused(
 ) -> None:
     copy = shutil.copytree(swept.path, tmp_path_factory.mktemp("changed") / "copy")
     (copy / "ledger.db").write_bytes(changed((swept.path / "ledger.db").read_bytes(), changes))
-    start, folder = process_time(), Folder(copy)
-    with bounded_memory(), suppress(InputError), folder.ledger() as ledger:
+    folder = Folder(copy)
+    with bounded_memory(), bounded_work(), suppress(InputError), folder.ledger() as ledger:
         export_runs(folder, folder.manifest(), ledger)
         ledger.seconds()
         ledger.differences()
-    assert process_time() - start < 10

@@ -128,6 +128,8 @@ def test_a_worker_that_says_nothing_is_replaced(
         coordinator.work(engine, lambda: False, stop_the_worker)
         assert stopped
         assert coordinator.tally().is_complete
+        ((said,),) = ledger._db.execute("SELECT DISTINCT reason FROM failures").fetchall()
+    assert said == "it took more than 2 seconds and could not be stopped"
     engine.close()
 
 

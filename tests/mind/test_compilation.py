@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui import helper
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.mind import Limits, Program, ProgramError, Stopped, compilation
 from logical_robots_tui.mind.compiling import compiler, worker
+from logical_robots_tui.processes import helper
 from tests.mind.rows import ROBOT
 from tests.waiting import PATIENCE, until
 

@@ -12,10 +12,10 @@ from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 
-from logical_robots_tui import heartbeat
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
+from logical_robots_tui.processes import heartbeat
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path

@@ -1,9 +1,10 @@
-"""A bound on the memory of this process, for whatever a program does."""
+"""Bounds on the memory and the work of this process, for whatever comes from others."""
 
 from __future__ import annotations
 
 from contextlib import contextmanager
 from pathlib import Path
+from time import process_time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["bounded_memory"]
+__all__ = ["bounded_memory", "bounded_work"]
 
 GROWTH = 400 * 1024**2  # bytes: the memory of SQLite, and what all rows of a thought may take
 
@@ -21,6 +22,15 @@ def bounded_memory() -> Iterator[None]:
     before = _forget_peak()
     yield
     assert _peak() - before < GROWTH
+
+
+@contextmanager
+def bounded_work(most: float = 10.0) -> Iterator[None]:
+    """Assert that a block computes for no more seconds than a hundred times the usual."""
+    began = process_time()
+    yield
+    computed = process_time() - began
+    assert computed < most
 
 
 def _forget_peak() -> int:

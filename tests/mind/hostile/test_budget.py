@@ -88,7 +88,7 @@ def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]
         elif callback == "text":
             connection.text_factory = fail
         elif callback == "read":
-            mind._asking._read_value = fail  # type: ignore[assignment]
+            mind._asking._read_value = fail  # type: ignore[assignment]  # it is another function
         else:
             for name in ("list_of_distinct", "any_value"):
                 connection.create_aggregate(name, 1, aggregate)

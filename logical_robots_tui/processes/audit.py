@@ -65,7 +65,7 @@ class _AuditHook:
         self._own = "" if own is None else str(own)
         self._may_start = may_start
         # Not sys.prefix: that may be /usr, which holds much else.
-        code: set[str | Path] = {Path(__file__).parent}
+        code: set[str | Path] = {Path(__file__).parents[1]}
         code |= {
             sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
         }

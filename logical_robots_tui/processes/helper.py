@@ -78,7 +78,7 @@ def is_helper(executable: object, words: object) -> bool:
 
 
 def _words(module: str, *arguments: str) -> list[str]:
-    home = str(Path(__file__).resolve().parents[1])
+    home = str(Path(__file__).resolve().parents[2])
     paths = dict.fromkeys([home, *(str(Path(p).resolve()) for p in sys.path if p)])
     return [sys.executable, *_FLAGS, "-c", _BEGIN, os.pathsep.join(paths), module, *arguments]
 
@@ -99,7 +99,7 @@ def begin(processor_seconds: int | None) -> list[str]:
     Args:
         processor_seconds: The bound of its whole life; None if it has another one.
     """
-    from logical_robots_tui.audit import refuse_all_but
+    from logical_robots_tui.processes.audit import refuse_all_but
 
     _end_with_the_game(int(sys.argv.pop(1)))
     if processor_seconds is not None:
