@@ -336,7 +336,7 @@ def test_a_player_is_told_of_another_game_and_can_end_it(tmp_path: Path) -> None
         second.wait_for("Continue with your unsaved text")
         second.wait_for("Yes, continue")
         second.send("y")
-        second.wait_for("hello")
+        second.wait_for("open-space-starter*")
         second.send("q")
         assert second.finish() == 0
 

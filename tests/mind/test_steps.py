@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError
+from logical_robots_tui.mind.sqlite import budget
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Work
 from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
 from logical_robots_tui.mind.sqlite.moment import Within
 from tests.mind.rows import ROBOT, row
+from tests.waiting import PATIENCE, until
 
 COUNTS = (
     "WITH RECURSIVE t_0_N(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM t_0_N LIMIT {}) "
@@ -85,6 +88,34 @@ def test_the_guard_counts_no_time_in_which_it_could_not_look() -> None:
     work.look(0.2)
     assert halted
     assert budget.is_late
+
+
+def test_what_was_computed_while_nothing_was_watched_is_nobodys_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    computed = [0.0]
+    monkeypatch.setattr(budget, "process_time", lambda: computed[0])
+    watcher = budget._Watcher()
+    monkeypatch.setattr(budget, "_watcher", watcher)
+    asleep, wait = threading.Event(), watcher._awake.wait
+
+    def sleep() -> None:
+        asleep.set()
+        wait()
+        asleep.clear()
+
+    monkeypatch.setattr(watcher._awake, "wait", sleep)
+    looks: list[float] = []
+    monkeypatch.setattr(Work, "look", lambda _work, seconds: looks.append(seconds))
+    for _ in range(2):
+        work = Work(lambda: None)
+        work.begin(Budget(1, 1.0), None)
+        looks.clear()
+        until(lambda: len(looks) > 1)
+        work.end()
+        assert sum(looks) == 0.0
+        assert asleep.wait(PATIENCE)
+        computed[0] += 100.0
 
 
 def test_functions_that_are_offered_and_aggregates_are_counted() -> None:

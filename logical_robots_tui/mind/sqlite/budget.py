@@ -169,7 +169,10 @@ class _Watcher:
     def _look(self) -> None:
         quiet = 0
         last = process_time()
-        while self._awake.wait():
+        while True:
+            if not self._awake.is_set():
+                self._awake.wait()
+                last = process_time()  # what was computed meanwhile is nobody's work
             now = process_time()
             with self._lock:
                 quiet = 0 if self._works else quiet + 1

@@ -9,6 +9,7 @@ import signal
 import struct
 import sys
 import termios
+from contextlib import suppress
 from fcntl import ioctl
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -67,11 +68,13 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
         terminal.wait_for("Leave")
         terminal.send("# typed by ada")
         terminal.wait_for("not applied")
+        playing = terminal.game
         leave_room(terminal, room * MIB)
         work(terminal)
         terminal.wait_for_quiet(1.0)
         if terminal.process.poll() is None:
-            resource.prlimit(terminal.game, resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
+            with suppress(ProcessLookupError):  # it may be about to end
+                resource.prlimit(playing, resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
             terminal.send("\x1b")
             terminal.wait_for_quiet(0.5)
             terminal.send("q")
