@@ -9,7 +9,6 @@ as it was.
 
 from __future__ import annotations
 
-import fcntl
 import mmap
 import os
 import signal
@@ -20,11 +19,12 @@ from time import clock_gettime, monotonic
 from typing import Any
 
 from logical_robots_tui.processes.heartbeat import AWAY, BEATS, is_watched_in
+from logical_robots_tui.processes.lifeline import signal_when_closed
 
 STUCK = 70  # as for any other bug: EX_SOFTWARE in sysexits.h
 
 _MOST_COMPUTED = 15.0  # processor seconds since the last heartbeat
-_MOST_IDLE = 60  # looks without a heartbeat in which the game computed nothing at all
+_MOST_IDLE = 60.0  # seconds without a heartbeat in which the game computed nothing at all
 _LOOK_SECONDS = 0.5
 _LOOKS_TO_INTERRUPT = 4  # without a heartbeat, from which on ^C is a signal
 _INTERRUPTS, _INTERRUPT_SECONDS = 3, 2.0
@@ -76,18 +76,11 @@ def _supervise() -> int | None:
     if game == 0:
         os.close(held)
         is_watched_in(shared)
-        _hang_up_with(lifeline)
+        signal_when_closed(lifeline, signal.SIGHUP)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         return None
     os.close(lifeline)
     return _Supervisor(game, shared).run()
-
-
-def _hang_up_with(lifeline: int) -> None:
-    """Let the kernel send this process the hangup signal when its supervisor ends."""
-    fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
-    fcntl.fcntl(lifeline, getattr(fcntl, "F_SETSIG", 10), signal.SIGHUP)
-    fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 class _Supervisor:

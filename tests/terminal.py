@@ -9,6 +9,7 @@ import struct
 import subprocess
 import termios
 from collections import deque
+from contextlib import suppress
 from fcntl import ioctl
 from pathlib import Path
 from time import monotonic, perf_counter
@@ -82,6 +83,8 @@ class Terminal:
         return self
 
     def __exit__(self, *_: object) -> None:
+        with suppress(OSError, ValueError):  # it has ended, or has forked no game
+            os.kill(self.game, signal.SIGKILL)  # hung up on, it would still write
         self.process.kill()
         self.process.wait(PATIENCE)
         os.close(self._ours)

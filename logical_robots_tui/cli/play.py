@@ -97,9 +97,6 @@ def declare(commands: Commands) -> None:
     )
 
 
-_held: list[OpenGames] = []  # for as long as this process lives
-
-
 def start(options: argparse.Namespace) -> int:
     """Open the game.
 
@@ -120,7 +117,7 @@ def start(options: argparse.Namespace) -> int:
         _choose_daily(options)
     if options.plain:
         if options.restricted:
-            _held.append(_restrict(options, "logical_robots_tui.cli.plain"))
+            _restrict(options, "logical_robots_tui.cli.plain")
         return _play_in_lines(options)
     games = _restrict(options, "logical_robots_tui.tui.app.app") if options.restricted else None
     return _play_on_screen(options, games)

@@ -32,6 +32,19 @@ Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
 
 
+class _OrPlainly:
+    """Ends a tuned query that fails, so that the plain one decides what the failure means."""
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> bool:
+        return kind is not None and issubclass(kind, Exception) and not issubclass(kind, Stopped)
+
+
+_OR_PLAINLY = _OrPlainly()
+
+
 class Asking:
     """The databases of a mind.
 
@@ -115,14 +128,10 @@ class Asking:
         """
         tuned = None if self._tuned is None else self._program.tuned.get(predicate)
         if self._tuned is not None and tuned is not None:
-            try:
+            with _OR_PLAINLY:
                 tuned = self._tuned.fitting(tuned, moment)
                 planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
                 return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
-            except Stopped:
-                raise
-            except Exception:  # the plain plan is shown, or what is wrong with it
-                tuned = None
         sql = self._program.statements[predicate]
         return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
@@ -196,15 +205,12 @@ class Asking:
         """
         assert self._tuned is not None
         most = len(moment.views) if in_order else _MOST_TOGETHER
-        try:
+        with _OR_PLAINLY:
             columns, found = self._tuned.ask_together(tuned, moment, within, most + 1)
             if len(found) > most:
                 return None
             return self._by_viewer(columns[:-1], found, tuned, moment, within, in_order=in_order)
-        except Stopped:
-            raise
-        except Exception:  # the plain query decides what it means
-            return None
+        return None
 
     def _by_viewer(
         self,
@@ -239,12 +245,9 @@ class Asking:
     ) -> Answer | None:
         if self._tuned is None or tuned is None:
             return None
-        try:
+        with _OR_PLAINLY:
             return self._finished(self._tuned.ask(tuned, moment, view, within), tuned, within)
-        except Stopped:
-            raise
-        except Exception:  # the plain query decides what it means
-            return None
+        return None
 
     def _finished(self, raw: RawAnswer, tuned: Tuned, within: Within) -> Answer | None:
         """Return an answer with its records assembled, or None if that fails."""

@@ -8,13 +8,14 @@ time, and ends with the game, whatever either of them is doing.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import resource
-import select
+import signal
 import subprocess
 import sys
 from pathlib import Path
+
+from logical_robots_tui.processes.lifeline import signal_when_closed
 
 _MODULES = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")
 _FLAGS = ("-I", "-S", "-B", "-X", "utf8")
@@ -101,7 +102,7 @@ def begin(processor_seconds: int | None) -> list[str]:
     """
     from logical_robots_tui.processes.audit import refuse_all_but
 
-    _end_with_the_game(int(sys.argv.pop(1)))
+    signal_when_closed(int(sys.argv.pop(1)), signal.SIGKILL)
     if processor_seconds is not None:
         limit(resource.RLIMIT_CPU, processor_seconds)
     limit(resource.RLIMIT_CORE, 0)
@@ -114,15 +115,3 @@ def limit(kind: int, amount: int) -> None:
     """Lower a limit of this process, permanently; some systems lack some limits."""
     with contextlib.suppress(OSError, ValueError):
         resource.setrlimit(kind, (amount, amount))
-
-
-def _end_with_the_game(lifeline: int) -> None:
-    """Let the kernel end this process when the game's end of a pipe is closed.
-
-    It sends a signal then, which needs no interpreter: a call into C may hold that for minutes.
-    """
-    fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
-    flags = fcntl.fcntl(lifeline, fcntl.F_GETFL)
-    fcntl.fcntl(lifeline, fcntl.F_SETFL, flags | os.O_ASYNC)
-    if select.select([lifeline], [], [], 0)[0]:
-        os._exit(0)

@@ -159,10 +159,10 @@ class OtherGames:
         if not others:
             return
         since = f"{others[0].astimezone():%H:%M, %d %B}"
-        are = "another game open" if len(others) == 1 else f"{len(others)} other games open, one"
-        question = f"You have {are} since {since}. End it? What you typed there is kept."
+        are, them = "another game open", "it"
         if len(others) > 1:
-            question = question.replace("End it?", "End them?")
+            are, them = f"{len(others)} other games open, one", "them"
+        question = f"You have {are} since {since}. End {them}? What you typed there is kept."
         answers = [("no", "No, leave it open"), ("yes", "Yes, end it")]
         if await offers.ask("Another game", question, answers) != "yes":
             return

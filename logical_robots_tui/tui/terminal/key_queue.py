@@ -47,7 +47,7 @@ class KeyQueue:
             self._waiting.append(event)
             return True
         before = self._typed_into
-        if before is None or not self._has_priority(event):
+        if before is None or self._is_text(event) or not self._has_priority(event):
             return False
         # It would come before the text that was typed for the focused widget.
         self._typed_into = None
@@ -74,9 +74,8 @@ class KeyQueue:
         )
 
     def _has_priority(self, event: events.Key | events.Paste) -> bool:
-        """Return whether an event is a command of the whole screen, whatever has the focus."""
-        if isinstance(event, events.Paste):
-            return False
+        """Return whether a key is a command of the whole screen, whatever has the focus."""
+        assert isinstance(event, events.Key)
         active = self._app.screen.active_bindings.get(event.key)
         return active is not None and active.binding.priority
 

@@ -58,7 +58,7 @@ class _Distinct:
         if item is None or key in self.unique:
             return 0
         self.unique[key] = item
-        return self.room.take(key) + weight_of_scalar(f"{key[:1]}{key}")
+        return 2 * self.room.take(key)  # as an item and as a key
 
     def finalize(self) -> str | None:
         return to_json(in_order(self.unique.values())) if self.unique else None
