@@ -146,6 +146,16 @@ class Terminal:
             assert monotonic() < deadline, f"not within {self.patience} s; instead:\n{self.text}"
             assert self._read(deadline), f"it ended before that; its screen:\n{self.text}"
 
+    def press_until(self, keys: str, condition: Callable[[], object]) -> None:
+        """Press keys in turn, as a player does again who saw no effect, until a condition holds."""
+        deadline = monotonic() + self.patience
+        while not condition():
+            for key in keys:
+                assert monotonic() < deadline, f"not within {self.patience} s:\n{self.text}"
+                with suppress(OSError):  # it has ended
+                    self.send(key)
+                self.read_for(0.5)
+
     def arrival_of(self, condition: Callable[[], object]) -> float:
         """When that came in, by `perf_counter`, which made a condition true of the screen.
 

@@ -75,12 +75,8 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
         if terminal.process.poll() is None:
             with suppress(ProcessLookupError):  # it may be about to end
                 resource.prlimit(playing, resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
-            terminal.send("\x1b")
-            terminal.wait_for_quiet(0.5)
-            terminal.send("q")
-            terminal.wait_for_quiet(0.5)
-            terminal.send("\r")
-            assert terminal.finish() in (0, 70)
+            terminal.press_until("\x1bq\r", lambda: terminal.process.poll() is not None)
+            assert terminal.process.poll() in (0, 70)
         else:
             assert terminal.process.poll() == 70
             assert "memory" in terminal.everything
