@@ -20,6 +20,7 @@ from benchmarks.mind import compiling, thinking
 from benchmarks.proofs import proofs
 from benchmarks.replays import replays
 from benchmarks.runner import Suite, run
+from benchmarks.safety import safety
 from benchmarks.schemas import schemas
 from benchmarks.ssh import processor, ssh
 from benchmarks.swarm import swarms
@@ -46,6 +47,7 @@ SUITE = Suite(
         "history": history,
         "replays": replays,
         "memory": memory,
+        "safety": safety,
         "inspector": inspector,
         "folding": folding,
         "answers": answers,
@@ -60,7 +62,7 @@ SUITE = Suite(
         "processor": processor,
         "first-frame": first_frame,
     },
-    named=frozenset({"functions", "lab", "large-class", "memory", "tournament"}),
+    named=frozenset({"functions", "lab", "large-class", "memory", "safety", "tournament"}),
     thorough=frozenset(
         {"class", "editing", "folding", "inspector", "processor", "ssh", "teams", "traffic"}
     ),

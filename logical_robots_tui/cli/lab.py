@@ -8,6 +8,7 @@ import sys
 import threading
 from contextlib import contextmanager
 from datetime import timedelta
+from itertools import islice
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -260,15 +261,18 @@ def _engine(options: argparse.Namespace) -> Engine:
 
 def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
     """Say how far the work is, and return the exit status."""
+    from logical_robots_tui.lab.exporting import failed_runs
+
     tally = coordinator.tally()
     print(
         harmless(f"{manifest.title}: {tally.done:,} runs done in {ledger.seconds():,.1f} s of work")
     )
     if tally.failed:
         print(f"{tally.failed:,} runs could not be done (infrastructure), for example:")
-        reasons = {reason: job for job, found in ledger.failures().items() for reason in found[-1:]}
-        for reason, job in list(reasons.items())[:5]:
-            print(harmless(f"  {reason} (run {manifest.run(job)[:12]})"))
+        for done in islice(failed_runs(manifest, ledger), 5):
+            cell, (_, _, reason) = done.cell, done.result.first or (0, "", "")
+            program = f"{cell.student}: {cell.program_name}" if cell.student else cell.program_name
+            print(harmless(f"  {program} in {cell.level_name}, start {done.start}: {reason}"))
     if tally.differing:
         print(
             "DEFECT: these runs gave different results when they were run twice. Please report it:"

@@ -267,6 +267,7 @@ def test_a_match_that_ends_every_worker_is_left_out(
     told = command("tournament", arena, players, "-o", out, "--workers", 1)
     assert told.status == 1
     assert "6 runs could not be done (infrastructure)" in told.out
+    assert "  fast against still in hill, start 1: its worker process died\n" in told.out
     told = command("lab", "export", out)
     assert told.status == 1
     ranking = rows(out / "ranking.csv")

@@ -64,17 +64,20 @@ class Difference:
         Pieces are (row, first column, segments); what is outside the terminal is ignored.
         """
         for row, column, segments in pieces:
-            if not 0 <= row < self.rows or column >= self.columns:
-                continue
-            cells = _cells(segments, self._colours)
-            if column < 0:
-                cells, column = cells[-column:], 0
-            cells = cells[: self.columns - column]
-            if cells:
-                self.put(row, column, cells)
+            self.put(row, column, _cells(segments, self._colours))
 
     def put(self, row: int, column: int, cells: Sequence[Cell]) -> None:
-        """Set the cells to show in a row, from a column on; all must be on the terminal."""
+        """Set the cells to show in a row, from a column on; ignores those outside the terminal.
+
+        Who draws may not know yet that the terminal has another size.
+        """
+        if not 0 <= row < self.rows or column >= self.columns:
+            return
+        if column < 0:
+            cells, column = cells[-column:], 0
+        cells = cells[: self.columns - column]
+        if not cells:
+            return
         wanted, stop = self._wanted[row], column + len(cells)
         # Overwriting half of a wide character also clears its other half.
         if column and _is_second_half(wanted[column]):

@@ -85,3 +85,16 @@ def is_half_covered(cells: Cells, x: int, y: int, covered: set[tuple[int, int]])
     if cells.text[row, column] == CONTINUED:
         return (x - 1, y) in covered
     return cells.is_cut(row, column + 1) and (x + 1, y) in covered
+
+
+@given(pictures(), st.integers(1, COLUMNS), st.integers(1, ROWS))
+def test_of_a_spot_in_a_terminal_that_shrank_is_shown_what_there_is_room_for(
+    cells: Cells, columns: int, rows: int
+) -> None:
+    straight, by_strips = pyte.Screen(columns, rows), pyte.Screen(columns, rows)
+    ours, theirs = (Difference(columns, rows, None) for _ in range(2))
+    PaintTarget(ours, SPOT, []).put(cells, [(row, 0, SPOT.width) for row in range(SPOT.height)])
+    theirs.take((SPOT.y + row, SPOT.x, list(cells.strip(row))) for row in range(SPOT.height))
+    pyte.Stream(straight).feed(ours.sequence())
+    pyte.Stream(by_strips).feed(theirs.sequence())
+    assert straight.display == by_strips.display

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 from textual import events
 
 from logical_robots_tui.tui.terminal import diff_app as sparing
+from tests.terminal import Terminal
 from tests.tui.conftest import opened
+from tests.waiting import until
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,3 +37,25 @@ async def test_what_waits_for_the_line_to_be_measured_is_sent_without_an_answer(
         await game.until(lambda: len(asked) == 2)
         # What the line is measured by is not answered, and nothing else happens.
         await game.until(lambda: not game.app._line._asked)
+
+
+SOON_GONE = """if True:
+    import sys
+    from logical_robots_tui.tui.terminal import diff_app
+    diff_app._ASK_EVERY, diff_app._SILENT, diff_app._GONE = 0.2, 1.0, 3.0
+    from logical_robots_tui import supervisor
+    sys.exit(supervisor.main())
+"""
+
+
+def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kept(
+    tmp_path: Path,
+) -> None:
+    play = [sys.executable, "-c", SOON_GONE, "play", "01-first-steps", "--restricted"]
+    with Terminal([*play, "--data-dir", tmp_path]) as terminal:
+        terminal.wait_for("· applied")
+        terminal.send("2# typed by ada")
+        terminal.wait_for("not applied")
+        until(lambda: terminal.process.poll() is not None)  # nothing is read, nothing answered
+    drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
+    assert any("# typed by ada" in draft for draft in drafts)

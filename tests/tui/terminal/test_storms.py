@@ -1,0 +1,109 @@
+"""A window that is dragged to any size, and a mouse that reports any place: the game goes on."""
+
+from __future__ import annotations
+
+import os
+import signal
+import struct
+import sys
+import termios
+from fcntl import ioctl
+from typing import TYPE_CHECKING, TypeAlias
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.terminal import Terminal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+SIZE = (100, 30)
+ONE_FRAME = 0.02  # seconds, so that a size finds a picture half drawn
+Event: TypeAlias = "tuple[int, int] | str"
+"""A size, or what a terminal sends."""
+
+sizes = st.tuples(st.integers(1, 240), st.integers(1, 80))
+places = st.one_of(st.integers(0, 130), st.integers(0, 70_000))
+mouse = st.builds(
+    "\x1b[<{};{};{}{}".format,
+    st.sampled_from([0, 1, 2, 3, 4, 8, 16, 32, 34, 35, 48, 64, 65, 66, 67, 128, 255]),
+    places,
+    places,
+    st.sampled_from("Mm"),
+)
+keys = st.sampled_from([" ", "n", "p", "1", "2", "3", "?", "\t", "\x1b[A", "\x1b[B", "+", "b"])
+storms = st.one_of(
+    st.lists(sizes, min_size=60, max_size=60),
+    st.lists(mouse, min_size=200, max_size=200),
+    st.lists(st.one_of(sizes, mouse, keys), min_size=20, max_size=100),
+)
+
+
+class Playing:
+    """A game in a terminal, begun anew if a storm has ended it by a click on "Quit"."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._games = 0
+        self._terminal: Terminal | None = None
+
+    @property
+    def terminal(self) -> Terminal:
+        if self._terminal is None or self._terminal.process.poll() is not None:
+            self.close()
+            game = [sys.executable, "-m", "logical_robots_tui", "play", "04-everybody-home"]
+            self._games += 1
+            folder = self._folder / str(self._games)
+            begun = Terminal([*game, "--data-dir", folder], size=SIZE, env={"EDITOR": "true"})
+            self._terminal = begun.__enter__()
+            begun.wait_for("· applied")
+        return self._terminal
+
+    def close(self) -> None:
+        if self._terminal is not None:
+            self._terminal.__exit__()
+
+
+@pytest.fixture(scope="module")
+def playing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Playing]:
+    found = Playing(tmp_path_factory.mktemp("storms"))
+    yield found
+    found.close()
+
+
+def send(terminal: Terminal, event: Event) -> None:
+    if isinstance(event, str):
+        terminal.send(event)
+    else:
+        ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", event[1], event[0], 0, 0))
+        os.kill(terminal.game, signal.SIGWINCH)
+
+
+def goes_through(terminal: Terminal, storm: list[Event]) -> bool:
+    """Whether the game is still there after a storm, and answers; otherwise it was told to quit."""
+    try:
+        for event in storm:
+            send(terminal, event)
+            terminal.read_for(0.0 if isinstance(event, str) else ONE_FRAME)
+        for size in (120, 40), SIZE:
+            before = terminal.traffic
+            send(terminal, size)
+            terminal.wait_for(lambda before=before: terminal.traffic > before)  # type: ignore[misc]  # a default
+    except (AssertionError, OSError, ValueError):
+        assert terminal.process.wait(terminal.patience) == 0, terminal.everything[-2000:]
+        return False
+    return True
+
+
+@pytest.mark.sampled
+@given(storm=storms)
+def test_no_size_and_no_place_ends_the_game(playing: Playing, storm: list[Event]) -> None:
+    terminal = playing.terminal
+    if "RUNNING" not in terminal.text:
+        terminal.send(" ")
+        terminal.wait_for("RUNNING")
+    if goes_through(terminal, storm):
+        terminal.press_until("\x1b", lambda: "q Quit" in terminal.text)
