@@ -1,4 +1,4 @@
-"""Write ``docs/reference.md`` from the help data: ``python -m docs.reference``."""
+"""Write the tables of functions and fields from their data: ``python -m docs.reference``."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.reference import REFERENCE
+from logical_robots_tui.schema import tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 TARGET = Path(__file__).with_name("reference.md")
+PROGRAMS = Path(__file__).with_name("programs.md")
+BEGIN, END = "<!-- fields -->", "<!-- end of fields -->"
 HEAD = """\
 # Functions
 
@@ -21,8 +24,15 @@ Null means "no value"; almost every operation on null gives null. Booleans are s
 
 
 def page() -> str:
-    """The whole page."""
-    return "\n".join([HEAD, *_tables()])
+    """The whole page of functions."""
+    return "\n".join([HEAD, *_tables(), "## Fields\n", *tables(), ""])
+
+
+def programs() -> str:
+    """The page on programs, with the table of fields as it should be."""
+    before, _, rest = PROGRAMS.read_text(encoding="utf-8").partition(BEGIN)
+    _, end, after = rest.partition(END)
+    return "\n".join([before + BEGIN, *tables(), end + after])
 
 
 def _tables() -> Iterator[str]:
@@ -40,3 +50,4 @@ def _tables() -> Iterator[str]:
 
 if __name__ == "__main__":
     TARGET.write_text(page(), encoding="utf-8")
+    PROGRAMS.write_text(programs(), encoding="utf-8")

@@ -120,10 +120,10 @@ class CacheFolder:
                     Path(path).unlink()
 
 
-def digest_of_code(folders: Iterable[Path], packages: Iterable[str]) -> bytes:
+def digest_of_code(places: Iterable[Path], packages: Iterable[str]) -> bytes:
     """Return a digest of the code as it is now.
 
-    It covers all Python files in the folders, and the versions of the packages that are installed.
+    It covers files, all Python files in folders, and the versions of installed packages.
     """
     from importlib import metadata  # slow to load, and most processes don't need it
 
@@ -131,7 +131,7 @@ def digest_of_code(folders: Iterable[Path], packages: Iterable[str]) -> bytes:
     for package in packages:
         with contextlib.suppress(metadata.PackageNotFoundError):
             digest.update(b"\0" + metadata.version(package).encode())
-    for folder in folders:
-        for path in sorted(folder.rglob("*.py")):
+    for place in places:
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else (place,):
             digest.update(b"\0" + path.name.encode() + b"\0" + path.read_bytes())
     return digest.digest()

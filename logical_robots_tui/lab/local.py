@@ -14,8 +14,8 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, execute
+from logical_robots_tui.processes.garbage import collect_seldom
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

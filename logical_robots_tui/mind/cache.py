@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from logical_robots_tui import schema
 from logical_robots_tui.caching import CacheFolder, cache_place, digest_of_code
 from logical_robots_tui.records import record
 
@@ -78,4 +79,5 @@ def _digest(body: bytes) -> bytes:
 @cache
 def _maker() -> bytes:
     """Return a digest of everything that affects compilation."""
-    return digest_of_code([Path(__file__).parent], ("logica", "sqlglot"))
+    places = Path(__file__).parent, Path(schema.__file__)
+    return digest_of_code(places, ("logica", "sqlglot"))

@@ -10,6 +10,7 @@ from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of
 from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     if left.__class__ is float and right.__class__ is float and math.isfinite(left + right):
         return Desire(left, right)
     engines = {}
-    for engine in ("left_engine", "right_engine"):
+    for engine in DESIRE.names:
         power = _power(value.get(engine))
         if power is None:
             what = _short(value[engine]) if engine in value else "missing"

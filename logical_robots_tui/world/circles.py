@@ -7,14 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from logical_robots_tui.world.rays import (
-    FORWARD,
-    MIDDLE,
-    PER_RADIAN,
-    RADAR_RAYS,
-    RAYS,
-    SENSOR_RANGE,
-)
+from logical_robots_tui.schema import RADAR_RAYS, SENSOR_RANGE
+from logical_robots_tui.world.rays import FORWARD, MIDDLE, PER_RADIAN, RAYS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from logical_robots_tui.schema import RADAR_DEGREES, RADAR_RAYS, SENSOR_RANGE
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -14,11 +16,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world.state import RobotState
 
-SENSOR_RANGE = 200
-"""Map units; also the distance that a ray reports when it hits nothing."""
-
-RADAR_RAYS = 31
-RADAR_SPAN = 120 * math.pi / 180
+RADAR_SPAN = RADAR_DEGREES * math.pi / 180
 """Radians between the leftmost and the rightmost ray of the radar."""
 
 PER_RADIAN = (RADAR_RAYS - 1) / RADAR_SPAN

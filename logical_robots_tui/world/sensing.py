@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from logical_robots_tui.schema import BEACON, NO_LABEL, NO_OBJECT, ROBOT, SELF, SENSOR_RANGE, WALL
 from logical_robots_tui.world.circles import take_nearer_circles
-from logical_robots_tui.world.rays import FORWARD, SENSOR_RANGE, Circles, rays_of
+from logical_robots_tui.world.rays import FORWARD, Circles, rays_of
+from logical_robots_tui.world.state import RobotState
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import SensorRow
     from logical_robots_tui.world.level import Area, Beacon, Level, Robot
     from logical_robots_tui.world.rays import Rays
-    from logical_robots_tui.world.state import AreaState, RobotState
+    from logical_robots_tui.world.state import AreaState
 
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""
@@ -87,14 +89,14 @@ class Senses:
         # What a ray hits has a code: 0 is a wall, the circles follow, and the last is nothing.
         # A hit is one number, distance * codes + code, so that the smallest is reported.
         kinds = [
-            *(("robot", robot.name, ROBOT_RADIUS) for robot in level.robots),
-            *(("beacon", beacon.name, BEACON_RADIUS) for beacon in level.beacons),
-            *(("wall", area.name, area.radius) for area in solid),
+            *((ROBOT, robot.name, ROBOT_RADIUS) for robot in level.robots),
+            *((BEACON, beacon.name, BEACON_RADIUS) for beacon in level.beacons),
+            *((WALL, area.name, area.radius) for area in solid),
         ]
         self._numbers = np.arange(len(kinds))
         self._radius = np.array([radius for _, _, radius in kinds], dtype=np.float64)
-        self._objects = np.array(["wall", *(kind for kind, _, _ in kinds), "none"], dtype=object)
-        self._labels = np.array(["wall", *(name for _, name, _ in kinds), "nothing"], dtype=object)
+        self._objects = np.array([WALL, *(kind for kind, _, _ in kinds), NO_OBJECT], dtype=object)
+        self._labels = np.array([WALL, *(name for _, name, _ in kinds), NO_LABEL], dtype=object)
         self._codes = len(self._labels)
         self._of_walls = np.arange(SENSOR_RANGE + 1) * self._codes
         self._of_walls[SENSOR_RANGE] += self._codes - 1
@@ -234,16 +236,14 @@ def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
         "robot_name": robot.name,
         "sensor": {
             **view,
-            "self": {
-                "can_charge": robot.can_charge,
-                "has_battery": robot.has_battery,
-                "battery_level": state.battery_level,
-                "battery_capacity": robot.battery_capacity,
-            },
+            "self": {name: getattr(state if changes else robot, name) for name, changes in _SELF},
             "clock": clock,
         },
     }
 
+
+_SELF = [(name, name in RobotState.__slots__) for name in SELF.names]
+"""What a robot knows of itself, and whether that is part of its state."""
 
 _Spot: TypeAlias = tuple[float, float]
 

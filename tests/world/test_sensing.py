@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.world import Area, Beacon, Level, Robot, World, circles, load_level
-from logical_robots_tui.world.rays import SENSOR_RANGE, rays_of
+from logical_robots_tui.world.rays import rays_of
 from logical_robots_tui.world.walls import FEW, FEWEST, Walls
 
 from .making import levels, make_level

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.diagnosis.telling import Finding, rule_findings, shortened
 from logical_robots_tui.mind.similar_names import closest
+from logical_robots_tui.schema import NO_LABEL, OBJECTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.world import Level
 
-_SEEN = ("wall", "beacon", "robot", "nothing")
-"""The kinds of objects that a ray can hit."""
+_SEEN = frozenset({*OBJECTS, NO_LABEL})
+"""What a ray may report that is no name."""
 
 _MOST_PLACES = 6
 _MOST_LEAVES = 3
@@ -165,15 +166,20 @@ def _of_memory(
 
 def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterator[Finding]:
     names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
+    names |= {area.name for area in level.areas if area.impenetrable}  # rays see their names
     known = {*names, *_SEEN, *observed.texts}
     times = Counter(field.name for field in checkup.texts)
     for field in checkup.texts:
         if field.name in known or times[field.name] > 1:
             continue
-        close = closest(field.name, names | set(_SEEN), 0.6) or next(
+        close = closest(field.name, names | _SEEN, 0.6) or next(
             (n for n in names if n.lower() == field.name.lower()), ""
         )
-        hint = f'Did you mean "{close}"?' if close else "Robots and beacons have other names here."
+        hint = (
+            f'Did you mean "{close}"?'
+            if close
+            else "Robots, beacons and solid areas have other names here."
+        )
         message = f'Nothing in this level is called "{field.name}".'
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
 

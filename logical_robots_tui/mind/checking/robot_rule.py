@@ -8,6 +8,7 @@ from logical_robots_tui.mind.checking.shapes import Record
 from logical_robots_tui.mind.compiling.rules import fields, heads, nodes
 from logical_robots_tui.mind.similar_names import closest
 from logical_robots_tui.mind.source_text import diagnostic_at, diagnostic_for
+from logical_robots_tui.schema import DESIRE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
 MAIN = "Robot"
-_ENGINES = ("left_engine", "right_engine")
+_ENGINES = DESIRE.names
 _COLUMNS = ("robot_name", "desire", "memory")
 _EXAMPLE = (
     'Add Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") '

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from logical_robots_tui import schema
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -42,19 +44,15 @@ class Record:
 Shape: TypeAlias = Scalar | ListOf | Record
 
 
-def _record(title: str, *names: str, **others: Shape) -> Record:
-    return Record({**{name: Scalar(name) for name in names}, **others}, title)
+def _shape_of(name: str, field: schema.FieldType) -> Shape:
+    if isinstance(field, schema.Type):
+        return Scalar(name)
+    if isinstance(field, schema.ListOf):
+        return ListOf(_shape_of("", field.element), field.title)
+    return Record(
+        {each.name: _shape_of(each.name, each.type) for each in field.fields}, field.title
+    )
 
 
-RAY = _record("a ray of the radar", "angle", "distance", "object", "label")
-
-SENSOR = _record(
-    "a sensor",
-    "forward_distance",
-    "forward_object",
-    "forward_label",
-    "clock",
-    radar=ListOf(RAY, "the radar"),
-    self=_record("self", "can_charge", "has_battery", "battery_level", "battery_capacity"),
-)
+SENSOR = _shape_of("sensor", schema.SENSOR)
 """What a robot perceives in a tick."""

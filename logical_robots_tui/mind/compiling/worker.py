@@ -23,7 +23,6 @@ from functools import partial
 from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
-from logical_robots_tui.garbage import collect_seldom
 from logical_robots_tui.mind.checking.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
@@ -35,6 +34,7 @@ from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import Known, tune, tune_all
+from logical_robots_tui.processes.garbage import collect_seldom
 from logical_robots_tui.processes.helper import begin, limit
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.mind.sqlite.layouts import KINDS, RAYS, Filling, in_blocks, insert_into
 from logical_robots_tui.mind.sqlite.remembered import memories
 from logical_robots_tui.mind.sqlite.stored import to_input
+from logical_robots_tui.schema import SELF, SENSOR
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -93,14 +94,8 @@ def _in_self(name: str) -> Callable[[SensorRow], Any]:
 _SENSOR_VALUES: dict[str, Callable[[SensorRow], Any]] = {
     "robot_name": itemgetter("robot_name"),
     "sensor": lambda row: to_input(row["sensor"]),
-    **{
-        name: _in_sensor(name)
-        for name in ("forward_distance", "forward_object", "forward_label", "clock")
-    },
-    **{
-        name: _in_self(name)
-        for name in ("can_charge", "has_battery", "battery_level", "battery_capacity")
-    },
+    **{name: _in_sensor(name) for name in SENSOR.scalars},
+    **{name: _in_self(name) for name in SELF.scalars},
 }
 
 

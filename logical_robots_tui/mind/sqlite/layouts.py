@@ -11,6 +11,8 @@ from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from logical_robots_tui.schema import BEACON, RAY, ROBOT, SELF, SENSOR
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -47,7 +49,7 @@ RAYS = 1000
 WHOLE_RAY = "t_0_whole_ray"
 """The SQL function that returns the JSON text of a ray by its number."""
 
-KINDS = {"RobotRay": "robot", "BeaconRay": "beacon"}
+KINDS = {"RobotRay": ROBOT, "BeaconRay": BEACON}
 """Tables of rays that end at a kind of object; few rays do."""
 
 MEMORY_FIELDS = tuple(f"field_{number}" for number in range(24))
@@ -82,14 +84,13 @@ PLAIN_LAYOUT = Layout(
 COLUMNS_LAYOUT = Layout(
     f"""
     CREATE TABLE Sensor(
-        id INTEGER PRIMARY KEY, robot_name, sensor, forward_distance, forward_object,
-        forward_label, clock, can_charge, has_battery, battery_level, battery_capacity
+        id INTEGER PRIMARY KEY, robot_name, sensor, {", ".join(SENSOR.scalars + SELF.scalars)}
     );
     CREATE TABLE Memory(id INTEGER PRIMARY KEY, robot_name, memory, {", ".join(MEMORY_FIELDS)});
     CREATE TABLE Item(id INTEGER PRIMARY KEY, {", ".join(ITEM_FIELDS)});
-    CREATE TABLE Ray(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
-    CREATE TABLE RobotRay(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
-    CREATE TABLE BeaconRay(id INTEGER PRIMARY KEY, angle, distance, object, label, value);
+    CREATE TABLE Ray(id INTEGER PRIMARY KEY, {", ".join(RAY.names)}, value);
+    CREATE TABLE RobotRay(id INTEGER PRIMARY KEY, {", ".join(RAY.names)}, value);
+    CREATE TABLE BeaconRay(id INTEGER PRIMARY KEY, {", ".join(RAY.names)}, value);
     PRAGMA automatic_index = OFF;
     """,
     TABLES | {"item", "ray", "robotray", "beaconray"},

@@ -12,23 +12,18 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.layouts import KINDS, RAYS, WHOLE_RAY
 from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.schema import RAY, SELF, SENSOR
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 SENSOR_FIELDS = {
-    "$.forward_distance": "forward_distance",
-    "$.forward_object": "forward_object",
-    "$.forward_label": "forward_label",
-    "$.clock": "clock",
-    "$.self.can_charge": "can_charge",
-    "$.self.has_battery": "has_battery",
-    "$.self.battery_level": "battery_level",
-    "$.self.battery_capacity": "battery_capacity",
+    **{f"$.{name}": name for name in SENSOR.scalars},
+    **{f"$.self.{name}": name for name in SELF.scalars},
 }
 """Columns of ``Sensor`` by the place in the record that they hold."""
 
-RAY_FIELDS = ("angle", "distance", "object", "label")
+RAY_FIELDS = RAY.names
 """Columns of ``Ray`` and the tables of some rays, beside ``value``, the whole ray as JSON text."""
 
 TABLES = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui import schema
 from logical_robots_tui.mind.typed.kinds import (
     MOST_DIGITS,
     Decimal,
@@ -20,35 +21,23 @@ from logical_robots_tui.mind.typed.kinds import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-_FIELDS = {
-    "angle": Plain.REAL,
-    "battery_capacity": Plain.REAL,
-    "battery_level": Plain.REAL,
-    "can_charge": Plain.TRUTH,
-    "clock": Plain.WHOLE,
-    "distance": Plain.WHOLE,
-    "forward_distance": Plain.WHOLE,
-    "forward_label": Plain.TEXT,
-    "forward_object": Plain.TEXT,
-    "has_battery": Plain.TRUTH,
-    "label": Plain.TEXT,
-    "object": Plain.TEXT,
+_KINDS = {
+    schema.Type.TRUTH: Plain.TRUTH,
+    schema.Type.WHOLE: Plain.WHOLE,
+    schema.Type.REAL: Plain.REAL,
+    schema.Type.TEXT: Plain.TEXT,
 }
 
 
-def _record(*names: str, **others: Kind) -> RecordOf:
-    fields = {**{name: _FIELDS[name] for name in names}, **others}
-    return RecordOf(tuple(fields.items()))
+def _kind_of(field: schema.FieldType) -> Kind:
+    if isinstance(field, schema.Type):
+        return _KINDS[field]
+    if isinstance(field, schema.ListOf):
+        return ListOf(_kind_of(field.element))
+    return RecordOf(tuple((each.name, _kind_of(each.type)) for each in field.fields))
 
 
-RAY = _record("angle", "distance", "object", "label")
-
-SENSOR = _record(
-    *("forward_distance", "forward_object", "forward_label"),
-    radar=ListOf(RAY),
-    self=_record("can_charge", "has_battery", "battery_level", "battery_capacity"),
-    clock=Plain.WHOLE,
-)
+SENSOR = _kind_of(schema.SENSOR)
 """A sensor as the world fills it."""
 
 _GIVE: dict[Kind, tuple[str, ...]] = {

@@ -12,6 +12,7 @@ from textual.widgets.option_list import Option
 
 from logical_robots_tui.mind.reference import REFERENCE
 from logical_robots_tui.mind.source_text import prepare
+from logical_robots_tui.schema import RECORDS
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.program.lexer import KEYWORDS
 from logical_robots_tui.tui.theme.safe_text import clip
@@ -42,22 +43,10 @@ class Place(NamedTuple):
     column: int
 
 
-_FIELDS = (
-    Word("radar", "sensor.radar", "31 rays from left to right"),
-    Word("forward_distance", "sensor.forward_distance", "map units to what is straight ahead"),
-    Word("forward_object", "sensor.forward_object", '"wall", "robot", "beacon" or "none"'),
-    Word("forward_label", "sensor.forward_label", "name of what is straight ahead"),
-    Word("clock", "sensor.clock", "number of the tick"),
-    Word("self", "sensor.self", "the robot's own battery"),
-    Word("angle", "ray.angle", "radians from straight ahead, below 0 to the right"),
-    Word("distance", "ray.distance", "map units to what the ray hit"),
-    Word("object", "ray.object", '"wall", "robot", "beacon" or "none"'),
-    Word("label", "ray.label", "name of what the ray hit"),
-    Word("has_battery", "sensor.self.has_battery", "whether the engines need charge"),
-    Word("battery_level", "sensor.self.battery_level", "charge that is left"),
-    Word("battery_capacity", "sensor.self.battery_capacity", "charge at most"),
-    Word("left_engine", "desire.left_engine", "power of the left engine, -1 to 1"),
-    Word("right_engine", "desire.right_engine", "power of the right engine, -1 to 1"),
+_FIELDS = tuple(
+    Word(field.name, f"{record.path}.{field.name}", field.explanation)
+    for record in RECORDS
+    for field in record.fields
 )
 _GIVEN = (
     Word("Sensor", "Sensor(robot_name:, sensor:)", "what robots sense in this tick"),

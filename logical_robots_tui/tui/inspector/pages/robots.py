@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 from textual.content import Content
 from textual.message import Message
 
+from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
-from logical_robots_tui.world.rays import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

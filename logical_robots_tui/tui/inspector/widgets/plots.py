@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
+from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.world.rays import SENSOR_RANGE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

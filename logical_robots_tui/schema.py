@@ -1,0 +1,166 @@
+"""What a program is given, and what it gives: each field's name, type, unit, range and meaning.
+
+Written once. The rows that the world makes, the columns of SQL, the types that programs are checked
+by, completion and the documentation are made from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from math import radians
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class Type(Enum):
+    """Types without parts; the value is what they are called in the documentation."""
+
+    TRUTH = "Boolean"
+    WHOLE = "whole number"
+    REAL = "number"
+    TEXT = "text"
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a record.
+
+    Attributes:
+        name: As programs write it.
+        type: Of its values.
+        meaning: What it is, as a phrase.
+        range: Which values there are, in words; "" for any.
+        unit: Of a number; "" if it has none.
+    """
+
+    name: str
+    type: Type | Record | ListOf
+    meaning: str
+    range: str = ""
+    unit: str = ""
+
+    @property
+    def values(self) -> str:
+        """Range and unit."""
+        return f"{self.range} {self.unit}".strip()
+
+    @property
+    def explanation(self) -> str:
+        """Meaning and values in one line."""
+        return f"{self.meaning}: {self.values}" if self.values else self.meaning
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A record.
+
+    Attributes:
+        path: How programs usually reach it, such as ``sensor.self``.
+        title: What messages call it.
+        fields: In the order of the world's rows.
+    """
+
+    path: str
+    title: str
+    fields: tuple[Field, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the fields."""
+        return tuple(field.name for field in self.fields)
+
+    @property
+    def scalars(self) -> tuple[str, ...]:
+        """The names of the fields that are neither records nor lists."""
+        return tuple(field.name for field in self.fields if isinstance(field.type, Type))
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list of records."""
+
+    title: str
+    element: Record
+
+
+FieldType: TypeAlias = Type | Record | ListOf
+
+WALL, BEACON, ROBOT, NO_OBJECT = OBJECTS = ("wall", "beacon", "robot", "none")
+"""What a ray can hit; the last is nothing."""
+
+NO_LABEL = "nothing"
+"""The label of a ray that hits nothing. That of a wall is `WALL`; all others are names."""
+
+SENSOR_RANGE = 200
+"""Map units; also the distance that a ray reports when it hits nothing."""
+
+RADAR_RAYS = 31
+
+RADAR_DEGREES = 120
+"""Between the leftmost and the rightmost ray of the radar."""
+
+_OBJECT = ", ".join(f'"{each}"' for each in OBJECTS[:-1]) + f' or "{NO_OBJECT}"'
+_LABEL = f'a name, "{WALL}" or "{NO_LABEL}"'
+_DISTANCE = f"1 to {SENSOR_RANGE}"
+_ANGLE = f"{radians(RADAR_DEGREES / 2):.2f}"
+
+RAY = Record(
+    "ray",
+    "a ray of the radar",
+    (
+        Field("angle", Type.REAL, "where it points", f"{_ANGLE} (left) to -{_ANGLE}", "radians"),
+        Field("distance", Type.WHOLE, "how far away what it hit is", _DISTANCE, "map units"),
+        Field("object", Type.TEXT, "what it hit", _OBJECT),
+        Field("label", Type.TEXT, "which one it hit", _LABEL),
+    ),
+)
+
+SELF = Record(
+    "sensor.self",
+    "self",
+    (
+        Field("can_charge", Type.TRUTH, "whether the robot charges others"),
+        Field("has_battery", Type.TRUTH, "whether the engines need charge"),
+        Field("battery_level", Type.REAL, "charge that is left", "0 or more"),
+        Field("battery_capacity", Type.REAL, "charge at most", "0 or more"),
+    ),
+)
+
+SENSOR = Record(
+    "sensor",
+    "a sensor",
+    (
+        Field("forward_distance", Type.WHOLE, "how far the way ahead is", _DISTANCE, "map units"),
+        Field("forward_object", Type.TEXT, "what is straight ahead", _OBJECT),
+        Field("forward_label", Type.TEXT, "which one is straight ahead", _LABEL),
+        Field("radar", ListOf("the radar", RAY), f"{RADAR_RAYS} rays from left to right"),
+        Field("self", SELF, "the robot's own battery"),
+        Field("clock", Type.WHOLE, "number of the tick", "1 or more"),
+    ),
+)
+
+DESIRE = Record(
+    "desire",
+    "a desire",
+    (
+        Field("left_engine", Type.REAL, "power of the left engine", "-1 to 1"),
+        Field("right_engine", Type.REAL, "power of the right engine", "-1 to 1"),
+    ),
+)
+
+RECORDS = (SENSOR, RAY, SELF, DESIRE)
+"""In the order in which the documentation explains them."""
+
+
+def tables() -> Iterator[str]:
+    """Yield the lines of the documentation's table of all fields, in Markdown."""
+    yield "| field | type | values | what it is |"
+    yield "|---|---|---|---|"
+    for record in RECORDS:
+        for field in record.fields:
+            of = field.type.value if isinstance(field.type, Type) else "record"
+            of = "list of rays" if isinstance(field.type, ListOf) else of
+            yield f"| `{record.path}.{field.name}` | {of} | {field.values} | {field.meaning} |"
