@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game.frame import Frame, ends
 from logical_robots_tui.world import World
 from logical_robots_tui.world.changing import changed_state, former_names
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.watching import Watch
     from logical_robots_tui.game.history.packing import Moment
     from logical_robots_tui.mind import Decision, Mind
-    from logical_robots_tui.values import Value
+    from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.changing import Pose
 
@@ -98,6 +99,49 @@ def known_frame(worlds: Worlds, before: Frame | Moment, known: Known) -> Frame:
     )
 
 
+class Thought(NamedTuple):
+    """What a mind thought in a tick, and what the world became by it.
+
+    Attributes:
+        milliseconds: That thinking took.
+    """
+
+    mind: Mind
+    rows: Sequence[SensorRow]
+    memories: Mapping[str, Value]
+    decisions: Sequence[Decision]
+    state: WorldState
+    milliseconds: float
+
+    @property
+    def remembered(self) -> dict[str, Value]:
+        """The memories after the tick."""
+        return {d.robot_name: d.memory for d in self.decisions}
+
+
+def play_tick(
+    world: World,
+    mind: Mind,
+    memories: Mapping[str, Value],
+    stop: threading.Event | None = None,
+    decide: Decide | None = None,
+    clock: Clock = CLOCK,
+) -> Thought:
+    """Let all robots sense, think and act once; they follow what `decide` returns, if given.
+
+    Raises:
+        Stopped: `stop` was set.
+    """
+    rows = world.sense()
+    began = clock.now()
+    decisions = tuple(mind.think(rows, memories, stop=stop))
+    milliseconds = 1000 * (clock.now() - began)
+    if decide is not None:
+        decisions = decide(world.tick, decisions)
+    world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
+    return Thought(mind, rows, memories, decisions, world.save(), milliseconds)
+
+
 def _next_frame(
     world: World,
     mind: Mind,
@@ -106,20 +150,18 @@ def _next_frame(
     clock: Clock,
     decide: Decide | None,
 ) -> Frame:
-    """Sense, think and act once, starting from a past frame."""
-    before = past.after
-    world.restore(before)
-    sensors = tuple(world.sense())
-    began = clock.now()
-    decisions = tuple(mind.think(sensors, past.memories, stop=stop))
-    milliseconds = (clock.now() - began) * 1000
-    if decide is not None:
-        decisions = decide(past.tick + 1, decisions)
-    world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-    after = world.save()
-    memories = {d.robot_name: d.memory for d in decisions}
+    """Play a tick, starting from a past frame."""
+    world.restore(past.after)
+    thought = play_tick(world, mind, past.memories, stop, decide, clock)
     return Frame(
-        after.tick, before, after, sensors, past.memories, decisions, memories, milliseconds
+        thought.state.tick,
+        past.after,
+        thought.state,
+        tuple(thought.rows),
+        past.memories,
+        tuple(thought.decisions),
+        thought.remembered,
+        thought.milliseconds,
     )
 
 

@@ -5,19 +5,21 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from logical_robots_tui.game.advancing import play_tick
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable
 
-    from logical_robots_tui.mind import Decision, Limits, Mind, Program
-    from logical_robots_tui.values import SensorRow, Value
-    from logical_robots_tui.world import Level, WorldState
+    from logical_robots_tui.game.advancing import Thought
+    from logical_robots_tui.mind import Limits, Program
+    from logical_robots_tui.values import Value
+    from logical_robots_tui.world import Level
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -44,16 +46,6 @@ class Played:
     distance: float
     ticks: int = 0
     is_blocked: bool = False
-
-
-class Thought(NamedTuple):
-    """What a mind thought in a tick, and what the world became by it."""
-
-    mind: Mind
-    rows: Sequence[SensorRow]
-    memories: Mapping[str, Value]
-    decisions: Sequence[Decision]
-    state: WorldState
 
 
 def start_of(level: Level, start: int) -> Level:
@@ -117,17 +109,15 @@ def play_through(
     try:
         before = world.save()
         while world.tick < patience and world.won_at is None:
-            rows = world.sense()
-            decisions = mind.think(rows, memories, stop=stop)
-            if not all(decision.is_reliable for decision in decisions):
+            thought = play_tick(world, mind, memories, stop)
+            if not all(decision.is_reliable for decision in thought.decisions):
                 raise LateError
-            world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-            before, after = world.save(), before
+            before, after = thought.state, before
             distance += driven(after, before)
             is_blocked = is_blocked or any(robot.blocked for robot in before.robots)
-            if is_over is not None and is_over(Thought(mind, rows, memories, decisions, before)):
+            if is_over is not None and is_over(thought):
                 break
-            memories = {d.robot_name: d.memory for d in decisions}
+            memories = thought.remembered
     finally:
         mind.close()
     return Played(world.won_at, distance, world.tick, is_blocked)

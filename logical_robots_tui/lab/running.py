@@ -32,7 +32,7 @@ from logical_robots_tui.mind import (
 from logical_robots_tui.world.levels.load import read_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.robustness import Thought
+    from logical_robots_tui.game.advancing import Thought
     from logical_robots_tui.mind import Question
     from logical_robots_tui.world import Level, WorldState
 

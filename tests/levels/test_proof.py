@@ -8,6 +8,7 @@ tries 20 starts and watches losers to the end.
 from __future__ import annotations
 
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -16,7 +17,6 @@ from logical_robots_tui.game.history.rounds import Rounds
 from logical_robots_tui.game.measuring import MOST_TICKS, patience_for
 from logical_robots_tui.game.robustness import (
     STARTS,
-    Thought,
     play_through,
     shifted,
     try_starts,
@@ -31,6 +31,9 @@ from tests.levels.playing import (
     solution_of,
     ticks_to_win,
 )
+
+if TYPE_CHECKING:
+    from logical_robots_tui.game.advancing import Thought
 
 PAIRS = [(level, lower) for lower, level in combinations(LEVELS, 2)]
 
