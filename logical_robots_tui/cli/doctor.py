@@ -37,7 +37,7 @@ exit status: 0 the game can be played here, 1 there are problems, marked with !
 
 
 @dataclass(frozen=True)
-class Finding:
+class Fact:
     """One result of the check."""
 
     part: str
@@ -61,22 +61,22 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Print the findings."""
+    """Print the facts."""
     found = [*_terminal(), *_versions(), *_places(options.data_dir)]
     if options.json:
-        print(json.dumps([asdict(finding) for finding in found], indent=2))
+        print(json.dumps([asdict(fact) for fact in found], indent=2))
     else:
-        for part in dict.fromkeys(finding.part for finding in found):
+        for part in dict.fromkeys(fact.part for fact in found):
             print(part)
-            for finding in found:
-                if finding.part == part:
-                    sign = "!" if finding.problem else " "
-                    said = f"  ({finding.problem})" if finding.problem else ""
-                    print(f"{sign} {finding.name:<14} {harmless(finding.value)}{said}")
-    return PROBLEM if any(finding.problem for finding in found) else FINE
+            for fact in found:
+                if fact.part == part:
+                    sign = "!" if fact.problem else " "
+                    said = f"  ({fact.problem})" if fact.problem else ""
+                    print(f"{sign} {fact.name:<14} {harmless(fact.value)}{said}")
+    return PROBLEM if any(fact.problem for fact in found) else FINE
 
 
-def _terminal() -> Iterator[Finding]:
+def _terminal() -> Iterator[Fact]:
     """Yield what is known about the terminal without querying it."""
     from rich.console import Console
 
@@ -91,30 +91,30 @@ def _terminal() -> Iterator[Finding]:
     assume_colours(environ)
     console = Console(_environ=environ, file=sys.__stdout__, force_terminal=True)
     is_there = sys.stdin.isatty() and sys.stdout.isatty()
-    yield _finding("name", environ.get("TERM", "") or "none")
-    yield _finding("output", "to the terminal" if is_there else "to a pipe or file")
+    yield _fact("name", environ.get("TERM", "") or "none")
+    yield _fact("output", "to the terminal" if is_there else "to a pipe or file")
     if is_there:
         columns, lines = os.get_terminal_size(sys.stdout.fileno())
         is_small = columns < LEAST_WIDTH or lines < LEAST_HEIGHT
         problem = f"at least {LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
-        yield _finding("size", f"{columns}x{lines}", problem)
+        yield _fact("size", f"{columns}x{lines}", problem)
     colourless = "NO_COLOR" in environ
     colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
-    yield _finding("colours", colours)
+    yield _fact("colours", colours)
     encoding = console.encoding
     poor = "" if "utf" in encoding.lower() else "ASCII only; set LANG to a UTF-8 locale"
-    yield _finding("encoding", encoding, poor)
+    yield _fact("encoding", encoding, poor)
     drawing = drawing_for(environ, console.color_system, encoding, colourless=colourless)
-    yield _finding("drawing", drawing.value)
+    yield _fact("drawing", drawing.value)
     around = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
     words = {"TMUX": "tmux", "STY": "GNU screen", "SSH_CONNECTION": "ssh"}
-    yield _finding("inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh")
-    yield _finding("mouse", "used" if may_use_mouse(environ) else "off in GNU screen")
-    yield _finding("editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi")
+    yield _fact("inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh")
+    yield _fact("mouse", "used" if may_use_mouse(environ) else "off in GNU screen")
+    yield _fact("editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi")
 
 
-def _finding(name: str, value: str, problem: str = "") -> Finding:
-    return Finding("terminal", name, value, problem)
+def _fact(name: str, value: str, problem: str = "") -> Fact:
+    return Fact("terminal", name, value, problem)
 
 
 def _colours(system: str | None) -> str:
@@ -122,27 +122,27 @@ def _colours(system: str | None) -> str:
     return known.get(system or "", "none")
 
 
-def _versions() -> Iterator[Finding]:
+def _versions() -> Iterator[Fact]:
     import sqlite3
     from importlib.metadata import PackageNotFoundError, version
 
-    yield Finding("versions", "logical-robots", __version__)
-    yield Finding("versions", "python", f"{platform.python_version()} on {platform.platform()}")
+    yield Fact("versions", "logical-robots", __version__)
+    yield Fact("versions", "python", f"{platform.python_version()} on {platform.platform()}")
     sqlite = sqlite3.sqlite_version
     if sqlite3.sqlite_version_info < SAFE_SQLITE:
         # Not a problem: distributions mend it without changing the version.
         sqlite += ", which has a hole (CVE-2025-6965) unless your system has mended it"
-    yield Finding("versions", "sqlite", sqlite)
+    yield Fact("versions", "sqlite", sqlite)
     sandbox = shutil.which("bwrap")
-    yield Finding("versions", "bubblewrap", sandbox or "not installed, a sandbox for classes")
+    yield Fact("versions", "bubblewrap", sandbox or "not installed, a sandbox for classes")
     for package in PACKAGES:
         try:
-            yield Finding("versions", package, version(package))
+            yield Fact("versions", package, version(package))
         except PackageNotFoundError:
-            yield Finding("versions", package, "not installed", "required by the game")
+            yield Fact("versions", package, "not installed", "required by the game")
 
 
-def _places(data_dir: Path | None) -> Iterator[Finding]:
+def _places(data_dir: Path | None) -> Iterator[Fact]:
     """Yield the folders, and whether they can be written to."""
     from logical_robots_tui.mind import cache
     from logical_robots_tui.tui.app.settings import read_settings, settings_path
@@ -152,18 +152,18 @@ def _places(data_dir: Path | None) -> Iterator[Finding]:
     complaints = read_settings(settings).complaints
     wrong = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
-    yield Finding("places", "configuration", value, wrong)
+    yield Fact("places", "configuration", value, wrong)
     compiled = cache.folder()
     if compiled is None:
-        yield Finding("places", "cache", "none")
+        yield Fact("places", "cache", "none")
     else:
         yield _place("cache", compiled, "programs are compiled again each time")
 
 
-def _place(name: str, folder: Path, lost: str) -> Finding:
+def _place(name: str, folder: Path, lost: str) -> Fact:
     """Check a folder that exists or can be created."""
     there = folder
     while not is_there(there) and there != there.parent:
         there = there.parent
     can = is_folder(there) and os.access(there, os.W_OK | os.X_OK)
-    return Finding("places", name, str(folder), "" if can else f"not writable: {lost}")
+    return Fact("places", name, str(folder), "" if can else f"not writable: {lost}")

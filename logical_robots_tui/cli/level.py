@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import argparse
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.editing.checks import Finding
+    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.world import Level
 
 EPILOG = """\
@@ -84,9 +84,9 @@ def _check(options: argparse.Namespace) -> int:
     return status
 
 
-def _findings(name: str) -> list[Finding]:
+def _findings(name: str) -> list[LevelFinding]:
     """Return likely mistakes in a level, or why it can't be loaded."""
-    from logical_robots_tui.editing.checks import Finding, check
+    from logical_robots_tui.editing.checks import LevelFinding, check
     from logical_robots_tui.world import LevelError, load_level
 
     try:
@@ -94,10 +94,10 @@ def _findings(name: str) -> list[Finding]:
     except LevelError as error:
         inner = error.place.removeprefix(name).lstrip(":, ")
         text = f"{inner}: {error.message}" if inner else error.message
-        return [Finding(f"{text} {error.hint}".rstrip(), forbids=True)]
+        return [LevelFinding(f"{text} {error.hint}".rstrip(), forbids=True)]
 
 
-def _line(name: str, finding: Finding) -> str:
+def _line(name: str, finding: LevelFinding) -> str:
     place = "" if finding.x is None else f":{finding.x:.0f}:{finding.y:.0f}"
     return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
 

@@ -35,7 +35,7 @@ _MOST_NAMES = 3  # most names listed in one finding
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class LevelFinding:
     """A likely mistake.
 
     Its position is in map units, or None. One that `forbids` prevents the level from being loaded.
@@ -47,7 +47,7 @@ class Finding:
     forbids: bool = False
 
 
-def check(level: Level) -> list[Finding]:
+def check(level: Level) -> list[LevelFinding]:
     """Return all likely mistakes in a level, or only those that prevent loading, if any.
 
     The largest level takes about a second.
@@ -62,39 +62,39 @@ def check(level: Level) -> list[Finding]:
     ]
 
 
-def refusals(level: Level) -> list[Finding]:
+def refusals(level: Level) -> list[LevelFinding]:
     """Return the mistakes that prevent a level from being loaded; this is fast."""
     twice = [finding for finding in _names_used_twice(level) if finding.forbids]
     return [*_refused(level), *twice]
 
 
-def _refused(level: Level) -> Iterator[Finding]:
+def _refused(level: Level) -> Iterator[LevelFinding]:
     """Yield what the level reader would refuse."""
     top = Fields(words_of(level), level.name)
     try:
         read_words(top)
         top.check_size("walls", level.width, level.height)
     except LevelError as error:
-        yield Finding(error.message, forbids=True)
+        yield LevelFinding(error.message, forbids=True)
     if not level.robots:
-        yield Finding("The level has no robots.", forbids=True)
+        yield LevelFinding("The level has no robots.", forbids=True)
     for found in misfits(level):
-        yield Finding(f"{found.message} {found.hint}".rstrip(), forbids=True)
+        yield LevelFinding(f"{found.message} {found.hint}".rstrip(), forbids=True)
     for kind in KINDS:
         things = getattr(level, kind)
         if len(things) > MOST_OF_A_KIND:
             text = f"There are {len(things)} {kind}; at most {MOST_OF_A_KIND} are allowed."
-            yield Finding(text, forbids=True)
+            yield LevelFinding(text, forbids=True)
         for index, some in enumerate(things):
             try:
                 reread(level, Ref(kind, index), some)
             except LevelError as error:
                 finite = math.isfinite(some.x) and math.isfinite(some.y)
                 x, y = (some.x, some.y) if finite else (None, None)
-                yield Finding(f'"{some.name}": {error.message}', x, y, forbids=True)
+                yield LevelFinding(f'"{some.name}": {error.message}', x, y, forbids=True)
 
 
-def _names_used_twice(level: Level) -> Iterator[Finding]:
+def _names_used_twice(level: Level) -> Iterator[LevelFinding]:
     for kind in KINDS:
         same = defaultdict(list)
         for some in getattr(level, kind):
@@ -102,23 +102,23 @@ def _names_used_twice(level: Level) -> Iterator[Finding]:
         for name, things in same.items():
             if len(things) > 1 and (kind == "robots" or name not in level.shared_names):
                 text = f'{len(things)} {kind} are called "{name}"{_UNTOLD[kind]}.'
-                yield Finding(text, things[1].x, things[1].y, forbids=kind == "robots")
+                yield LevelFinding(text, things[1].x, things[1].y, forbids=kind == "robots")
 
 
-def _names_not_shared(level: Level) -> Iterator[Finding]:
+def _names_not_shared(level: Level) -> Iterator[LevelFinding]:
     for name in level.shared_names:
         if all([one.name for one in some].count(name) < 2 for some in (level.beacons, level.areas)):
-            yield Finding(f'"{name}" is a shared name, but no two beacons or areas have it.')
+            yield LevelFinding(f'"{name}" is a shared name, but no two beacons or areas have it.')
 
 
-def _in_vain(level: Level) -> Iterator[Finding]:
+def _in_vain(level: Level) -> Iterator[LevelFinding]:
     """Yield robots outside the map, and areas with unknown names."""
     for odd in oddities(level):
         some = getattr(level, odd.kind)[odd.index]
-        yield Finding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
+        yield LevelFinding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
 
 
-def _misplaced(level: Level) -> Iterator[Finding]:
+def _misplaced(level: Level) -> Iterator[LevelFinding]:
     """Yield objects inside walls, and beacons and areas outside the map."""
     for some in all_things(level):
         on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
@@ -128,12 +128,12 @@ def _misplaced(level: Level) -> Iterator[Finding]:
             if some.radius < 1:
                 where = "has no room"
             if where:
-                yield Finding(f'Area "{some.name}" {where}.', some.x, some.y)
+                yield LevelFinding(f'Area "{some.name}" {where}.', some.x, some.y)
         elif in_wall:
             what = "Robot" if isinstance(some, Robot) else "Beacon"
-            yield Finding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
+            yield LevelFinding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
         elif not on_map and isinstance(some, Beacon):
-            yield Finding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
+            yield LevelFinding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
 
 
 def _where_an_area_is(area: Area, level: Level) -> str:
@@ -144,7 +144,7 @@ def _where_an_area_is(area: Area, level: Level) -> str:
     return "is inside walls" if level.walls[window][disc].all() else ""
 
 
-def _goals(level: Level) -> Iterator[Finding]:
+def _goals(level: Level) -> Iterator[LevelFinding]:
     """Yield goals that robots can't reach."""
     goals = [area for area in level.areas if area.victory_robots]
     if not goals:
@@ -154,27 +154,27 @@ def _goals(level: Level) -> Iterator[Finding]:
     for area in goals:
         if always_solid(area, beacons):
             text = f'No robot can be inside the goal "{area.name}": it is solid.'
-            yield Finding(text, area.x, area.y)
+            yield LevelFinding(text, area.x, area.y)
             continue
         never, hardly = reach.to(area)
         if never:
             text = f'{_listed(never)} can\'t reach the goal "{area.name}".'
-            yield Finding(text, area.x, area.y)
+            yield LevelFinding(text, area.x, area.y)
         if hardly:
             way = "only through gaps narrower than a robot"
             text = f'{_listed(hardly)} can reach the goal "{area.name}" {way}.'
-            yield Finding(text, area.x, area.y)
+            yield LevelFinding(text, area.x, area.y)
 
 
-def _open_rim(walls: NDArray[np.bool_]) -> Iterator[Finding]:
+def _open_rim(walls: NDArray[np.bool_]) -> Iterator[LevelFinding]:
     """Yield gaps through which robots can leave the map."""
     height, width = walls.shape
     for side, rim, y in (("top", walls[0], 0.5), ("bottom", walls[-1], height - 0.5)):
         for middle, size in _gaps(rim):
-            yield Finding(_open(side, size), middle, y)
+            yield LevelFinding(_open(side, size), middle, y)
     for side, rim, x in (("left", walls[:, 0], 0.5), ("right", walls[:, -1], width - 0.5)):
         for middle, size in _gaps(rim):
-            yield Finding(_open(side, size), x, middle)
+            yield LevelFinding(_open(side, size), x, middle)
 
 
 def _gaps(rim: NDArray[np.bool_]) -> list[tuple[float, int]]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.clock import Clock
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.debugging.watching import Watch
-    from logical_robots_tui.game.history.packing import Moment
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Decision, Mind
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level, WorldState
@@ -32,14 +32,14 @@ class Advance(NamedTuple):
     hits: tuple[Hit, ...]
 
 
-class Known(NamedTuple):
+class RecordedTick(NamedTuple):
     """A tick stored in history.
 
     The level is the one in which the robots sensed.
     """
 
     level: Level
-    moment: Moment
+    moment: TickState
 
 
 def advance(
@@ -47,7 +47,7 @@ def advance(
     level: Level,
     mind: Mind,
     past: Frame,
-    known: Sequence[Known],
+    known: Sequence[RecordedTick],
     watch: Watch,
     stop: threading.Event,
     clock: Clock,
@@ -81,7 +81,7 @@ def advance(
         past = frame
 
 
-def known_frame(worlds: Worlds, before: Frame | Moment, known: Known) -> Frame:
+def known_frame(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> Frame:
     """Restore a frame by letting the robots sense again, from where the tick before left them."""
     world, moment = worlds.of(known.level), known.moment
     if not moment.decisions:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping
 
-    from logical_robots_tui.game.advancing import Advance, Decide, Known
+    from logical_robots_tui.game.advancing import Advance, Decide, RecordedTick
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Program, Table
@@ -327,7 +327,9 @@ class Game:
                 return True
         return False
 
-    async def _ahead(self, most: int | None, known: list[Known], seconds: float) -> list[Advance]:
+    async def _ahead(
+        self, most: int | None, known: list[RecordedTick], seconds: float
+    ) -> list[Advance]:
         """Return the next ticks, as `advance` does."""
         program, level, past = self.program, self.level, self._frame
         watch = self._present_watch()

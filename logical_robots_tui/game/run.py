@@ -13,10 +13,16 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.game.advancing import Known, Worlds, advance, known_frame, start_frame
+from logical_robots_tui.game.advancing import (
+    RecordedTick,
+    Worlds,
+    advance,
+    known_frame,
+    start_frame,
+)
 from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import driven
-from logical_robots_tui.game.history.packing import Moment
+from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
@@ -59,7 +65,7 @@ class Run:
         self._thinker = Thinker("run")
         self._worlds = Worlds(level)
         self._latest: Frame = start_frame(level, self._worlds.of(level))
-        start = Moment(self._latest.after, self._latest.memories, (), 0.0, 0.0)
+        start = TickState(self._latest.after, self._latest.memories, (), 0.0, 0.0)
         self.key = run_key(level, program, self.limits)
         self._recording = Recording(self.key, level, start)
 
@@ -159,10 +165,10 @@ class Run:
     def _known(self, tick: int) -> Frame:
         if self._latest.tick == tick:
             return self._latest
-        before: Frame | Moment = self._latest
+        before: Frame | TickState = self._latest
         if self._latest.tick != tick - 1:
             before = self._recording.moment(max(tick - 1, 0))
-        known = Known(self.level, self._recording.moment(tick))
+        known = RecordedTick(self.level, self._recording.moment(tick))
         self._latest = known_frame(self._worlds, before, known)
         return self._latest
 
@@ -174,7 +180,7 @@ class Run:
         )
         frame = self._latest = step.frame
         before = self._recording.moment(past.tick).driven
-        self._recording.add(Moment.of(frame, before + driven(frame.before, frame.after)))
+        self._recording.add(TickState.of(frame, before + driven(frame.before, frame.after)))
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:

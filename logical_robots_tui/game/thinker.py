@@ -13,9 +13,9 @@ from logical_robots_tui.mind import Stopped
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.game.advancing import Known
+    from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.history.packing import Moment
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Limits, Mind, Program
     from logical_robots_tui.world import Level
 
@@ -45,7 +45,7 @@ class Thinker:
         return self._mind
 
     def replay(
-        self, program: Program, before: Moment, known: Known, limits: Limits
+        self, program: Program, before: TickState, known: RecordedTick, limits: Limits
     ) -> tuple[Frame, Mind]:
         """Restore a stored tick, and return it with a mind for it; call it in the thread."""
         if self._worlds is None:

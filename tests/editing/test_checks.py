@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui import World
-from logical_robots_tui.editing.checks import Finding, check
+from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.walls import paint, paint_rectangle
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, list_levels, load_level
 from tests.editing.making import EDITS, Edit, room
@@ -42,7 +42,7 @@ def wall_with_gap(level: Level, gap: int) -> Level:
     return paint_rectangle(level, (200, 100), (209, 99 + gap), wall=False) if gap else level
 
 
-def texts(found: Iterable[Finding]) -> list[str]:
+def texts(found: Iterable[LevelFinding]) -> list[str]:
     return [finding.text for finding in found]
 
 
@@ -58,13 +58,13 @@ def test_nothing_is_wrong_with_our_own_levels(name: str) -> None:
 
 def test_a_goal_behind_a_wall_can_not_be_reached() -> None:
     found = check(wall_with_gap(hall(), 0))
-    assert found == [Finding('Ann can\'t reach the goal "home".', 350, 100)]
+    assert found == [LevelFinding('Ann can\'t reach the goal "home".', 350, 100)]
 
 
 def test_a_goal_behind_a_gap_that_a_robot_does_not_fit_through_is_told() -> None:
     text = 'Ann can reach the goal "home" only through gaps narrower than a robot.'
-    assert check(wall_with_gap(hall(), 2 * RADIUS - 2)) == [Finding(text, 350, 100)]
-    assert check(wall_with_gap(hall(), 1)) == [Finding(text, 350, 100)]
+    assert check(wall_with_gap(hall(), 2 * RADIUS - 2)) == [LevelFinding(text, 350, 100)]
+    assert check(wall_with_gap(hall(), 1)) == [LevelFinding(text, 350, 100)]
 
 
 def test_a_point_slips_between_walls_that_touch_at_a_corner() -> None:
@@ -149,14 +149,14 @@ def test_names_used_twice_are_told_and_those_of_robots_forbid_loading() -> None:
         areas=(goal(), goal(x=300)),
     )
     assert check(level) == [
-        Finding('3 beacons are called "lamp"; a radar can\'t distinguish them.', 70, 60),
-        Finding('2 areas are called "home".', 300, 100),
+        LevelFinding('3 beacons are called "lamp"; a radar can\'t distinguish them.', 70, 60),
+        LevelFinding('2 areas are called "home".', 300, 100),
     ]
     assert texts(check(replace(level, shared_names=("lamp",)))) == ['2 areas are called "home".']
     assert check(replace(level, shared_names=("home", "lamp"))) == []
     twins = replace(level, robots=level.robots * 2, shared_names=("Ann",))
     text = '2 robots are called "Ann"; each needs a unique name.'
-    assert check(twins)[0] == Finding(text, 50.5, 100.5, forbids=True)
+    assert check(twins)[0] == LevelFinding(text, 50.5, 100.5, forbids=True)
 
 
 def test_a_shared_name_that_nothing_shares_is_told() -> None:
@@ -169,35 +169,39 @@ def test_a_shared_name_that_nothing_shares_is_told() -> None:
 @pytest.mark.parametrize(
     ("changes", "finding"),
     [
-        ({"robots": ()}, Finding("The level has no robots.", forbids=True)),
-        ({"title": ""}, Finding('"title" is empty.', forbids=True)),
+        ({"robots": ()}, LevelFinding("The level has no robots.", forbids=True)),
+        ({"title": ""}, LevelFinding('"title" is empty.', forbids=True)),
         (
             {"visibility": Visibility("none")},  # type: ignore[arg-type] # as it is tested
-            Finding('"memory" must be "own" or "seen" or "all".', forbids=True),
+            LevelFinding('"memory" must be "own" or "seen" or "all".', forbids=True),
         ),
         (
             {"robots": (Robot("n" * 61, 5, 6),)},
-            Finding(f'"{"n" * 61}": "name" is longer than 60 characters.', 5, 6, True),
+            LevelFinding(f'"{"n" * 61}": "name" is longer than 60 characters.', 5, 6, True),
         ),
         (
             {"robots": (Robot("Ann", math.nan, 6),)},
-            Finding('"Ann": "x" must be a finite number, not nan.', forbids=True),
+            LevelFinding('"Ann": "x" must be a finite number, not nan.', forbids=True),
         ),
         (
             {"areas": (goal(radius=-1),)},
-            Finding('"home": "radius" must be 0 or more, not -1.', 350, 100, True),
+            LevelFinding('"home": "radius" must be 0 or more, not -1.', 350, 100, True),
         ),
         (
             {"beacons": tuple(Beacon(f"b{i}", 60, 60) for i in range(1001))},
-            Finding("There are 1001 beacons; at most 1000 are allowed.", forbids=True),
+            LevelFinding("There are 1001 beacons; at most 1000 are allowed.", forbids=True),
         ),
         (
             {"width": 4001, "walls": np.zeros((200, 4001), np.bool_)},
-            Finding("The map is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True),
+            LevelFinding(
+                "The map is 4001 x 200 units; at most 4000 x 4000 is allowed.", forbids=True
+            ),
         ),
     ],
 )
-def test_what_no_file_could_say_forbids_loading(changes: dict[str, Any], finding: Finding) -> None:
+def test_what_no_file_could_say_forbids_loading(
+    changes: dict[str, Any], finding: LevelFinding
+) -> None:
     assert check(replace(hall(), **changes)) == [finding]
 
 

@@ -17,7 +17,7 @@ from hypothesis.stateful import (
 )
 
 from logical_robots_tui.game import Frame, Game, History, load_program, reference_for
-from logical_robots_tui.game.history.packing import Moment, Packed
+from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.mind import Decision, Notice, Program
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import (
@@ -95,14 +95,14 @@ def after(past: Frame, done: list[Deed], won_at: int | None = None) -> Frame:
     return Frame(past.tick + 1, past.after, state, (), past.memories, decisions, memories, 1.25)
 
 
-def as_told(moment: Moment) -> str:
+def as_told(moment: TickState) -> str:
     """All of a moment but the distance and the weight; 1, 1.0 and true are told apart."""
     return repr(replace(moment, driven=0.0, weight=0))
 
 
 def as_moment(frame: Frame) -> str:
     return as_told(
-        Moment(frame.after, frame.memories, frame.decisions, frame.think_milliseconds, 0.0)
+        TickState(frame.after, frame.memories, frame.decisions, frame.think_milliseconds, 0.0)
     )
 
 
@@ -114,7 +114,8 @@ def test_what_is_packed_comes_out_again_to_the_last_bit(
     for done, won_at in run:
         frames.append(after(frames[-1], done, won_at))
     moments = [
-        Moment(f.after, f.memories, f.decisions, f.think_milliseconds, f.tick / 3) for f in frames
+        TickState(f.after, f.memories, f.decisions, f.think_milliseconds, f.tick / 3)
+        for f in frames
     ]
     packed = Packed(moments)
     assert [repr(packed.moment(at)) for at in range(len(moments))] == list(map(repr, moments))

@@ -13,11 +13,11 @@ from logical_robots_tui.mind import QueryError
 if TYPE_CHECKING:
     import threading
 
-    from logical_robots_tui.game.advancing import Known
+    from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.debugging.proof_difference import ProofDifference, Side
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.divergence import Divergence
-    from logical_robots_tui.game.history.packing import Moment
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
     from logical_robots_tui.mind.why.explainer import Explainer
 
@@ -81,7 +81,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
 class _Course:
     """One of the courses at the tick in question, and the thread that examines it."""
 
-    def __init__(self, robot: str, before: Moment, known: Known, limits: Limits) -> None:
+    def __init__(self, robot: str, before: TickState, known: RecordedTick, limits: Limits) -> None:
         self._robot, self._before, self._known, self._limits = robot, before, known, limits
         self._thinker = Thinker("compare")
 

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Sequence
 
-    from logical_robots_tui.game.advancing import Known
+    from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.packing import Moment
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind, Program, Question
 
@@ -160,7 +160,7 @@ def _digest(name: str, body: bytes) -> bytes:
 _TOGETHER = 16  # ticks evaluated at once
 _ROBOTS = 200  # taken from history at once, so that the event loop is not blocked
 
-_Tick: TypeAlias = "tuple[Moment, Known]"
+_Tick: TypeAlias = "tuple[TickState, RecordedTick]"
 """The state after the previous tick, and the tick."""
 
 

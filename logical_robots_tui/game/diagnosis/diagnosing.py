@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping, Sequence
 
-    from logical_robots_tui.game.advancing import Known
+    from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.diagnosis.observations import Observations
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.packing import Moment
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.diagnosis.telling import Finding
 
@@ -170,8 +170,8 @@ class _Diagnosing:
         self,
         tally: Tally,
         names: Mapping[str, int],
-        before: Moment,
-        known: Known,
+        before: TickState,
+        known: RecordedTick,
         viewers: tuple[str, ...] | None,
         stop: threading.Event,
     ) -> None:

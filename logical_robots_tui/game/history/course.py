@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.game.advancing import Known
+from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, marks_of
-from logical_robots_tui.game.history.packing import Moment, Packed
+from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.game.history.rounds import Rounds
 from logical_robots_tui.world.walls import PackedBits
 
@@ -42,7 +42,7 @@ class Course:
         self.hits: dict[int, tuple[Hit, ...]] = {}
         self._length = length
         self._packs: list[Packed] = []
-        self._loose = [Moment(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
+        self._loose = [TickState(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
         self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
         self._unreliable_from: int | None = None
@@ -77,7 +77,7 @@ class Course:
         Returns whether ticks were packed.
         """
         before = self._loose[-1]
-        self._loose.append(Moment.of(frame, before.driven + driven(frame.before, frame.after)))
+        self._loose.append(TickState.of(frame, before.driven + driven(frame.before, frame.after)))
         for kind, who in marks_of(frame, before.decisions):
             self.marks.note(frame.tick, kind, who)
         if stuck := self._newly_stuck(frame.after.robots):
@@ -115,7 +115,7 @@ class Course:
         Packs never change, and the last tick is never packed.
         """
         before = self._loose[-1]
-        self._loose[-1] = Moment(
+        self._loose[-1] = TickState(
             frame.after,
             frame.memories,
             frame.decisions,
@@ -136,7 +136,7 @@ class Course:
             self._forget_before(begin)
         return bool(self._packs)
 
-    def moment(self, tick: int) -> Moment:
+    def moment(self, tick: int) -> TickState:
         """Return the state after a tick, from the one before `first` to `last`."""
         begin = self._loose[0].after.tick
         if tick >= begin:
@@ -144,12 +144,12 @@ class Course:
         pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
         return pack.moment(tick - pack.first)
 
-    def known(self, tick: int) -> Known:
+    def known(self, tick: int) -> RecordedTick:
         """Return a stored tick for replay."""
         moment = self.moment(tick)
-        return Known(self.levels.at(tick - bool(moment.decisions)), moment)
+        return RecordedTick(self.levels.at(tick - bool(moment.decisions)), moment)
 
-    def replay(self, tick: int) -> tuple[Moment, Known]:
+    def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a stored tick, and the tick, for replay."""
         return self.moment(max(tick - 1, 0)), self.known(tick)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.game.history.packing import Moment
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Decision
 
 Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]
@@ -53,14 +53,14 @@ class Divergence:
         )
 
 
-def find_divergence(here: Moment, there: Moment) -> Divergence | None:
+def find_divergence(here: TickState, there: TickState) -> Divergence | None:
     """Compare a tick of two courses; return None if it is the same in both."""
     if here.decisions == there.decisions and here.after == there.after:
         return None
     return Divergence(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))
 
 
-def _of_decisions(here: Moment, there: Moment) -> Iterator[Difference]:
+def _of_decisions(here: TickState, there: TickState) -> Iterator[Difference]:
     others = {decision.robot_name: decision for decision in there.decisions}
     for mine in here.decisions:
         other = others.get(mine.robot_name)
@@ -78,7 +78,7 @@ def _said(decision: Decision) -> dict[Matter, object]:
     }
 
 
-def _of_robots(here: Moment, there: Moment) -> Iterator[Difference]:
+def _of_robots(here: TickState, there: TickState) -> Iterator[Difference]:
     others = {robot.name: robot for robot in there.after.robots}
     for mine in here.after.robots:
         other = others.get(mine.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import Known, Worlds, known_frame
+from logical_robots_tui.game.advancing import RecordedTick, Worlds, known_frame
 from logical_robots_tui.game.frame import NoSuchTickError
 from logical_robots_tui.game.history.course import Course
 from logical_robots_tui.game.history.divergence import find_divergence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.history.divergence import Divergence
     from logical_robots_tui.game.history.marks import Marks
-    from logical_robots_tui.game.history.packing import Moment, Packed
+    from logical_robots_tui.game.history.packing import Packed, TickState
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
@@ -131,7 +131,7 @@ class History:
         self.turns += 1
         self.divergence = self.divergence and self.divergence.reversed()
 
-    def around(self, tick: int) -> tuple[Moment, Moment]:
+    def around(self, tick: int) -> tuple[TickState, TickState]:
         """Return the moments before and after a tick; both are the same for tick 0.
 
         Raises:
@@ -158,7 +158,7 @@ class History:
         """Return whether a robot was blocked in any tick up to this one."""
         return self._course.is_blocked_up_to(tick)
 
-    def known(self, tick: int) -> Known:
+    def known(self, tick: int) -> RecordedTick:
         """Return a stored tick for replay.
 
         Raises:
@@ -167,7 +167,7 @@ class History:
         self._check(tick)
         return self._course.known(tick)
 
-    def replay(self, tick: int) -> tuple[Moment, Known]:
+    def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, for replay.
 
         Raises:
@@ -178,7 +178,7 @@ class History:
 
     def known_ahead(
         self, tick: int, most: int, text: str, *, is_course_wanted: bool
-    ) -> list[Known]:
+    ) -> list[RecordedTick]:
         """Return the stored next ticks that can be replayed under a program.
 
         Those are the ticks that it decided, unless the level was edited; and all of a course that
@@ -203,7 +203,7 @@ class History:
         """Return the program that decided a tick; None at the start."""
         return self._course.program_at(tick)
 
-    def in_other(self, tick: int) -> tuple[Moment, Known]:
+    def in_other(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return a tick of the other course, and the moment before it.
 
         Raises:

@@ -33,7 +33,7 @@ _body_of = attrgetter(*_BODY)
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class TickState:
     """The state after a finished tick; sensors are not stored, because the world can sense again.
 
     Attributes:
@@ -53,7 +53,7 @@ class Moment:
     weight: int = field(default=0, compare=False)
 
     @classmethod
-    def of(cls, frame: Frame, driven: float) -> Moment:
+    def of(cls, frame: Frame, driven: float) -> TickState:
         """Return the moment of a frame, given the distance driven so far."""
         milliseconds = frame.think_milliseconds
         return cls(
@@ -87,7 +87,7 @@ class Packed:
 
     __slots__ = ("_bytes", "first", "weight")
 
-    def __init__(self, moments: Sequence[Moment]) -> None:
+    def __init__(self, moments: Sequence[TickState]) -> None:
         self.first = moments[0].after.tick
         self.weight = sum(moment.weight for moment in moments)
         self._bytes = zlib.compress(marshal.dumps(laid_out(moments)), _QUICKEST)
@@ -96,7 +96,7 @@ class Packed:
         """Return its size in bytes."""
         return len(self._bytes)
 
-    def moment(self, at: int) -> Moment:
+    def moment(self, at: int) -> TickState:
         """Return one of the moments by index."""
         return moment_in(_opened.runs(self), at)
 
@@ -106,13 +106,13 @@ class Packed:
         return runs
 
 
-def laid_out(moments: Sequence[Moment]) -> list[Any]:
+def laid_out(moments: Sequence[TickState]) -> list[Any]:
     """Return moments as numbers, texts, lists and tuples, with similar values adjacent."""
     # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
 
-def moment_in(runs: Sequence[Any], at: int) -> Moment:
+def moment_in(runs: Sequence[Any], at: int) -> TickState:
     """Return one of the moments from this layout, also after a round trip through JSON."""
     rest = iter(runs)
     begin, names, area_names, told, areas, bodies, thoughts = next(rest)
@@ -133,7 +133,7 @@ def moment_in(runs: Sequence[Any], at: int) -> Moment:
         tuple(map(tuple, tallies)),
     )
     mine = [(name, *thought[at]) for name, thought in zip(names, thoughts, strict=True)]
-    return Moment(
+    return TickState(
         after,
         {name: memory for name, memory, _, _ in mine},
         tuple([_decision(*each) for each in mine]) if has_decided else (),
@@ -165,12 +165,12 @@ class _Opened:
 _opened = _Opened()
 
 
-def _names_of(moment: Moment) -> tuple[list[str], list[str]]:
+def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
     after = moment.after
     return [robot.name for robot in after.robots], [area.name for area in after.areas]
 
 
-def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
+def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
     """Return the layout of moments with the same robots and areas."""
     first = moments[0].after
     return (
@@ -189,7 +189,7 @@ def _run_of(moments: Sequence[Moment]) -> tuple[Any, ...]:
     )
 
 
-def _thought_of(moment: Moment, at: int, name: str) -> tuple[object, ...]:
+def _thought_of(moment: TickState, at: int, name: str) -> tuple[object, ...]:
     """Return a robot's memory, desire and notices."""
     if not moment.decisions:
         return moment.memories[name], None, ()
@@ -211,7 +211,7 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
     )
 
 
-def is_moment(moment: Moment, tick: int, level: Level) -> bool:
+def is_moment(moment: TickState, tick: int, level: Level) -> bool:
     """Return whether a moment is a valid state for a tick of a level, down to every type."""
     try:
         return _is_moment(moment, tick, level)
@@ -219,7 +219,7 @@ def is_moment(moment: Moment, tick: int, level: Level) -> bool:
         return False
 
 
-def _is_moment(moment: Moment, tick: int, level: Level) -> bool:
+def _is_moment(moment: TickState, tick: int, level: Level) -> bool:
     names = [robot.name for robot in level.robots]
     return (
         is_state(moment.after, moment.memories, tick, level)

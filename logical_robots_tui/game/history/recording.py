@@ -18,7 +18,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
-from logical_robots_tui.game.history.packing import Moment, is_moment, laid_out, moment_in
+from logical_robots_tui.game.history.packing import TickState, is_moment, laid_out, moment_in
 from logical_robots_tui.mind.limits import weight_of_text
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class Recording:
     key, a digest of everything on which the run depends, names the file.
     """
 
-    def __init__(self, key: str, level: Level, start: Moment) -> None:
+    def __init__(self, key: str, level: Level, start: TickState) -> None:
         self._key = key
         self._level = level
         self._start = start
@@ -84,7 +84,7 @@ class Recording:
         if len(before) < len(self._pieces):
             self._pieces, self._loose = before, []
 
-    def moment(self, tick: int) -> Moment:
+    def moment(self, tick: int) -> TickState:
         """Return the state after a stored tick.
 
         Raises:
@@ -95,7 +95,7 @@ class Recording:
         piece = self._piece(tick)
         return self._checked(_moment_of(piece, tick - piece.first), tick)
 
-    def add(self, moment: Moment) -> None:
+    def add(self, moment: TickState) -> None:
         """Store the state after the next tick.
 
         If the clock cut off a thought in it, it is not reproducible: it is then kept for this
@@ -194,7 +194,7 @@ class Recording:
         except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
             self.forget()
 
-    def _checked(self, moment: Moment, tick: int) -> Moment:
+    def _checked(self, moment: TickState, tick: int) -> TickState:
         """Check a moment that was read, and return it.
 
         Raises:
@@ -244,7 +244,7 @@ def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
         yield piece
 
 
-def _pieces_of(moments: Sequence[Moment]) -> Iterator[_Piece]:
+def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
     """Split moments into as few pieces as can be unpacked within the memory limit."""
     if not moments:
         return
@@ -259,7 +259,7 @@ def _pieces_of(moments: Sequence[Moment]) -> Iterator[_Piece]:
     yield _Piece(moments[0].after.tick, len(moments), content, _digest(content), fits=fits)
 
 
-def _text_of(moments: Sequence[Moment]) -> str:
+def _text_of(moments: Sequence[TickState]) -> str:
     return json.dumps(laid_out(moments), separators=(",", ":"))
 
 
@@ -268,7 +268,7 @@ def _may_be_opened(text: str) -> bool:
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
 
 
-def _moment_of(piece: _Piece, at: int) -> Moment:
+def _moment_of(piece: _Piece, at: int) -> TickState:
     """Return one of the moments of a piece.
 
     Raises:

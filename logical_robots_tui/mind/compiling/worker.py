@@ -33,7 +33,7 @@ from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printa
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
-from logical_robots_tui.mind.tuning import Known, tune, tune_all
+from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
 from logical_robots_tui.processes.garbage import collect_seldom
 from logical_robots_tui.processes.helper import begin, limit
 
@@ -226,7 +226,7 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
         columns: For each table, the columns that the program's queries read, including those of the
             question, so that one table serves all.
     """
-    tuned = tune(question.sql, Known.closed(columns), for_all=True, by_name=True)
+    tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True, by_name=True)
     found = {} if tuned is None else _prepared({"": tuned})
     return replace(question, tuned=found.get(""))
 

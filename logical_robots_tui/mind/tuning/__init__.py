@@ -13,13 +13,13 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.program import INPUTS, STEPS, Tuned
 from logical_robots_tui.mind.tuning import columns, sql
-from logical_robots_tui.mind.tuning.memories import Known, named_fields
+from logical_robots_tui.mind.tuning.memories import MemoryColumns, named_fields
 from logical_robots_tui.mind.tuning.passes import PASSES, Rewriting
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-__all__ = ["Known", "tune", "tune_all"]
+__all__ = ["MemoryColumns", "tune", "tune_all"]
 
 _LONGEST = 100_000  # characters of a statement
 _MOST = 400_000  # characters of all statements of a program
@@ -34,7 +34,7 @@ _OURS = frozenset(columns.TABLES).difference(name.lower() for name in INPUTS)
 def tune_all(statements: Mapping[str, str], *, without: Collection[str] = ()) -> dict[str, Tuned]:
     """Tune what can be tuned of several queries, the first ones first."""
     tuned = {}
-    known = Known()
+    known = MemoryColumns()
     left = _MOST
     for name, statement in statements.items():
         left -= len(statement)
@@ -49,7 +49,7 @@ def tune_all(statements: Mapping[str, str], *, without: Collection[str] = ()) ->
 
 def tune(
     statement: str,
-    known: Known | None = None,
+    known: MemoryColumns | None = None,
     *,
     for_all: bool = False,
     by_name: bool = False,
@@ -71,7 +71,7 @@ def tune(
         tree = sql.parse(statement)
         if not _can_be_moved(tree):
             return None
-        work = Rewriting(tree, known or Known(), is_for_all=for_all, is_by_name=by_name)
+        work = Rewriting(tree, known or MemoryColumns(), is_for_all=for_all, is_by_name=by_name)
         for each in PASSES:
             if each.required or each.name not in without:
                 each.apply(work)

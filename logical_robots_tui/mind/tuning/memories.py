@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class MemoryColumns:
     """Which columns hold what of memories, for all queries of a program; added to.
 
     Attributes:
@@ -28,7 +28,7 @@ class Known:
     items: dict[str, str] = field(default_factory=dict)
 
     @classmethod
-    def closed(cls, read: Mapping[str, Sequence[str]]) -> Known:
+    def closed(cls, read: Mapping[str, Sequence[str]]) -> MemoryColumns:
         """Return what the columns are that are read already, with no room for more."""
         fields, items = {}, {}
         for name in read.get("Memory", ()):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from sqlglot import exp
 
-    from logical_robots_tui.mind.tuning.memories import Known
+    from logical_robots_tui.mind.tuning.memories import MemoryColumns
 
 
 @dataclass(slots=True)
@@ -41,7 +41,7 @@ class Rewriting:
     """
 
     tree: exp.Query
-    known: Known
+    known: MemoryColumns
     is_for_all: bool = False
     is_by_name: bool = False
     result: tuple[tuple[str, tuple[str, ...]], ...] = ()

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.questions import Survey
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
-    from logical_robots_tui.tui.inspector.widgets.row_order import Arrangement
+    from logical_robots_tui.tui.inspector.widgets.row_order import RowOrder
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
@@ -235,7 +235,7 @@ class InspectorPane(Pane):
         self.inspect(ORIGIN)
         self.screen.set_focus(self.page.view)
 
-    def rearrange(self, how: Arrangement) -> None:
+    def rearrange(self, how: RowOrder) -> None:
         """Sort and filter the table on the screen."""
         if (table := self.shown_table) is not None:
             table.rearrange(how)

@@ -14,7 +14,7 @@ from textual.suggester import SuggestFromList
 from textual.widgets import Button, OptionList, Select
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.editing.checks import Finding
+from logical_robots_tui.editing.checks import LevelFinding
 from logical_robots_tui.editing.properties import resize, set_words
 from logical_robots_tui.editing.things import Ref, change
 from logical_robots_tui.editing.things import thing as thing_of
@@ -256,7 +256,7 @@ async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
     return form.made if await ui.ask(form) else None
 
 
-class FindingList(Dialog[Finding]):
+class FindingList(Dialog[LevelFinding]):
     """Lists findings; returns the one to go to."""
 
     DEFAULT_CSS = """
@@ -267,7 +267,7 @@ class FindingList(Dialog[Finding]):
     heading = "Findings"
     keys = "enter go there   ↑↓ choose   esc close"
 
-    def __init__(self, findings: Sequence[Finding]) -> None:
+    def __init__(self, findings: Sequence[LevelFinding]) -> None:
         super().__init__()
         self._findings = findings
 
@@ -282,7 +282,7 @@ class FindingList(Dialog[Finding]):
         self.dismiss(self._findings[event.option_index])
 
 
-def _told(finding: Finding) -> Content:
+def _told(finding: LevelFinding) -> Content:
     style = INK.bad if finding.forbids else INK.warn
     place = ""
     if finding.x is not None and finding.y is not None:

@@ -22,7 +22,7 @@ from logical_robots_tui.world.levels.native import read_native
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.editing.checks import Finding
+    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session import Session
@@ -89,7 +89,7 @@ class EditMode:
         self.levels = levels = session.levels
         saved = levels.saved
         self.file = Path(saved.source) if saved.source and not is_shipped(saved) else None
-        self.findings: list[Finding] | None = None
+        self.findings: list[LevelFinding] | None = None
         self.is_on = self.is_testing = False
         self.saving = asyncio.Lock()
         self.editor = LevelEditor(levels.edits, lambda: session.frame.after, self._edited, ui.warn)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.editing.checks import Finding
+    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
@@ -34,7 +34,7 @@ _BLANK = text_id(" ")
 
 
 def mark(
-    cells: Cells, view: Viewport, editor: LevelEditor, findings: Sequence[Finding], look: Look
+    cells: Cells, view: Viewport, editor: LevelEditor, findings: Sequence[LevelFinding], look: Look
 ) -> None:
     """Draw the editor's state over the picture of a level."""
     plain = look.drawing is Drawing.ASCII

@@ -10,7 +10,7 @@ import pytest
 from textual.widgets import Input
 
 from logical_robots_tui.tui.inspector.widgets.row_order import (
-    Arrangement,
+    RowOrder,
     Rows,
     arranged,
     as_csv,
@@ -34,25 +34,25 @@ ROWS = Rows(
 
 
 def test_rows_of_one_robot() -> None:
-    found = arranged(ROWS, Arrangement(robot="Bo"))
+    found = arranged(ROWS, RowOrder(robot="Bo"))
     assert found.rows == (ROWS.rows[1],)
     assert found.changed == {(0, 1)}
 
 
 @pytest.mark.parametrize(("descending", "order"), [(False, [None, 1, 2]), (True, [2, 1, None])])
 def test_sorted_by_a_column_of_mixed_values(descending: bool, order: list[object]) -> None:
-    found = arranged(ROWS, Arrangement(sort="n", descending=descending))
+    found = arranged(ROWS, RowOrder(sort="n", descending=descending))
     assert [row[1] for row in found.rows] == order
     assert found.changed == {(1, 1)}
 
 
 def test_searched_in_every_value_whatever_the_case() -> None:
-    assert arranged(ROWS, Arrangement(search="zED")).rows == (ROWS.rows[2],)
-    assert arranged(ROWS, Arrangement(search="a: [1")).rows == (ROWS.rows[0],)
+    assert arranged(ROWS, RowOrder(search="zED")).rows == (ROWS.rows[2],)
+    assert arranged(ROWS, RowOrder(search="a: [1")).rows == (ROWS.rows[0],)
 
 
 def test_turned_on_its_side() -> None:
-    found = arranged(ROWS, Arrangement(sideways=True))
+    found = arranged(ROWS, RowOrder(sideways=True))
     assert found.columns == ("", "1", "2", "3")
     assert found.rows[1] == ("n", 2, 1, None)
     assert found.changed == {(1, 2)}

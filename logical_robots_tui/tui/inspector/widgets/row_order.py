@@ -23,7 +23,7 @@ _SIDEWAYS = 50  # most rows of a transposed table
 
 
 @dataclass(frozen=True, slots=True)
-class Arrangement:
+class RowOrder:
     """How to filter, sort and transpose rows.
 
     Attributes:
@@ -65,7 +65,7 @@ class Rows:
     left_out: int = 0
 
 
-def arranged(rows: Rows, how: Arrangement) -> Rows:
+def arranged(rows: Rows, how: RowOrder) -> Rows:
     """The rows in an arrangement."""
     columns = rows.columns
     kept = list(range(len(rows.rows)))

@@ -16,8 +16,8 @@ from logical_robots_tui.game import MIND
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number
 from logical_robots_tui.tui.inspector.widgets.row_order import (
-    Arrangement,
     Row,
+    RowOrder,
     Rows,
     arranged,
     changed_cells,
@@ -71,7 +71,7 @@ class ValueTable(ScrollView, can_focus=True):
         self.all = Rows((), ())
         self.shown = self.all
         self._are_all = True
-        self.how = Arrangement()
+        self.how = RowOrder()
         self._widths: list[int] = []
         self._at = (0, 0)
 
@@ -122,7 +122,7 @@ class ValueTable(ScrollView, can_focus=True):
         self.all = Rows(columns, rows, changed)
         self._arrange()
 
-    def rearrange(self, how: Arrangement) -> None:
+    def rearrange(self, how: RowOrder) -> None:
         """Filter, sort and transpose the rows in another way."""
         self.how = how
         self._arrange()
