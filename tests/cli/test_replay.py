@@ -47,6 +47,14 @@ def test_a_file_is_replaced_only_if_that_is_wished(
     assert load_replay(recorded).last == 3
 
 
+def test_a_run_too_long_for_a_replay_is_refused_before_it_is_run(
+    command: Command, level: Path, ahead: Path, tmp_path: Path
+) -> None:
+    told = command("replay", "record", level, ahead, "-o", tmp_path / "a", "--ticks", 100_001)
+    assert told.status == 2
+    assert "--ticks 100001: a replay has at most 100,000 ticks" in told.err
+
+
 def test_a_replay_is_verified(command: Command, recorded: Path) -> None:
     told = command("replay", "verify", recorded)
     assert (told.status, told.out) == (0, f"The same: {load_replay(recorded).last} ticks.\n")

@@ -21,6 +21,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.cli.level_files import add_force, refuse_existing, write
 from logical_robots_tui.cli.runs.common import opened, progress_bar
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import counted
 
 if TYPE_CHECKING:
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 SAME, DIFFERENT = 0, 3
 DEFAULT_TICKS = 5000
-MOST_TICKS = 100_000  # of a replay
 
 EPILOG = """\
 examples:
@@ -82,7 +82,7 @@ def _declare_record(commands: Commands) -> None:
     )
     command.add_argument(
         "--ticks",
-        type=number_from(1, MOST_TICKS),
+        type=number_from(1),
         default=DEFAULT_TICKS,
         metavar="N",
         help="end after this many ticks (default: %(default)s)",
@@ -99,8 +99,10 @@ def _declare_record(commands: Commands) -> None:
 def _record(options: argparse.Namespace) -> int:
     from logical_robots_tui.editing.level_text import write_native
     from logical_robots_tui.game import Game
-    from logical_robots_tui.game.replay import gather
+    from logical_robots_tui.game.replay import MOST_TICKS, gather
 
+    if options.ticks > MOST_TICKS:
+        raise InputError(f"--ticks {options.ticks}: a replay has at most {MOST_TICKS:,} ticks")
     refuse_existing(options.output, force=options.force)
     level, program = opened(options)
 
