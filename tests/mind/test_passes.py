@@ -12,7 +12,8 @@ import pytest
 
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.tuning import tune_all
+from logical_robots_tui.mind.compiling.compiler import compile_text
+from logical_robots_tui.mind.tuning import sql, tune_all
 from logical_robots_tui.mind.tuning.passes import PASSES
 from logical_robots_tui.world import World, list_levels, load_level
 from tests.mind.differential.comparing import MEMORIES, ROWS
@@ -88,6 +89,15 @@ def test_each_pass_comes_after_those_that_it_needs_and_is_documented() -> None:
     for number, each in enumerate(PASSES):
         assert set(each.after) <= set(names[:number])
         assert f"`{each.name}`" in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", list_programs())
+def test_a_tree_that_is_handed_on_is_that_of_its_statement(name: str) -> None:
+    program, trees = compile_text(load_program(name).text)
+    assert program.statements["Robot"] in trees
+    for statement, tree in trees.items():
+        assert sql.parse(statement) == tree
 
 
 @pytest.mark.sampled

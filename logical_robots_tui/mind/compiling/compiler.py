@@ -48,6 +48,8 @@ from logical_robots_tui.mind.typed import as_on_duckdb
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from sqlglot import exp
+
     from logical_robots_tui.mind.compilation import Report
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
@@ -55,10 +57,14 @@ _DEEPEST_RECURSION = 200
 _MOST_STEPS = 1_000  # of a recursion that is not unrolled
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
+_MOST_OF_TREES = 400_000  # characters of statements whose trees are kept
 
 
-def compile_text(text: str, report: Report | None = None) -> Program:
+def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict[str, exp.Query]]:
     """Compile a program and all its predicates.
+
+    Returns:
+        The program, and the trees of its statements by their texts.
 
     Raises:
         ProgramError: The program has errors; holds all that can be found at once.
@@ -76,7 +82,7 @@ def compile_text(text: str, report: Report | None = None) -> Program:
     uses = _uses(raw)
     needed = _needed(uses, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
-    return Program(
+    program = Program(
         text,
         (*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
         statements,
@@ -86,6 +92,7 @@ def compile_text(text: str, report: Report | None = None) -> Program:
         uses=uses,
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
+    return program, compiled.trees
 
 
 def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
@@ -155,6 +162,8 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
     def __init__(self, rules: list[Rule], **options: Any) -> None:
         self.steps: dict[str, int] = {}
         self.fixpoints: list[Fixpoint] = []
+        self.trees: dict[str, exp.Query] = {}  # by statement
+        self._trees_left = _MOST_OF_TREES
         self._step_queries: dict[Fixpoint, str] = {}
         super().__init__(rules, **options)
 
@@ -180,7 +189,11 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             sql = f"SELECT * FROM {name}"  # noqa: S608 - a name
         else:
             sql = super().FormattedPredicateSql(name)
-        return as_on_duckdb(with_fixpoints(sql, self._steps()))
+        text, tree = as_on_duckdb(with_fixpoints(sql, self._steps()))
+        self._trees_left -= len(text)
+        if tree is not None and self._trees_left >= 0:
+            self.trees[text] = tree
+        return text
 
     def _steps(self) -> dict[Fixpoint, str]:
         """Return the query for a step of each recursion that is computed by iterating."""

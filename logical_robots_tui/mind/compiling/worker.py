@@ -38,6 +38,8 @@ from logical_robots_tui.processes.garbage import collect_seldom
 from logical_robots_tui.processes.helper import begin, limit
 
 if TYPE_CHECKING:
+    from sqlglot import exp
+
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.program import Program, Question, Tuned
@@ -130,9 +132,9 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
             return {"probing": asdict(_probing(text, request))}
         if "checkup" in request:
             return {"checkup": asdict(_checkup(text, frozenset(request["checkup"])))}
-        program = compiler.compile_text(text, report)
+        program, trees = compiler.compile_text(text, report)
         _try_out(program)
-        return {"program": asdict(_tuned(program))}
+        return {"program": asdict(_tuned(program, trees))}
     except ProgramError as error:
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
@@ -207,7 +209,7 @@ def _try_out(program: Program) -> None:
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
 
 
-def _tuned(program: Program) -> Program:
+def _tuned(program: Program, trees: dict[str, exp.Query]) -> Program:
     """Return the program with tuned queries beside its own, where SQLite can prepare them."""
     order = sorted(program.statements, key=lambda name: name not in program.needed)
     statements = {
@@ -215,7 +217,7 @@ def _tuned(program: Program) -> Program:
         **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
         **{name: program.statements[name] for name in order},
     }
-    return replace(program, tuned=_prepared(tune_all(statements)))
+    return replace(program, tuned=_prepared(tune_all(statements, trees)))
 
 
 def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:

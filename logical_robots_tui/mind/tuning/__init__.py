@@ -31,9 +31,18 @@ _OURS = frozenset(columns.TABLES).difference(name.lower() for name in INPUTS)
 """Tables that exist for tuned queries only."""
 
 
-def tune_all(statements: Mapping[str, str], *, without: Collection[str] = ()) -> dict[str, Tuned]:
-    """Tune what can be tuned of several queries, the first ones first."""
+def tune_all(
+    statements: Mapping[str, str],
+    trees: dict[str, exp.Query] | None = None,
+    *,
+    without: Collection[str] = (),
+) -> dict[str, Tuned]:
+    """Tune what can be tuned of several queries, the first ones first.
+
+    `trees` are those of statements that have been read already; they are used up.
+    """
     tuned = {}
+    trees = {} if trees is None else trees
     known = MemoryColumns()
     left = _MOST
     for name, statement in statements.items():
@@ -41,7 +50,13 @@ def tune_all(statements: Mapping[str, str], *, without: Collection[str] = ()) ->
         if left < 0:
             break
         if len(statement) <= _LONGEST:
-            found = tune(statement, known, for_all=name == "Robot", without=without)
+            found = tune(
+                statement,
+                known,
+                tree=trees.pop(statement, None),
+                for_all=name == "Robot",
+                without=without,
+            )
             if found is not None:
                 tuned[name] = found
     return tuned
@@ -51,6 +66,7 @@ def tune(
     statement: str,
     known: MemoryColumns | None = None,
     *,
+    tree: exp.Query | None = None,
     for_all: bool = False,
     by_name: bool = False,
     without: Collection[str] = (),
@@ -60,6 +76,7 @@ def tune(
     Args:
         statement: A query as it was generated.
         known: The columns of memory fields, shared by all queries of a program.
+        tree: Its tree, if there is one already; it is changed.
         for_all: Whether to make, if possible, one for all viewers at once as well.
         by_name: Whether many robots look up memories by name: faster, but sums are added in another
             order, so a robot could drive differently because of a last digit.
@@ -68,7 +85,7 @@ def tune(
     if STEPS in statement:
         return None  # rows that pass from step to step as a list can't be told apart by viewers
     try:
-        tree = sql.parse(statement)
+        tree = tree or sql.parse(statement)
         if not _can_be_moved(tree):
             return None
         work = Rewriting(tree, known or MemoryColumns(), is_for_all=for_all, is_by_name=by_name)

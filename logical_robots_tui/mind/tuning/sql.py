@@ -62,6 +62,12 @@ def parse(sql: str) -> exp.Query:
         if join.kind != "CROSS":
             raise ValueError("not a plain join")
         join.set("kind", None)
+    drop_parentheses(tree)
+    return tree
+
+
+def drop_parentheses(tree: exp.Query) -> None:
+    """Drop parentheses without which the query is read as the same."""
     for wrapped in reversed(list(tree.find_all(exp.Paren, exp.Subquery))):
         if isinstance(wrapped, exp.Paren):
             needless = isinstance(wrapped.this, _NEED_NO_PARENTHESES)
@@ -69,7 +75,6 @@ def parse(sql: str) -> exp.Query:
             needless = isinstance(wrapped.this, exp.Subquery) and not wrapped.alias
         if needless:
             wrapped.replace(wrapped.this)
-    return tree
 
 
 def written(tree: exp.Expr, *, pretty: bool = False) -> str:

@@ -5,20 +5,30 @@ Both ways to evaluate a program start from the result.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.typed.reading import Reader
 
+if TYPE_CHECKING:
+    from sqlglot import exp
+
 __all__ = ["as_on_duckdb"]
 
 
-def as_on_duckdb(statement: str) -> str:
-    """Return a query in which SQLite computes what DuckDB would because of the types of values."""
+def as_on_duckdb(statement: str) -> tuple[str, exp.Query | None]:
+    """Return a query in which SQLite computes what DuckDB would because of the types of values.
+
+    Returns:
+        Its text and its tree; no tree if it can't be read, and is left as it is.
+    """
     try:
         tree = sql.parse(statement)
         before = tree.copy()
         Reader().query(tree)
+        sql.drop_parentheses(tree)
     except (SqlglotError, ValueError, RecursionError):
-        return statement
-    return statement if tree == before else f"{sql.written(tree, pretty=True)};"
+        return statement, None
+    return statement if tree == before else f"{sql.written(tree, pretty=True)};", tree
