@@ -28,7 +28,9 @@ _MOST_IDLE = 60.0  # seconds without a heartbeat in which the game computed noth
 _LOOK_SECONDS = 0.5
 _LOOKS_TO_INTERRUPT = 4  # without a heartbeat, from which on ^C is a signal
 _INTERRUPTS, _INTERRUPT_SECONDS = 3, 2.0
-_TO_END = 1.5  # seconds that a game has to end after it was asked to
+_TO_END = 2.5  # seconds that a game has to end after it was asked to
+_COMPUTED_TO_END = 1.5  # processor seconds that it may take for that
+_STARVED_TO_END = 15.0  # seconds where other processes leave it no processor
 _LITTLE = 0.001  # processor seconds
 
 _ENDS = frozenset((signal.SIGHUP, signal.SIGTERM))
@@ -136,9 +138,8 @@ class _Supervisor:
 
         The game would take the terminal twice.
         """
-        with suppress(OSError), open(f"/proc/{self._game}/stat") as file:  # noqa: PTH123 - pathlib takes a while to load
-            if file.read().rpartition(")")[2].split()[0] == "T":
-                self._send(signal.SIGCONT)
+        if _state(self._game) == "T":
+            self._send(signal.SIGCONT)
         self._forget()
 
     def _forget(self) -> None:
@@ -189,15 +190,27 @@ class _Supervisor:
     def _end(self, number: signal.Signals) -> int:
         """Ask the game to end, insist, and return what it ended with."""
         self._send(number)
-        self._send(signal.SIGCONT)
-        deadline = monotonic() + _TO_END
-        while (left := deadline - monotonic()) > 0:
+        if _state(self._game) in ("T", ""):
+            self._send(signal.SIGCONT)
+        asked, computed = monotonic(), _processor_seconds(self._game)
+        while True:
             pid, status = os.waitpid(self._game, os.WNOHANG)
             if pid:
                 return os.waitstatus_to_exitcode(status)
-            signal.sigtimedwait({signal.SIGCHLD}, left)
+            waited = monotonic() - asked
+            has_computed = _processor_seconds(self._game) - computed > _COMPUTED_TO_END
+            if has_computed or waited > (_STARVED_TO_END if self._is_starved() else _TO_END):
+                break
+            signal.sigtimedwait({signal.SIGCHLD}, _LOOK_SECONDS / 5)
         self._send(signal.SIGKILL)
         return os.waitstatus_to_exitcode(os.waitpid(self._game, 0)[1])
+
+    def _is_starved(self) -> bool:
+        """Return whether the game would go on if a processor or a disk were free."""
+        threads: list[str] = []
+        with suppress(OSError):
+            threads = os.listdir(f"/proc/{self._game}/task")  # noqa: PTH208 - pathlib takes a while to load
+        return any(_state(int(thread)) in ("R", "D") for thread in threads)
 
     def _send(self, number: int) -> None:
         with suppress(ProcessLookupError):
@@ -234,6 +247,13 @@ class _Supervisor:
     def _set_terminal(self, settings: list[Any]) -> None:
         with suppress(termios.error):
             termios.tcsetattr(0, termios.TCSANOW, settings)
+
+
+def _state(process: int) -> str:
+    """Return the letter for what a process or thread does, "" where the system does not tell."""
+    with suppress(OSError), open(f"/proc/{process}/stat") as file:  # noqa: PTH123 - pathlib takes a while to load
+        return file.read().rpartition(")")[2].split()[0]
+    return ""
 
 
 def _processor_seconds(process: int) -> float:

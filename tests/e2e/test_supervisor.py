@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import termios
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +18,7 @@ from tests.terminal import Terminal
 from tests.waiting import until
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 GETS_STUCK = """
 import sys, threading
@@ -121,6 +123,35 @@ def test_a_signal_ends_the_command_even_if_the_game_is_stuck(
         terminal.process.send_signal(number)
         assert terminal.finish() == 128 + number
         assert is_put_back(terminal)
+
+
+@contextmanager
+def starved(process: int) -> Iterator[None]:
+    """Leave a process a small share of one processor, with all that it starts."""
+    place = {min(os.sched_getaffinity(0))}
+    for thread in Path(f"/proc/{process}/task").iterdir():
+        os.sched_setaffinity(int(thread.name), place)
+    loop = ["taskset", "-c", str(min(place)), "sh", "-c", "while :; do :; done"]
+    with ExitStack() as later:
+        for _ in range(20):
+            later.callback(later.enter_context(subprocess.Popen(loop, start_new_session=True)).kill)
+        yield
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_game_without_a_processor_has_time_to_keep_the_text(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    with playing(tmp_path) as terminal:
+        terminal.wait_for("applied")
+        with starved(terminal.game):
+            type_hello(terminal)
+            terminal.process.send_signal(number)
+            assert terminal.finish() == 128 + number
+        by_both = terminal.everything.count("\x1b[?1049l")
+        assert by_both == 2, "the game did not put the terminal back before it ended"
+    assert texts(tmp_path) == ["hello"]
 
 
 @pytest.mark.parametrize(
