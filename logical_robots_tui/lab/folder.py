@@ -14,7 +14,7 @@ import msgspec
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.ledger import Ledger
 from logical_robots_tui.lab.running import Asked, engine, fingerprint
-from logical_robots_tui.lab.specification import Starts  # noqa: TC001 - msgspec reads types
+from logical_robots_tui.lab.specification import Measure, Starts  # noqa: TC001 - msgspec reads types
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.writing import write_atomically
 
@@ -123,7 +123,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     specification: str
     starts: Starts
     given_first: bool
-    measures: tuple[str, ...]
+    measures: tuple[Measure, ...]
     asked: tuple[Asked, ...]
     steps: int
     seconds: float

@@ -212,7 +212,7 @@ class Ledger:
         """
         try:
             yield
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # damage in a name it would tell
             said = {
                 "SQLITE_FULL": ("the disk is full", "Make room, then resume."),
                 "SQLITE_IOERR": ("the disk is full or fails", "Make room, then resume."),

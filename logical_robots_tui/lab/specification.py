@@ -23,6 +23,9 @@ Path_: TypeAlias = tuple[str | int, ...]
 BUILT_IN = ("won", "ticks", "distance", "rules")
 """Measures of every run."""
 
+Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(BUILT_IN)})$")]
+"""The name of one of them."""
+
 _MOST_BYTES = 1_000_000
 _MOST_VALUES = 10_000
 

@@ -146,6 +146,7 @@ MANIFESTS: dict[str, Callable[[bytes], bytes]] = {
     ),
     "many starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": 1000000000', told),
     "fewer than no starts": lambda told: re.sub(rb'"starts": \d+', b'"starts": -5', told),
+    "another measure": lambda told: told.replace(b'"won"', b'"speed"'),
     "a path": lambda told: re.sub(rb'"level": "[0-9a-f]+"', b'"level": "../../etc/passwd"', told),
     "long": lambda told: b"[" + b"[]," * 9_000_000 + b"1]",
 }
@@ -168,6 +169,16 @@ def test_an_export_says_which_input_is_damaged(swept: Folder, tmp_path: Path) ->
     (copy / "inputs" / manifest.cells[0].level).write_text("another")
     with folder.ledger() as ledger, pytest.raises(InputError, match="this input is damaged"):
         export_runs(folder, manifest, ledger)
+
+
+def test_of_a_ledger_whose_damage_is_no_text_that_is_said(swept: Folder, tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with closing(sqlite3.connect(swept.path / "ledger.db")) as whole:
+        whole.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    content = (swept.path / "ledger.db").read_bytes()
+    file.write_bytes(content.replace(b"CREATE TABLE results", b"CREATE \xa0ABLE results"))
+    with pytest.raises(LedgerError, match="it is damaged"):
+        Ledger(file, "engine").outcomes()
 
 
 def test_a_ledger_with_a_view_is_none(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from textual import on
 from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
+from textual.errors import NoWidget
 from textual.widgets import Input, Static
 
 from logical_robots_tui.tui.commands.command import key_name
@@ -23,6 +24,7 @@ from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from textual import events
     from textual.app import ComposeResult
     from textual.binding import BindingType
     from textual.command import Hits
@@ -181,6 +183,13 @@ def _keys(entry: Command) -> Content:
 
 class Palette(CommandPalette, ClosedOnce[None]):
     """A line to type in, and what can be had by that."""
+
+    def on_click(self, event: events.Click) -> None:
+        """Keep from Textual a click outside of the screen, which has become smaller since."""
+        try:
+            self.get_widget_at(event.screen_x, event.screen_y)
+        except NoWidget:
+            event.prevent_default()
 
 
 class CommandProvider(Provider):

@@ -61,6 +61,8 @@ _BUILT_IN = tuple(
 NAMES = tuple(word.name for word in (*_BUILT_IN, *_GIVEN, *_FIELDS))
 """Words without a definition in the program: functions, inputs, fields."""
 
+_LOOKED_BACK = 2_000  # characters before the cursor that are looked at for what it is in
+
 _HEAD = re.compile(r"^(?P<name>[A-Z]\w*)\s*(?:(?P<arguments>\([^)]*\)?)|:=)", re.MULTILINE)
 _BEFORE = re.compile(r"(?:(?P<owner>[A-Za-z_]\w*)\.)?(?P<begun>\w*)$")
 _VARIABLE = re.compile(r"(?<![\w.])[a-z_]\w*\b(?!\s*:(?!-)\s*[^\s,)}])(?!\s*\()")
@@ -83,7 +85,7 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
 
 def begun(before: str) -> str:
     """Return the part of a word at the end of a text, which a completed word replaces."""
-    match = _BEFORE.search(before)
+    match = _BEFORE.search(before[-_LOOKED_BACK:])
     assert match is not None
     return match["begun"]
 
@@ -98,7 +100,7 @@ def words_for(text: str, place: Place) -> list[Word]:
     lines = text.splitlines(keepends=True)[: place.line]
     at = min(sum(map(len, lines)) + place.column, len(text))
     source = prepare(text)
-    match = _BEFORE.search(text[:at].rpartition("\n")[2])
+    match = _BEFORE.search(text[:at].rpartition("\n")[2][-_LOOKED_BACK:])
     assert match is not None
     owner, typed = match["owner"], match["begun"]
     first = at - len(typed)
@@ -171,6 +173,7 @@ def _own(name: str, found: tuple[Place, str]) -> Word:
 def call_before(before: str) -> str:
     """Return the name of the call whose arguments are being typed, or ""."""
     depth = 0
+    before = before[-_LOOKED_BACK:]
     for at in range(len(before) - 1, -1, -1):
         char = before[at]
         if char in ")}]":
@@ -178,11 +181,20 @@ def call_before(before: str) -> str:
         elif char in "({[":
             depth -= 1
             if depth < 0:
-                match = re.search(r"([A-Z]\w*)\s*$", before[:at])
-                if match:
-                    return match[1]
+                if name := _predicate_at_end(before[:at]):
+                    return name
                 depth = 0
     return ""
+
+
+def _predicate_at_end(text: str) -> str:
+    """Return the name of a predicate that a text ends with, or ""; takes as long as that is."""
+    end = len(text.rstrip())
+    start = end
+    while start and (text[start - 1].isalnum() or text[start - 1] == "_"):
+        start -= 1
+    match = re.search(r"[A-Z]\w*", text[start:end])
+    return match[0] if match else ""
 
 
 def word_around(line: str, column: int) -> str:

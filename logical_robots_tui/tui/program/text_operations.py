@@ -44,7 +44,6 @@ def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -
 WIDTH = 2
 """Columns of an indentation step."""
 
-_COMMENT = re.compile(r"\s*#.*")
 _OPENS = (":-", "(", "[", "{")
 
 
@@ -54,7 +53,7 @@ def indentation_after(before: str) -> str:
     An opening bracket or ``:-`` at its end adds one step, and the end of a rule resets it.
     """
     given = before[: len(before) - len(before.lstrip())]
-    written = _COMMENT.sub("", before).rstrip()
+    written = before.partition("#")[0].rstrip()
     if written.endswith(";"):
         return ""
     return given + " " * WIDTH if written.endswith(_OPENS) else given

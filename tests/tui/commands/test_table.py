@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.binding import Binding
 from textual.content import Content
+from textual.events import Click
 from textual.widgets import OptionList, Static, TextArea
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.help import Palette
 from logical_robots_tui.tui.commands.keymap import KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -278,6 +280,17 @@ async def test_the_help_shows_what_matches_the_typed_words(data_dir: Path) -> No
         await game.sees("Nothing here has that in it.")
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
+
+
+async def test_a_click_where_the_window_has_been_is_none_on_the_palette(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.press("ctrl+p")
+        await game.until(lambda: isinstance(game.app.screen, Palette))
+        palette = game.app.screen
+        palette.post_message(Click(palette, 500, 200, 0, 0, 1, False, False, False, 500, 200))
+        await game.handled()
+        assert game.app._exception is None
+        assert game.app.screen is palette
 
 
 @pytest.mark.sampled

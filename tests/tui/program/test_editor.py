@@ -22,6 +22,7 @@ from logical_robots_tui.tui.program.completion import (
 )
 from logical_robots_tui.tui.program.controller import edited
 from logical_robots_tui.tui.program.text_operations import find_after, rename
+from tests.mind.hostile.bounds import bounded_work
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.tui.program.test_pane import ODD
@@ -92,6 +93,18 @@ def test_definitions_are_the_first_lines_that_begin_with_a_predicate() -> None:
 )
 def test_the_call_is_the_innermost_that_is_open(before: str, name: str) -> None:
     assert call_before(before) == name
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(" * 300_000, "A" * 300_000, "A" * 300_000 + "!(", "x [ " * 80_000, " " * 300_000 + "{"],
+)
+def test_the_longest_line_is_looked_at_in_time(text: str) -> None:
+    with bounded_work(2.0):
+        call_before(text)
+        begun(text)
+        words_for(text, Place(0, len(text)))
+        word_around(text, len(text))
 
 
 @given(st.text(), st.integers(0, 20))

@@ -11,6 +11,7 @@ from textual.strip import Strip
 
 from logical_robots_tui.tui.program.mistakes import marked
 from logical_robots_tui.tui.program.text_operations import followed, indentation_after, shifted
+from tests.mind.hostile.bounds import bounded_work
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)
 
@@ -31,6 +32,11 @@ LINES = st.lists(st.sampled_from("abc"), max_size=6)
 )
 def test_a_new_line_is_indented_as_what_is_before_it_asks(before: str, indentation: str) -> None:
     assert indentation_after(before) == indentation
+
+
+def test_a_line_of_spaces_is_looked_at_in_time() -> None:
+    with bounded_work(2.0):
+        assert indentation_after(" " * 300_000) == " " * 300_000
 
 
 def test_lines_go_a_step_to_the_right_and_back_as_far_as_they_can() -> None:
