@@ -37,7 +37,7 @@ class Field:
     """
 
     name: str
-    type: Type | Record | ListOf
+    type: FieldType
     meaning: str
     range: str = ""
     unit: str = ""
@@ -161,6 +161,11 @@ def tables() -> Iterator[str]:
     yield "|---|---|---|---|"
     for record in RECORDS:
         for field in record.fields:
-            of = field.type.value if isinstance(field.type, Type) else "record"
-            of = "list of rays" if isinstance(field.type, ListOf) else of
-            yield f"| `{record.path}.{field.name}` | {of} | {field.values} | {field.meaning} |"
+            name, of = f"`{record.path}.{field.name}`", _name_of(field.type)
+            yield f"| {name} | {of} | {field.values} | {field.meaning} |"
+
+
+def _name_of(field: FieldType) -> str:
+    if isinstance(field, Type):
+        return field.value
+    return "list of rays" if isinstance(field, ListOf) else "record"

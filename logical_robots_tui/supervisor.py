@@ -198,8 +198,9 @@ class _Supervisor:
             if pid:
                 return os.waitstatus_to_exitcode(status)
             waited = monotonic() - asked
-            has_computed = _processor_seconds(self._game) - computed > _COMPUTED_TO_END
-            if has_computed or waited > (_STARVED_TO_END if self._is_starved() else _TO_END):
+            if _processor_seconds(self._game) - computed > _COMPUTED_TO_END:
+                break
+            if waited > _STARVED_TO_END or (waited > _TO_END and not self._is_starved()):
                 break
             signal.sigtimedwait({signal.SIGCHLD}, _LOOK_SECONDS / 5)
         self._send(signal.SIGKILL)

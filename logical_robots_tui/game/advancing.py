@@ -109,7 +109,7 @@ class Thought(NamedTuple):
     mind: Mind
     rows: Sequence[SensorRow]
     memories: Mapping[str, Value]
-    decisions: Sequence[Decision]
+    decisions: tuple[Decision, ...]
     state: WorldState
     milliseconds: float
 
@@ -159,7 +159,7 @@ def _next_frame(
         thought.state,
         tuple(thought.rows),
         past.memories,
-        tuple(thought.decisions),
+        thought.decisions,
         thought.remembered,
         thought.milliseconds,
     )

@@ -43,6 +43,7 @@ from logical_robots_tui.mind.compiling.spelling import spell_out, written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import INPUTS, Predicate, Program
 from logical_robots_tui.mind.source_text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.mind.tuning import MOST_TUNED
 from logical_robots_tui.mind.typed import as_on_duckdb
 
 if TYPE_CHECKING:
@@ -57,7 +58,6 @@ _DEEPEST_RECURSION = 200
 _MOST_STEPS = 1_000  # of a recursion that is not unrolled
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
-_MOST_OF_TREES = 400_000  # characters of statements whose trees are kept
 
 
 def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict[str, exp.Query]]:
@@ -163,7 +163,6 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         self.steps: dict[str, int] = {}
         self.fixpoints: list[Fixpoint] = []
         self.trees: dict[str, exp.Query] = {}  # by statement
-        self._trees_left = _MOST_OF_TREES
         self._step_queries: dict[Fixpoint, str] = {}
         super().__init__(rules, **options)
 
@@ -190,8 +189,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         else:
             sql = super().FormattedPredicateSql(name)
         text, tree = as_on_duckdb(with_fixpoints(sql, self._steps()))
-        self._trees_left -= len(text)
-        if tree is not None and self._trees_left >= 0:
+        if tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
             self.trees[text] = tree
         return text
 

@@ -19,10 +19,11 @@ from logical_robots_tui.mind.tuning.passes import PASSES, Rewriting
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
 
-__all__ = ["MemoryColumns", "tune", "tune_all"]
+__all__ = ["MOST_TUNED", "MemoryColumns", "tune", "tune_all"]
 
 _LONGEST = 100_000  # characters of a statement
-_MOST = 400_000  # characters of all statements of a program
+MOST_TUNED = 400_000
+"""Characters of all statements of a program that are tuned."""
 
 _TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
 """Columns that exist for tuned queries only."""
@@ -44,7 +45,7 @@ def tune_all(
     tuned = {}
     trees = {} if trees is None else trees
     known = MemoryColumns()
-    left = _MOST
+    left = MOST_TUNED
     for name, statement in statements.items():
         left -= len(statement)
         if left < 0:

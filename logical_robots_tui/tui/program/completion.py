@@ -85,9 +85,13 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
 
 def begun(before: str) -> str:
     """Return the part of a word at the end of a text, which a completed word replaces."""
-    match = _BEFORE.search(before[-_LOOKED_BACK:])
+    return _word_before(before)["begun"]
+
+
+def _word_before(text: str) -> re.Match[str]:
+    match = _BEFORE.search(text[-_LOOKED_BACK:])
     assert match is not None
-    return match["begun"]
+    return match
 
 
 def words_for(text: str, place: Place) -> list[Word]:
@@ -100,8 +104,7 @@ def words_for(text: str, place: Place) -> list[Word]:
     lines = text.splitlines(keepends=True)[: place.line]
     at = min(sum(map(len, lines)) + place.column, len(text))
     source = prepare(text)
-    match = _BEFORE.search(text[:at].rpartition("\n")[2][-_LOOKED_BACK:])
-    assert match is not None
+    match = _word_before(text[:at].rpartition("\n")[2])
     owner, typed = match["owner"], match["begun"]
     first = at - len(typed)
     if text[first:at] != source.skeleton[first:at] or _is_blanked(text, source.skeleton, first - 1):
