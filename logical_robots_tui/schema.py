@@ -88,6 +88,12 @@ class ListOf:
 
 FieldType: TypeAlias = Type | Record | ListOf
 
+INPUTS = {"Sensor": ("robot_name", "sensor"), "Memory": ("robot_name", "memory")}
+"""The game's own predicates, with their columns."""
+
+VALUE = "logica_value"
+"""The column with the value of a function."""
+
 WALL, BEACON, ROBOT, NO_OBJECT = OBJECTS = ("wall", "beacon", "robot", "none")
 """What a ray can hit; the last is nothing."""
 

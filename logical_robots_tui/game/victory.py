@@ -79,7 +79,7 @@ def count_rules(text: str) -> int:
     Every statement counts as one, however long it is and however many cases it has; annotations,
     which begin with ``@``, don't.
     """
-    from logical_robots_tui.mind.source_text import prepare, statements
+    from logical_robots_tui.language.source_text import prepare, statements
 
     source = prepare(text)
     return sum(source.text[start] != "@" for start, _ in statements(source))

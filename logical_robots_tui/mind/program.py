@@ -16,21 +16,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.why.probing import Probing
 
-INPUTS: Mapping[str, tuple[str, ...]] = {
-    "Sensor": ("robot_name", "sensor"),
-    "Memory": ("robot_name", "memory"),
-}
-"""The game's own predicates, with their columns."""
-
 STEPS = "t_0_steps_of_"
 """The prefix of named queries with the steps of a recursion."""
 
 TRUTH_MARK = "?"
 """The suffix of boolean fields in the result of a tuned query."""
-
-
-VALUE = "logica_value"
-"""The column with the value of a function."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.program import VALUE
+from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

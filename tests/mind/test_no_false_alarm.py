@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.mind.checking.checks import check
-from logical_robots_tui.mind.compiling import package_patches
-from logical_robots_tui.mind.compiling.parsing import parse_statements
-from logical_robots_tui.mind.source_text import prepare
+from logical_robots_tui.language import package_patches
+from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.checks import check
+from logical_robots_tui.language.source_text import prepare
 from tests.mind.differential.corpus import CASES
 from tests.mind.rows import PAPER, ROBOT
 
@@ -50,7 +50,7 @@ package_patches.install()  # as in the compile process
 
 
 def found(text: str) -> list[str]:
-    return [str(problem) for problem in check(parse_statements(prepare(text)), text)]
+    return [str(problem) for problem in check(parse(prepare(text)), text)]
 
 
 @pytest.mark.parametrize("rules", SUBTLE)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from logica.compiler import rule_translate
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.compiling import package_patches
+from logical_robots_tui.language import package_patches
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.mind import Program, ProgramError, compilation
-from logical_robots_tui.mind.source_text import prepare
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
 
 GOOD = ROBOT + "m = 1;"

@@ -9,9 +9,9 @@ import sys
 from typing import Any
 
 import pytest
+from logical_robots_tui.language.definitions import definitions, prelude
 
-from logical_robots_tui.mind.checking import builtins
-from logical_robots_tui.mind.compiling.rules import defined, prelude_rules
+from logical_robots_tui.language import builtins
 from logical_robots_tui.mind.reference import REFERENCE, FunctionHelp, find_help, similar
 from tests.mind.rows import remembered
 from tests.waiting import PATIENCE
@@ -34,8 +34,8 @@ def test_each_example_gives_the_result_that_is_told(entry: FunctionHelp) -> None
 
 def test_everything_that_compiles_is_explained_and_nothing_else() -> None:
     runs = {SPELT.get(name, name) for name in builtins.names() if builtins.runs(name)}
-    prelude = {name for name in defined(list(prelude_rules())) if name.isidentifier()}
-    assert {entry.name for entry in REFERENCE} == runs | prelude | SYNTAX
+    library = {name for name in definitions(prelude()) if name.isidentifier()}
+    assert {entry.name for entry in REFERENCE} == runs | library | SYNTAX
 
 
 def test_each_entry_is_one_short_line_and_mentions_its_name() -> None:

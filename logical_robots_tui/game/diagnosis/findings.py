@@ -6,8 +6,8 @@ from collections import Counter
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.language.similar_names import closest
 from logical_robots_tui.mind.diagnosis.telling import Finding, rule_findings, shortened
-from logical_robots_tui.mind.similar_names import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
 
 if TYPE_CHECKING:

@@ -1,24 +1,37 @@
-"""Parts of bodies, heads, calls and expressions in the syntax tree. In the compile process."""
+"""Parts of bodies, heads, calls and expressions. In the compile process."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.clauses.scopes import column_name, flat
-from logical_robots_tui.mind.compiling.rules import (
+from logical_robots_tui.language.tree import (
     COMPARISONS,
     JUNCTIONS,
-    nodes,
+    REST,
+    Aggregate,
+    Aggregation,
+    Atom,
+    Call,
+    Choice,
+    Disjunction,
+    Expression,
+    FieldAccess,
+    Literal,
+    PredicateName,
+    Record,
+    Variable,
+    children,
+    conjuncts,
     operands,
-    value_of,
     variable_of,
+    walk,
 )
-from logical_robots_tui.mind.why.probing import Call
+from logical_robots_tui.mind.why import probing
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.tree import Node, Proposition, Rule, Tree
     from logical_robots_tui.mind.why.probing import TermKind
 
 MOST_CLAUSES = 32
@@ -47,36 +60,37 @@ class Names:
         """Return whether the program defines a predicate."""
         return name in self.functions or name in self.tables
 
-    def call(self, name: str, arguments: Mapping[str, str]) -> Call:
+    def call(self, name: str, arguments: Mapping[str, str]) -> probing.Call:
         """Return a call of a predicate."""
-        return Call(*self.origins.get(name, (name, "")), arguments)
+        return probing.Call(*self.origins.get(name, (name, "")), arguments)
 
 
-def head_of(rule: Rule) -> tuple[dict[str, Rule], dict[str, Rule]]:
+def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, Aggregation]]:
     """Return the expressions of a head's plain columns, and the aggregations of the others."""
-    fields = rule["head"]["record"]["field_value"]
-    plain = {column_name(f["field"]): value_of(f) for f in fields if f["field"] != "*"}
-    others = {column_name(f["field"]): f["value"].get("aggregation") for f in fields}
-    return (
-        {column: value for column, value in plain.items() if value is not None},
-        {column: value for column, value in others.items() if value is not None},
-    )
+    plain: dict[str, Expression] = {}
+    others: dict[str, Aggregation] = {}
+    for each in rule.head.columns:
+        if isinstance(each.value, Aggregation):
+            others[each.column] = each.value
+        elif each.field != REST:
+            plain[each.column] = each.value
+    return plain, others
 
 
-def alternatives(body: Iterable[Rule]) -> list[tuple[list[Rule], list[Rule]]]:
-    """Yield each choice of alternatives: the parts of the body, and what was chosen.
+def alternatives(body: Iterable[Proposition]) -> list[tuple[list[Proposition], list[Proposition]]]:
+    """Return each choice of alternatives: the parts of the body, and what was chosen.
 
     Raises:
         TooManyError: There are too many to show.
     """
-    found: list[tuple[list[Rule], list[Rule]]] = [([], [])]
+    found: list[tuple[list[Proposition], list[Proposition]]] = [([], [])]
     for part in body:
-        options: list[tuple[list[Rule], list[Rule]]] = [([part], [])]
-        if "disjunction" in part:
+        options: list[tuple[list[Proposition], list[Proposition]]] = [([part], [])]
+        if isinstance(part, Disjunction):
             options = [
                 (parts, [branch, *taken])
-                for branch in part["disjunction"]["disjunct"]
-                for parts, taken in alternatives(flat(branch))
+                for branch in part.alternatives
+                for parts, taken in alternatives(conjuncts(branch))
             ]
         if len(found) * len(options) > MOST_CLAUSES:
             raise TooManyError
@@ -92,111 +106,88 @@ class TooManyError(Exception):
     """A body has too many choices of alternatives."""
 
 
-def values_in(call: Rule, column: str) -> Iterator[Rule]:
-    """Return the expression that a call has for a column, or None."""
-    for argument in call.get("record", {}).get("field_value", ()):
-        if column_name(argument["field"]) == column and "expression" in argument["value"]:
-            yield argument["value"]["expression"]
+def values_in(node: Node, column: str) -> Iterator[Expression]:
+    """Yield the expressions that a call has for a column."""
+    for argument in node.arguments if isinstance(node, Atom | Call) else ():
+        if argument.column == column and argument.expression:
+            yield argument.expression
 
 
-def is_denial(combine: Rule) -> bool:
-    """Return whether this is the package's form of a negation."""
-    (column,) = combine["head"]["record"]["field_value"]
-    argument = column["value"].get("aggregation", {}).get("argument", {})
-    literal = argument.get("literal", {}).get("the_number", {}).get("number")
-    return literal == "1" and not hasattr(literal, "heritage")
-
-
-def plain_text(tree: Any) -> str:
-    """Return a text that is equal for equal expressions, wherever they are."""
-    if isinstance(tree, dict):
-        inner = (f"{k}:{plain_text(v)}" for k, v in tree.items() if k not in _HERITAGE)
-        return f"{{{','.join(inner)}}}"
-    if isinstance(tree, list):
-        return f"[{','.join(map(plain_text, tree))}]"
-    return repr(str(tree))
-
-
-_HERITAGE = ("expression_heritage", "full_text")
-
-
-def kind_of(tree: Rule) -> TermKind:
+def kind_of(node: Node) -> TermKind:
     """Return the kind of an expression."""
-    if "literal" in tree and "the_list" not in tree["literal"]:
-        return "literal"
-    if "variable" in tree:
-        return "variable"
-    if "combine" in tree:
-        return "aggregate"
-    if "implication" in tree:
-        return "if"
-    if "subscript" in tree:
-        return "field"
-    if "record" in tree and all(isinstance(f["field"], str) for f in _fields(tree)):
-        return "record"
-    name = str(tree.get("call", {}).get("predicate_name", ""))
-    if name in ("Coalesce", "TryCast"):
-        return "coalesce" if name == "Coalesce" else "cast"
-    return "truth" if name in COMPARISONS | JUNCTIONS | {"!"} else "value"
+    match node:
+        case Literal() | PredicateName():
+            return "literal"
+        case Variable():
+            return "variable"
+        case Aggregate():
+            return "aggregate"
+        case Choice():
+            return "if"
+        case FieldAccess():
+            return "field"
+        case Record() if all(isinstance(each.field, str) for each in node.arguments):
+            return "record"
+        case Call(name="Coalesce"):
+            return "coalesce"
+        case Call(name="TryCast"):
+            return "cast"
+        case Call(name=name) if name in COMPARISONS | JUNCTIONS | {"!"}:
+            return "truth"
+    return "value"
 
 
-def parts_of(tree: Rule, kind: TermKind) -> list[Rule]:
+def parts_of(node: Expression) -> list[Expression]:
     """Return the parts of an expression that explain where its value comes from."""
-    if kind == "if":
-        implication = tree["implication"]
-        branches = implication["if_then"]
-        pairs = [b[part] for b in branches for part in ("condition", "consequence")]
-        return [*pairs, implication["otherwise"]]
-    if kind in ("coalesce", "truth"):
-        return operands(tree["call"])
-    if kind == "cast":
-        return operands(tree["call"])[:1]
-    if kind == "field":
-        while "subscript" in tree:
-            tree = tree["subscript"]["record"]
-        return [tree]
-    if kind == "record":
-        return [f["value"]["expression"] for f in _fields(tree) if "expression" in f["value"]]
-    return list(_inside(tree)) if kind == "value" else []
+    match kind_of(node), node:
+        case "if", Choice():
+            pairs = [part for each in node.branches for part in (each.condition, each.value)]
+            return [*pairs, node.otherwise]
+        case (("coalesce" | "truth"), Call()):
+            return [*operands(node.arguments)]
+        case "cast", Call():
+            return [*operands(node.arguments)[:1]]
+        case "field", _:
+            while isinstance(node, FieldAccess):
+                node = node.record
+            return [node]
+        case "record", Record():
+            return [*operands(node.arguments)]
+        case "value", _:
+            inner = filter(_needs_explanation, walk(children(node), _needs_explanation))
+            last = {each: each for each in inner if isinstance(each, Expression)}
+            return [*last.values()]
+    return []
 
 
-def names_of(tree: Rule, kind: TermKind) -> tuple[str, ...]:
+def names_of(node: Expression) -> tuple[str, ...]:
     """Return the field names of a record, or the path that is read from one."""
-    if kind == "record":
-        return tuple(str(f["field"]) for f in _fields(tree) if "expression" in f["value"])
+    if isinstance(node, Record) and kind_of(node) == "record":
+        return tuple(str(each.field) for each in node.arguments)
     names: list[str] = []
-    while kind == "field" and "subscript" in tree:
-        symbol = tree["subscript"]["subscript"].get("literal", {}).get("the_symbol", {})
-        names.append(str(symbol.get("symbol", "")))
-        tree = tree["subscript"]["record"]
+    while isinstance(node, FieldAccess):
+        names.append(str(node.field))
+        node = node.record
     return tuple(reversed(names))
 
 
-def chains(tree: Any) -> Iterator[Rule]:
-    """Yield the field accesses in a syntax tree: ``sensor.radar``, ``memory.plan.at``."""
-    return filter(chain_root, nodes(tree, chain_root))
+def chains(tree: Tree) -> Iterator[FieldAccess]:
+    """Yield the field accesses in a tree: ``sensor.radar``, ``memory.plan.at``."""
+    found = walk(tree, chain_root)
+    return (node for node in found if isinstance(node, FieldAccess) and chain_root(node))
 
 
-def chain_root(tree: Rule) -> str:
+def chain_root(node: Node) -> str:
     """Return the variable at the root of a chain of field accesses, or ""."""
-    if "subscript" not in tree:
+    if not isinstance(node, FieldAccess):
         return ""
-    while "subscript" in tree:
-        tree = tree["subscript"].get("record", {})
-    return variable_of(tree)
+    while isinstance(node, FieldAccess):
+        node = node.record
+    return variable_of(node)
 
 
-def _fields(tree: Rule) -> list[Rule]:
-    found: list[Rule] = tree["record"]["field_value"]
-    return found
-
-
-def _inside(tree: Rule) -> Iterator[Rule]:
-    """Yield the parts of a calculation or list that need their own explanation."""
-    return filter(_is_told, nodes([*tree.values()], _is_told))
-
-
-def _is_told(node: Rule) -> bool:
-    if {"implication", "combine", "variable", "subscript"} & node.keys():
+def _needs_explanation(node: Node) -> bool:
+    """Return whether a part of a calculation or list needs its own explanation."""
+    if isinstance(node, Choice | Aggregate | Variable | FieldAccess):
         return True
-    return "call" in node and kind_of(node) in ("coalesce", "cast", "truth")
+    return isinstance(node, Call) and kind_of(node) in ("coalesce", "cast", "truth")

@@ -9,15 +9,25 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.language.definitions import called
+from logical_robots_tui.language.functors import expand, rename
+from logical_robots_tui.language.tree import (
+    Atom,
+    Call,
+    Equation,
+    Variable,
+    arguments,
+    conjuncts,
+    is_aggregate,
+    variable_of,
+    variables,
+    walk,
+)
 from logical_robots_tui.mind.clauses.bodies import Names, head_of
-from logical_robots_tui.mind.clauses.functors import expand, rename
 from logical_robots_tui.mind.clauses.normal_form import Builder
-from logical_robots_tui.mind.clauses.scopes import Scope, combines, flat, in_order, names
-from logical_robots_tui.mind.compiling.compiler import read_rules, statements_of
-from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import called, head_name, is_aggregate, nodes
-from logical_robots_tui.mind.program import INPUTS, VALUE
+from logical_robots_tui.mind.clauses.scopes import Scope, in_order, outer_aggregates
+from logical_robots_tui.mind.clauses.trees import make_rule
+from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
 from logical_robots_tui.mind.why.probing import (
     DECIDED_BY_ONE,
     GIVEN,
@@ -27,13 +37,14 @@ from logical_robots_tui.mind.why.probing import (
     RuleParts,
     with_given,
 )
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
-    from logical_robots_tui.mind.clauses.functors import Expanded
-    from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
+    from logical_robots_tui.language.functors import Expanded
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Proposition, Rule, Statement
 
 _ALL = "WhyAll"
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
@@ -57,8 +68,8 @@ def decompose(
         is_quick: Whether SQLite can prepare a query with so many parameters in reasonable time.
         define: Creates a table that these queries read.
     """
-    source, raw = read_rules(text)
-    expanded = expand(raw)
+    source, program = read_program(text)
+    expanded = expand(program)
     name = expanded.name_of(predicate, within)
     functions = _functions(expanded, with_rows)
     circle = _circle(name, expanded)
@@ -86,7 +97,7 @@ def decompose(
         expanded.bases.get(name, ""),
         columns,
         given,
-        any("distinct_denoted" in rule for rule in rules),
+        any(rule.is_distinct for rule in rules),
         parts,
         {probe: sql for probe, sql in compiled.items() if is_quick(*_prepared(sql))},
         _ALL if given else "",
@@ -109,28 +120,26 @@ def _prepared(sql: str) -> tuple[str, int]:
 
 def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
     head, collected = head_of(rule)
-    body = flat(rule.get("body"))
-    variables: dict[str, Rule] = {}
-    checks = []
+    bound: dict[str, Expression] = {}
+    checks: list[Proposition] = []
     for number, column in enumerate(given):
         value = head[column]
-        if "variable" not in value or value in variables.values():
-            variables[f"g{number}"] = trees.variable(f"why_given_{number}")
-            checks.append(trees.equal(variables[f"g{number}"], value))
+        if not variable_of(value) or value in bound.values():
+            bound[f"g{number}"] = Variable(f"why_given_{number}")
+            checks.append(Equation(bound[f"g{number}"], value))
         else:
-            variables[f"g{number}"] = value
-    clauses = builder.clauses([*checks, *body], head, collected, variables)
+            bound[f"g{number}"] = value
+    clauses = builder.clauses([*checks, *conjuncts(rule.body)], head, collected, bound)
     return RuleParts(builder.span(rule), clauses)
 
 
 def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
     """Return the rule for all rows of a function."""
-    variables = {column: trees.variable(f"why_{i}") for i, column in enumerate(columns)}
-    taken = {f"g{i}": variables[column] for i, column in enumerate(given)}
-    named = {_field(column): value for column, value in variables.items()}
-    body = [trees.asked(GIVEN, dict(taken)), trees.asked(name, named)]
-    places = {f"c{i}": value for i, value in enumerate(variables.values())}
-    return trees.rule(_ALL, dict(places), body, _ALL)
+    values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
+    taken = {f"g{i}": values[column] for i, column in enumerate(given)}
+    named = {_field(column): value for column, value in values.items()}
+    body = [Atom(GIVEN, arguments(taken)), Atom(name, arguments(named))]
+    return make_rule(_ALL, {f"c{i}": value for i, value in enumerate(values.values())}, body)
 
 
 def _field(column: str) -> str | int:
@@ -142,7 +151,7 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
     found: set[str] = set()
     waiting = [name]
     while waiting:
-        for other in map(str, called(expanded.rules.get(waiting.pop(), []))):
+        for other in called(expanded.rules.get(waiting.pop(), ())):
             if other not in found:
                 found.add(other)
                 waiting += [other] if other in functions else []
@@ -183,16 +192,16 @@ def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tupl
     return tuple(needed)
 
 
-def _open(rule: Rule, given: list[str], functions: Mapping[str, tuple[str, ...]]) -> set[str]:
+def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, ...]]) -> set[str]:
     """Return the columns with unknown values; all of them if the body can't be queried."""
-    head, body = head_of(rule)[0], flat(rule.get("body"))
-    variables = frozenset[str]().union(*map(names, [*body, *head.values()]))
-    known = frozenset[str]().union(*(names(head[column]) for column in given if column in head))
-    inner = nodes([*body, *head.values()], is_aggregate)
-    calls = [{"predicate": node["call"]} for node in inner if isinstance(node.get("call"), dict)]
-    ordered, left = in_order([*body, *calls], Scope(functions, variables), known)
+    head, body = head_of(rule)[0], conjuncts(rule.body)
+    whole = [*body, *head.values()]
+    known = variables(head[column] for column in given if column in head)
+    inner = walk(whole, is_aggregate)
+    calls = [Atom(each.name, each.arguments) for each in inner if isinstance(each, Call)]
+    ordered, left = in_order([*body, *calls], Scope(functions, variables(whole)), known)
     after = ordered[-1][1] if ordered else known
-    lacking = {column for column, value in head.items() if not names(value) <= after}
+    lacking = {column for column, value in head.items() if not variables(value) <= after}
     return lacking or ({*head} - {*given} if left else set())
 
 
@@ -219,11 +228,10 @@ def _is_founded(
         for rule in expanded.rules[name]:
             if name in functions:
                 return False
-            if any(str(called_name) in circle for c in combines(rule) for called_name in called(c)):
+            if any(used in circle for each in outer_aggregates(rule) for used in called(each)):
                 return False
-            for aggregation in head_of(rule)[1].values():
-                if str(aggregation["operator"]) not in DECIDED_BY_ONE:
-                    return False
+            if any(each.operator not in DECIDED_BY_ONE for each in head_of(rule)[1].values()):
+                return False
     return True
 
 
@@ -238,12 +246,11 @@ def _compiled(
     source: Prepared,
 ) -> dict[str, str]:
     """Return SQL by name of a query; predicates other than functions are tables."""
-    own = [deep_copy(rule) for name in functions for rule in expanded.rules[name]]
-    flags = [deep_copy(rule) for rule in expanded.others if head_name(rule) == "@DefineFlag"]
-    rules = [*own, *flags, *probes.values()]
-    for rule in rules:
-        rename(rule, tables)
-    return statements_of([*probes], rules, source)
+    own = [rule for name in functions for rule in expanded.rules[name]]
+    flags = [each for each in expanded.annotations if each.name == "@DefineFlag"]
+    wanted: list[Statement] = [*own, *flags, *probes.values()]
+    renamed = [rename(each, tables) for each in wanted]
+    return statements_of([*probes], renamed, source)
 
 
 def _sources(wanted: Collection[str], expanded: Expanded, source: Prepared) -> dict[str, str]:
@@ -251,5 +258,5 @@ def _sources(wanted: Collection[str], expanded: Expanded, source: Prepared) -> d
     copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
     if not copies:
         return {}
-    rules = [deep_copy(rule) for own in expanded.rules.values() for rule in own]
-    return statements_of(copies, [*deep_copy(expanded.others), *rules], source)
+    rules = [rule for own in expanded.rules.values() for rule in own]
+    return statements_of(copies, [*expanded.annotations, *rules], source)

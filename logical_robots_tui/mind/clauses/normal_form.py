@@ -8,43 +8,58 @@ mentioned.
 from __future__ import annotations
 
 from dataclasses import replace
-from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
-from logical_robots_tui.mind.clauses import trees
+from logical_robots_tui.language.tree import (
+    REST,
+    Aggregate,
+    Aggregation,
+    Argument,
+    Atom,
+    Conjunction,
+    Membership,
+    Number,
+    Variable,
+    arguments,
+    conjuncts,
+    equated,
+    is_aggregate,
+    operands,
+    rebuild,
+    variable_of,
+    variables,
+)
+from logical_robots_tui.language.tree import Call as Function
 from logical_robots_tui.mind.clauses.bodies import (
     TooManyError,
     alternatives,
     chain_root,
     chains,
-    is_denial,
     kind_of,
     names_of,
     parts_of,
-    plain_text,
     values_in,
 )
-from logical_robots_tui.mind.clauses.scopes import (
-    Scope,
-    column_name,
-    combines,
-    flat,
-    in_order,
-    names,
-)
-from logical_robots_tui.mind.clauses.trees import span_of
-from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import equated, operands, variable_of
-from logical_robots_tui.mind.program import INPUTS, VALUE
+from logical_robots_tui.mind.clauses.scopes import Scope, in_order, outer_aggregates
+from logical_robots_tui.mind.clauses.trees import make_rule, span_of
 from logical_robots_tui.mind.why.probing import GIVEN, Body, Call, Clause, Collected, Step, Term
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import (
+        Expression,
+        Node,
+        Proposition,
+        Rule,
+        Tree,
+    )
     from logical_robots_tui.mind.clauses.bodies import Names
-    from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
     from logical_robots_tui.mind.why.probing import Span
+
+N = TypeVar("N", bound="Node")
 
 PROBE = "WhyProbe"
 """The prefix of the queries' names."""
@@ -68,10 +83,10 @@ class Builder:
 
     def clauses(
         self,
-        body: Sequence[Rule],
-        head: Mapping[str, Rule],
-        collected: Mapping[str, Rule],
-        given: Mapping[str, Rule],
+        body: Sequence[Proposition],
+        head: Mapping[str, Expression],
+        collected: Mapping[str, Aggregation],
+        given: Mapping[str, Expression],
         depth: int = 0,
     ) -> tuple[Clause, ...]:
         """Return the clauses of a body.
@@ -88,11 +103,13 @@ class Builder:
             for parts, taken in self._choices(body)
         )
 
-    def span(self, tree: Any) -> Span:
+    def span(self, tree: Tree) -> Span:
         """Return the place of a piece of a syntax tree."""
         return span_of(tree, self._source)
 
-    def _choices(self, body: Sequence[Rule]) -> Iterator[tuple[list[Rule], tuple[Span, ...]]]:
+    def _choices(
+        self, body: Sequence[Proposition]
+    ) -> Iterator[tuple[list[Proposition], tuple[Span, ...]]]:
         """Return the body for each choice of alternatives, or unchanged if there are too many."""
         try:
             found = alternatives(body)
@@ -106,39 +123,38 @@ class _ClauseBuilder:
     def __init__(
         self,
         builder: Builder,
-        parts: Sequence[Rule],
-        head: Mapping[str, Rule],
-        collected: Mapping[str, Rule],
-        given: Mapping[str, Rule],
+        parts: Sequence[Proposition],
+        head: Mapping[str, Expression],
+        collected: Mapping[str, Aggregation],
+        given: Mapping[str, Expression],
         depth: int,
     ) -> None:
         self._builder, self._depth = builder, depth
         self._names = builder.known
-        self._calls: dict[str, Rule] = {}  # by the variable of their value
-        self._columns: dict[str, tuple[str, Rule]] = {}
+        self._calls: dict[str, Function] = {}  # by the variable of their value
+        self._columns: dict[Expression, str] = {}
         self._used: set[str] = set()
-        self._body: list[Rule] = []
+        self._body: list[Proposition] = []
         for part in parts:
-            self._body += self._without_calls(part)
-        self._head: dict[str, Rule] = {}
-        for column, value in head.items():
-            *calls, only = self._without_calls(value)
-            self._body += calls
-            self._head[column] = only
-        self._collected: dict[str, tuple[str, Rule]] = {}
-        for column, aggregation in collected.items():
-            *calls, only = self._without_calls(aggregation["argument"])
-            self._body += calls
-            self._collected[column] = str(aggregation["operator"]), only
-        everything = [*self._body, *self._head.values(), *(a for _, a in self._collected.values())]
-        variables = frozenset[str]().union(*map(names, everything))
-        self._begin: list[Rule] = []
+            self._body.append(self._without_calls(part))
+        self._head = {column: self._without_calls(value) for column, value in head.items()}
+        self._collected = {
+            column: (str(aggregation.operator), self._without_calls(aggregation.argument))
+            for column, aggregation in collected.items()
+        }
+        everything: list[Node] = [
+            *self._body,
+            *self._head.values(),
+            *(argument for _, argument in self._collected.values()),
+        ]
+        mentioned = variables(everything)
+        self._begin: list[Proposition] = []
         self._given = given
         known: frozenset[str] = frozenset()
         if given:
-            self._begin = [trees.asked(GIVEN, dict(given))]
-            known = frozenset().union(*map(names, given.values()))
-        self._scope = Scope(self._names.functions, variables | known)
+            self._begin = [Atom(GIVEN, arguments(given))]
+            known = variables(given.values())
+        self._scope = Scope(self._names.functions, mentioned | known)
         self._known = known
         self._all = everything
 
@@ -146,7 +162,7 @@ class _ClauseBuilder:
         """Return the clause for the chosen alternatives."""
         ordered, left = in_order(self._body, self._scope, self._known)
         if left:
-            together = left[0] if len(left) == 1 else {"conjunction": {"conjunct": left}}
+            together = left[0] if len(left) == 1 else Conjunction(tuple(left))
             ordered.append((together, self._scope.variables))
         before = [self._known, *(after for _, after in ordered)]
         steps = []
@@ -155,12 +171,12 @@ class _ClauseBuilder:
             self._used = set()
             steps.append(self._step(part, known, after))
             wanted.append(self._used)
-        variables = {self._column(trees.variable(name)) for name in self._scope.variables}
+        everywhere = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
         head = {column: self._column(value) for column, value in self._head.items()}
         terms = {column: self._term(value) for column, value in self._head.items()}
         collected = tuple(self._collection(column, *of) for column, of in self._collected.items())
-        always = variables | {*head.values()}
-        wanted.append({*map(itemgetter(0), self._columns.values())})
+        always = everywhere | {*head.values()}
+        wanted.append({*self._columns.values()})
         start = self._query(self._begin, self._known, always | wanted[0])
         body = list(self._begin)
         finished = []
@@ -180,109 +196,87 @@ class _ClauseBuilder:
 
     # -- calls -----------------------------------------------------------------------------------
 
-    def _without_calls(self, tree: Rule) -> list[Rule]:
-        """Return a part preceded by the calls in its expressions, inner ones first."""
-        tree = deep_copy(tree)
-        found: list[Rule] = []
+    def _without_calls(self, node: N) -> N:
+        """Return a part without the calls in its expressions, which become parts before it."""
 
-        def visit(node: Any) -> None:
-            if isinstance(node, list):
-                for each in node:
-                    visit(each)
-            if not isinstance(node, dict) or "combine" in node:
-                return
-            for value in list(node.values()):
-                visit(value)
-            call = node.get("call")
-            if isinstance(call, dict) and self._names.is_own(str(call["predicate_name"])):
-                name = f"{_AUXILIARY}{len(self._calls)}"
-                self._calls[name] = dict(node)
-                del node["call"]
-                node["variable"] = {"var_name": name}
-                asked = deep_copy(call)
-                value = {"field": VALUE, "value": {"expression": trees.variable(name)}}
-                asked["record"]["field_value"].append(value)
-                found.append({"predicate": asked})
+        def change(inner: Node) -> Node:
+            if is_aggregate(inner):
+                return inner
+            inner = rebuild(inner, change)
+            if not isinstance(inner, Function) or not self._names.is_own(inner.name):
+                return inner
+            name = f"{_AUXILIARY}{len(self._calls)}"
+            self._calls[name] = inner
+            value = Argument(VALUE, Variable(name))
+            self._body.append(Atom(inner.name, (*inner.arguments, value), span=inner.span))
+            return Variable(name, span=inner.span)
 
-        visit(tree)
-        return [*found, tree]
+        return change(node)  # type: ignore[return-value]  # a kind for its kind
 
-    def _is_call(self, tree: Rule) -> bool:
-        return variable_of(tree) in self._calls
+    def _is_call(self, node: Node | None) -> bool:
+        return variable_of(node) in self._calls
 
     # -- steps -----------------------------------------------------------------------------------
 
-    def _step(self, part: Rule, known: frozenset[str], after: frozenset[str]) -> Step:
+    def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
         new = sorted(name for name in after - known if not name.startswith(_AUXILIARY))
-        gives = {name: self._column(trees.variable(name)) for name in new}
+        gives = {name: self._column(Variable(name)) for name in new}
         kind = self._kind(part)
-        call: Call | None = None
-        denied: Body | None = None
-        reads: tuple[Term, ...] = ()
-        terms: tuple[Term, ...] = ()
         span = self._builder.span(part)
-        if kind in ("call", "function"):
-            call, reads = self._call(part["predicate"]), self._reads(part["predicate"])
-            value = next(values_in(part["predicate"], VALUE), None)
+        if isinstance(part, Atom) and kind in ("call", "function"):
+            called, reads = self._call(part), self._reads(part)
+            value = next(values_in(part, VALUE), None)
             if kind == "function" and value is not None:
                 span = self._builder.span(self._calls[variable_of(value)])
-        elif kind == "denial":
-            (combine,) = combines(part)
-            denied = self._inner(combine)
-        else:
-            terms = tuple(map(self._term, self._shown(part)))
-        return Step(kind, span, "", gives, terms, call, denied, reads)
+            return Step(kind, span, "", gives, call=called, reads=reads)
+        if kind == "denial":
+            (denied,) = outer_aggregates(part)
+            return Step(kind, span, "", gives, denied=self._inner(denied))
+        return Step(kind, span, "", gives, tuple(map(self._term, self._shown(part))))
 
     def _kind(
-        self, part: Rule
+        self, part: Proposition
     ) -> Literal["call", "condition", "value", "element", "denial", "function"]:
-        if "inclusion" in part:
+        if isinstance(part, Membership):
             return "element"
-        if "unification" in part:
+        if equated(part) is not None:
             return "value"
-        name = str(part.get("predicate", {}).get("predicate_name", ""))
-        if name == "=":
-            return "value"
-        if name == "IsNull" and any(map(is_denial, combines(part))):
+        name = part.name if isinstance(part, Atom) else ""
+        if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
             return "denial"
         if name in INPUTS or self._names.is_own(name):
-            value = next(values_in(part["predicate"], VALUE), {})
-            return "function" if self._is_call(value) else "call"
+            return "function" if self._is_call(next(values_in(part, VALUE), None)) else "call"
         return "condition"
 
     @staticmethod
-    def _shown(part: Rule) -> list[Rule]:
+    def _shown(part: Proposition) -> Sequence[Expression]:
         """Return the expressions of a step that explain why it holds."""
-        if "inclusion" in part:
-            return [part["inclusion"]["list"]]
+        if isinstance(part, Membership):
+            return [part.collection]
         if (pair := equated(part)) is not None:
-            return list(pair)
-        return operands(part["predicate"]) if "predicate" in part else []
+            return pair
+        return operands(part.arguments) if isinstance(part, Atom) else ()
 
-    def _call(self, call: Rule) -> Call:
-        name = str(call["predicate_name"])
-        arguments = {
-            column_name(argument["field"]): self._column(argument["value"]["expression"])
-            for argument in call["record"]["field_value"]
-            if argument["field"] != "*" and "expression" in argument["value"]
+    def _call(self, atom: Atom) -> Call:
+        given = {
+            each.column: each.expression
+            for each in atom.arguments
+            if each.expression and each.field != REST
         }
-        arguments = {column: place for column, place in arguments.items() if place}
-        if name in INPUTS:
-            return Call(name, "", arguments)
-        terms = {
-            column_name(argument["field"]): self._term(argument["value"]["expression"])
-            for argument in call["record"]["field_value"]
-            if "expression" in argument["value"] and argument["field"] not in ("*", VALUE)
-        }
+        columns = {name: self._column(value) for name, value in given.items()}
+        columns = {name: column for name, column in columns.items() if column}
+        if atom.name in INPUTS:
+            return Call(str(atom.name), "", columns)
+        terms = {name: self._term(value) for name, value in given.items() if name != VALUE}
         terms = {c: term for c, term in terms.items() if term.kind not in ("literal", "variable")}
-        return replace(self._names.call(name, arguments), terms=terms)
+        return replace(self._names.call(atom.name, columns), terms=terms)
 
-    def _reads(self, call: Rule) -> tuple[Term, ...]:
+    def _reads(self, atom: Atom) -> tuple[Term, ...]:
         """Return everything read from a sensor or a memory in the clause."""
-        found: dict[str, Rule] = {}
-        columns = INPUTS.get(str(call["predicate_name"]), ())
-        for column in (*columns, "*") if columns else ():
-            for value in values_in(call, column):
+        found: dict[str, Expression] = {}
+        columns = INPUTS.get(atom.name, ())
+        for column in (*columns, REST) if columns else ():
+            for value in values_in(atom, column):
                 root = variable_of(value)
                 mine = [each for each in chains(self._all) if chain_root(each) == root]
                 found |= {self._builder.span(each).text: each for each in mine}
@@ -292,75 +286,68 @@ class _ClauseBuilder:
 
     # -- expressions -----------------------------------------------------------------------------
 
-    def _term(self, tree: Rule) -> Term:
-        kind = kind_of(tree)
-        span = self._builder.span(tree)
+    def _term(self, node: Expression) -> Term:
+        kind = kind_of(node)
+        span = self._builder.span(node)
         if kind == "literal":
-            return Term("literal", span, self._column(tree))
-        if self._is_call(tree):
-            name = variable_of(tree)
-            call = next(
-                part["predicate"]
-                for part in self._body
-                if any(
-                    variable_of(value) == name
-                    for value in values_in(part.get("predicate", {}), VALUE)
-                )
-            )
-            span = self._builder.span(self._calls[name])
-            called = self._call(call)
-            parts = tuple(each for each in called.terms.values() if each.kind != "field")
-            return Term("call", span, self._column(tree), parts, call=called)
-        if kind == "aggregate":
-            body = self._inner(tree["combine"]) if self._depth < _DEEPEST else None
-            return Term("aggregate", span, self._column(tree), body=body)
-        found = parts_of(tree, kind)
-        if kind == "value":
-            found = [*{plain_text(part): part for part in found}.values()]
-        parts = tuple(map(self._term, found))
-        return Term(kind, span, self._column(tree), parts, names_of(tree, kind))
+            return Term("literal", span, self._column(node))
+        if self._is_call(node):
+            return self._called_term(variable_of(node), self._column(node))
+        if isinstance(node, Aggregate):
+            body = self._inner(node) if self._depth < _DEEPEST else None
+            return Term("aggregate", span, self._column(node), body=body)
+        parts = tuple(map(self._term, parts_of(node)))
+        return Term(kind, span, self._column(node), parts, names_of(node))
 
-    def _inner(self, combine: Rule) -> Body | None:
-        body = flat(combine.get("body"))
+    def _called_term(self, name: str, column: str) -> Term:
+        """Return the term of a call whose value is a variable."""
+        atom = next(
+            part
+            for part in self._body
+            if isinstance(part, Atom) and name in map(variable_of, values_in(part, VALUE))
+        )
+        called = self._call(atom)
+        parts = tuple(each for each in called.terms.values() if each.kind != "field")
+        return Term("call", self._builder.span(self._calls[name]), column, parts, call=called)
+
+    def _inner(self, aggregate: Aggregate) -> Body | None:
+        body = conjuncts(aggregate.body)
         if not body or self._depth >= _DEEPEST:
             return None
-        mentioned = names([combine["head"], *body], inside=True) & self._scope.variables
-        outer = {f"g{i}": trees.variable(name) for i, name in enumerate(sorted(mentioned))}
-        head = combine["head"]["record"]["field_value"]
-        aggregations = {column_name(f["field"]): f["value"].get("aggregation") for f in head}
-        collected = {c: a for c, a in aggregations.items() if a and not is_denial(combine)}
+        mentioned = variables([aggregate.argument, *body], inside=True) & self._scope.variables
+        outer = {f"g{i}": Variable(name) for i, name in enumerate(sorted(mentioned))}
+        aggregation = Aggregation(aggregate.operator, aggregate.argument)
+        collected = {} if aggregate.is_denial else {VALUE: aggregation}
         clauses = self._builder.clauses(body, {}, collected, outer, self._depth + 1)
         given = {name: self._column(variable) for name, variable in outer.items()}
-        return Body(self._builder.span(combine["full_text"]), given, clauses)
+        return Body(self._builder.span(aggregate), given, clauses)
 
-    def _collection(self, column: str, operator: str, argument: Rule) -> Collected:
-        call = argument.get("call", {})
-        if call.get("predicate_name") == "->":
-            sides = {f["field"]: f["value"]["expression"] for f in call["record"]["field_value"]}
-            value, by = self._column(sides["left"]), self._column(sides["right"])
-            return Collected(column, operator, value, by, self._term(sides["left"]))
+    def _collection(self, column: str, operator: str, argument: Expression) -> Collected:
+        if isinstance(argument, Function) and argument.name == "->":
+            left, right = operands(argument.arguments)
+            value, by = self._column(left), self._column(right)
+            return Collected(column, operator, value, by, self._term(left))
         return Collected(column, operator, self._column(argument), "", self._term(argument))
 
     # -- queries ---------------------------------------------------------------------------------
 
-    def _column(self, tree: Rule) -> str:
+    def _column(self, node: Expression) -> str:
         """Return the column with the value of an expression, or "" if there are too many."""
-        key = plain_text(tree)
-        if key not in self._columns and len(self._columns) >= _MOST_COLUMNS:
+        if node not in self._columns and len(self._columns) >= _MOST_COLUMNS:
             return ""
-        place, _ = self._columns.setdefault(key, (f"c{len(self._columns)}", tree))
-        self._used.add(place)
-        return place
+        column = self._columns.setdefault(node, f"c{len(self._columns)}")
+        self._used.add(column)
+        return column
 
-    def _query(self, body: Sequence[Rule], known: frozenset[str], wanted: set[str]) -> str:
+    def _query(self, body: Sequence[Proposition], known: frozenset[str], wanted: set[str]) -> str:
         """Return a query for the ways in which a body holds, with the wanted columns."""
-        columns: dict[str | int, Rule] = {"one": trees.number("1")}
+        columns: dict[str, Expression] = {"one": Number("1")}
         columns |= {
-            place: tree
-            for place, tree in self._columns.values()
-            if place in wanted and self._scope.mentioned(tree) <= known
+            column: node
+            for node, column in self._columns.items()
+            if column in wanted and self._scope.mentioned(node) <= known
         }
         probes = self._builder.probes
         name = f"{PROBE}{len(probes)}"
-        probes[name] = trees.rule(name, columns, body, name)
+        probes[name] = make_rule(name, columns, body)
         return name

@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from logica.compiler import rule_translate
-
-from logical_robots_tui.mind.checking import builtins
-from logical_robots_tui.mind.compiling.rules import equated, is_aggregate, nodes, variable_of
+from logical_robots_tui.language import builtins
+from logical_robots_tui.language.tree import (
+    Aggregate,
+    Atom,
+    Disjunction,
+    Membership,
+    Record,
+    Variable,
+    conjuncts,
+    equated,
+    is_aggregate,
+    operands,
+    variables,
+    walk,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping
 
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.tree import Expression, Proposition, Tree
 
 
 class _EveryColumn:
@@ -24,30 +35,6 @@ class _EveryColumn:
 
 EVERY_COLUMN = _EveryColumn()
 """The columns of a function whose required columns are unknown."""
-
-
-def column_name(field: str | int) -> str:
-    """Return the column of a field in a head or call; positional ones are col0, col1 ..."""
-    return f"col{field}" if isinstance(field, int) else str(field)
-
-
-def names(tree: Any, *, inside: bool = False) -> frozenset[str]:
-    """Return the names of the variables in a syntax tree.
-
-    Args:
-        tree: The tree.
-        inside: Whether to include aggregates and negations.
-    """
-    return frozenset(map(str, rule_translate.AllMentionedVariables(tree, inside)))
-
-
-def flat(body: Rule | None) -> list[Rule]:
-    """Yield the parts of a body without nesting."""
-    if body is None:
-        return []
-    if "conjunction" not in body:
-        return [body]
-    return [part for conjunct in body["conjunction"]["conjunct"] for part in flat(conjunct)]
 
 
 class Scope:
@@ -62,29 +49,31 @@ class Scope:
         self.functions = functions
         self.variables = frozenset(variables)
 
-    def mentioned(self, tree: Any) -> frozenset[str]:
-        """Return the variables of this scope that a syntax tree mentions, at any depth."""
-        return names(tree) | (names(tree, inside=True) & self.variables)
+    def mentioned(self, tree: Tree) -> frozenset[str]:
+        """Return the variables of this scope that a tree mentions, at any depth."""
+        return variables(tree) | (variables(tree, inside=True) & self.variables)
 
-    def gives(self, part: Rule, known: frozenset[str]) -> frozenset[str] | None:
+    def gives(self, part: Proposition, known: frozenset[str]) -> frozenset[str] | None:
         """Return the variables that are bound after a part, or None if it can't be evaluated."""
-        if "disjunction" in part:
+        if isinstance(part, Disjunction):
             return self._choice(part, known)
-        if "inclusion" in part:
-            element, of = part["inclusion"]["element"], part["inclusion"]["list"]
-            return self._matched(element, known) if self.mentioned(of) <= known else None
+        if isinstance(part, Membership):
+            if not self.mentioned(part.collection) <= known:
+                return None
+            return self._matched(part.element, known)
         pair = equated(part)
         if pair is not None:
             return self._equal(*pair, known)
-        call = part.get("predicate", {})
-        name = str(call.get("predicate_name", ""))
+        name = part.name if isinstance(part, Atom) else ""
         if name not in self.functions and (builtins.is_built_in(name) or not name[:1].isalpha()):
             return known if self.mentioned(part) <= known else None
+        assert isinstance(part, Atom)
         needed = self.functions.get(name, ())
         found = known
-        for argument in call["record"]["field_value"]:
-            value = argument["value"]["expression"]
-            if column_name(argument["field"]) in needed and not self.mentioned(value) <= known:
+        for argument in part.arguments:
+            assert argument.expression is not None
+            value = argument.expression
+            if argument.column in needed and not self.mentioned(value) <= known:
                 return None
             matched = self._matched(value, found)
             if matched is None:
@@ -92,17 +81,19 @@ class Scope:
             found = matched
         return found
 
-    def _matched(self, pattern: Rule, known: frozenset[str]) -> frozenset[str] | None:
+    def _matched(self, pattern: Expression, known: frozenset[str]) -> frozenset[str] | None:
         """Return the variables bound after matching a value with a pattern."""
-        if "variable" in pattern:
-            return known | {variable_of(pattern)}
+        if isinstance(pattern, Variable):
+            return known | {str(pattern.name)}
         return known if self.mentioned(pattern) <= known else None
 
-    def _equal(self, left: Rule, right: Rule, known: frozenset[str]) -> frozenset[str] | None:
+    def _equal(
+        self, left: Expression, right: Expression, known: frozenset[str]
+    ) -> frozenset[str] | None:
         for pattern, value in ((left, right), (right, left)):
             if self.mentioned(value) <= known:
-                fields = pattern.get("record", {}).get("field_value", ())
-                patterns = [f["value"].get("expression", {}) for f in fields] or [pattern]
+                is_record = isinstance(pattern, Record) and pattern.arguments
+                patterns = operands(pattern.arguments) if is_record else (pattern,)  # type: ignore[attr-defined]
                 found: frozenset[str] | None = known
                 for each in patterns:
                     found = None if found is None else self._matched(each, found)
@@ -110,10 +101,10 @@ class Scope:
                     return found
         return None
 
-    def _choice(self, part: Rule, known: frozenset[str]) -> frozenset[str] | None:
+    def _choice(self, part: Disjunction, known: frozenset[str]) -> frozenset[str] | None:
         found = []
-        for branch in part["disjunction"]["disjunct"]:
-            ordered, left = in_order(flat(branch), self, known)
+        for branch in part.alternatives:
+            ordered, left = in_order(conjuncts(branch), self, known)
             if left:
                 return None
             found.append(ordered[-1][1] if ordered else known)
@@ -121,8 +112,8 @@ class Scope:
 
 
 def in_order(
-    parts: Iterable[Rule], scope: Scope, known: frozenset[str]
-) -> tuple[list[tuple[Rule, frozenset[str]]], list[Rule]]:
+    parts: Iterable[Proposition], scope: Scope, known: frozenset[str]
+) -> tuple[list[tuple[Proposition, frozenset[str]]], list[Proposition]]:
     """Order parts so that each can be evaluated, in text order where possible.
 
     Returns:
@@ -130,12 +121,12 @@ def in_order(
         bound.
     """
     waiting = list(parts)
-    ordered: list[tuple[Rule, frozenset[str]]] = []
+    ordered: list[tuple[Proposition, frozenset[str]]] = []
     while waiting:
-        for part in waiting:
+        for place, part in enumerate(waiting):
             found = scope.gives(part, known)
             if found is not None:
-                waiting.remove(part)
+                del waiting[place]
                 ordered.append((part, found))
                 known = found
                 break
@@ -144,6 +135,6 @@ def in_order(
     return ordered, waiting
 
 
-def combines(tree: Any) -> Iterator[Rule]:
-    """Yield the outermost aggregates in a syntax tree."""
-    return (node["combine"] for node in nodes(tree, is_aggregate) if is_aggregate(node))
+def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:
+    """Yield the outermost aggregates in a tree."""
+    return (node for node in walk(tree, is_aggregate) if isinstance(node, Aggregate))

@@ -1,102 +1,56 @@
-"""Building syntax trees in the form of the `logica` package's parser, and the places of such trees.
-
-In the compile process.
-"""
+"""Conditions, rules and places that explanations need. In the compile process."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from logica.parser_py import parse
-
-from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import (
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.tree import (
     COMPARISONS,
+    REST,
+    Aggregation,
+    Argument,
+    Atom,
+    Boolean,
+    Call,
+    Conjunction,
+    Equation,
+    Head,
+    Number,
+    Rule,
+    arguments,
+    call,
     equated,
     is_aggregate,
-    nodes,
     operands,
-    value_of,
     variable_of,
+    walk,
 )
-from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.why.probing import Span
+from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Container, Iterator, Mapping, Sequence
 
-    from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
-
-
-def variable(name: str) -> Rule:
-    """Return a variable."""
-    return {"variable": {"var_name": name}}
-
-
-def number(text: str) -> Rule:
-    """Return a number."""
-    return {"literal": {"the_number": {"number": text}}}
-
-
-def text(value: str) -> Rule:
-    """Return a text."""
-    return {"literal": {"the_string": {"the_string": value}}, "expression_heritage": value}
-
-
-def record(columns: Mapping[Any, Rule]) -> Rule:
-    """Return a record."""
-    return {"record": _record(columns)}
-
-
-def call(name: str, *given: Rule, **named: Rule) -> Rule:
-    """Return a call of a function or an operator."""
-    columns: dict[int | str, Rule] = dict(enumerate(given))
-    columns.update(named)
-    return {"call": {"predicate_name": name, "record": _record(columns)}}
-
-
-def asked(predicate: str, columns: Mapping[Any, Rule]) -> Rule:
-    """Return a call of a predicate, as part of a body."""
-    return {"predicate": {"predicate_name": predicate, "record": _record(columns)}}
-
-
-def equal(left: Rule, right: Rule) -> Rule:
-    """Return an equation, as part of a body."""
-    return {"unification": {"left_hand_side": left, "right_hand_side": right}}
-
-
-def rule(name: str, columns: Mapping[Any, Rule], body: Iterable[Rule], text: str) -> Rule:
-    """Return a rule; its parts are copied, so that no node is shared."""
-    found: Rule = {
-        "head": {
-            "predicate_name": name,
-            "record": _record({field: deep_copy(value) for field, value in columns.items()}),
-        },
-        "full_text": parse.HeritageAwareString(text),
-    }
-    if conjuncts := [deep_copy(part) for part in body]:
-        found["body"] = {"conjunction": {"conjunct": conjuncts}}
-    return found
-
-
-def fields(columns: Mapping[Any, Rule]) -> list[Rule]:
-    """Return the fields of a record, a head or a call."""
-    return [{"field": name, "value": {"expression": value}} for name, value in columns.items()]
-
-
-def _record(columns: Mapping[Any, Rule]) -> Rule:
-    return {"field_value": fields(columns)}
-
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Proposition, Tree
 
 _OPENS = {"(": ")", "[": "]", "{": "}"}
+_FALSE = Boolean("false")
 
 
-def span_of(tree: Any, source: Prepared) -> Span:
-    """Return the place of a syntax tree's text."""
-    places = list(_places(tree, source.text))
-    start = min((start for start, _ in places), default=0)
-    stop = max((stop for _, stop in places), default=0)
+def make_rule(
+    name: str,
+    columns: Mapping[str, Expression] | Mapping[int | str, Expression],
+    body: Sequence[Proposition],
+) -> Rule:
+    """Make a rule."""
+    return Rule(Head(name, arguments(columns)), Conjunction(tuple(body)) if body else None)
+
+
+def span_of(node: Tree, source: Prepared) -> Span:
+    """Return the place of a tree's text."""
+    start, stop = tree.span_of(node) or (0, 0)
     return span_of_text(start, _closed(source.skeleton, start, stop), source.original)
 
 
@@ -108,18 +62,6 @@ def span_of_text(start: int, stop: int, text: str) -> Span:
         line.split("#")[0] if '"' not in line else line for line in text[start:stop].split("\n")
     )
     return Span(start, stop, text.count("\n", 0, start) + 1, " ".join(" ".join(lines).split()))
-
-
-def _places(tree: Any, text: str) -> Iterator[tuple[int, int]]:
-    waiting = [tree]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, dict):
-            waiting.extend(node.values())
-        elif isinstance(node, list):
-            waiting.extend(node)
-        elif getattr(node, "heritage", None) == text and str(node) == text[node.start : node.stop]:
-            yield node.start, node.stop
 
 
 def _closed(skeleton: str, start: int, stop: int) -> int:
@@ -138,54 +80,38 @@ def _closed(skeleton: str, start: int, stop: int) -> int:
     return max(stop, min(len(skeleton), stop))
 
 
-_FALSE = {"literal": {"the_bool": {"the_bool": "false"}}}
-
-
-def filled(tree: Any, given: Mapping[str, Rule]) -> Any:
-    """Return a copy of a syntax tree with variables replaced by expressions."""
-    if isinstance(tree, list):
-        return [filled(each, given) for each in tree]
-    if not isinstance(tree, dict):
-        return tree
-    if isinstance(tree.get("variable"), dict):
-        name = variable_of(tree)
-        return given[name] if name in given else {**tree, "variable": dict(tree["variable"])}
-    return {key: filled(value, given) for key, value in tree.items()}
-
-
-def as_expression(part: Rule) -> Rule:
+def as_expression(part: Proposition) -> Expression:
     """Return a condition of a body as a boolean expression."""
     pair = equated(part)
     if pair is not None:
         return call("==", left=pair[0], right=pair[1])
-    return {"call": part["predicate"]}
+    assert isinstance(part, Atom)
+    return Call(part.name, part.arguments, span=part.span)
 
 
-def as_part(condition: Rule, *, holds: bool) -> Rule:
+def as_part(condition: Expression, *, holds: bool) -> Proposition:
     """Return a part that holds where an expression is true, or where it is false or null."""
     known = call("Coalesce", condition, _FALSE)
     if holds:
-        return {"predicate": call("!=", left=known, right=_FALSE)["call"]}
-    return equal(known, _FALSE)
+        return Atom("!=", arguments({"left": known, "right": _FALSE}))
+    return Equation(known, _FALSE)
 
 
-def compared(condition: Rule) -> tuple[str, Rule, Rule] | None:
+def compared(condition: Expression) -> tuple[str, Expression, Expression] | None:
     """Return the comparison of a condition and its two sides, or None."""
-    call = condition.get("call", {})
-    sides = operands(call) if call else []
-    name = str(call.get("predicate_name", ""))
-    return (name, sides[0], sides[1]) if name in COMPARISONS and len(sides) == 2 else None
+    if not isinstance(condition, Call) or condition.name not in COMPARISONS:
+        return None
+    sides = operands(condition.arguments)
+    return (condition.name, sides[0], sides[1]) if len(sides) == 2 else None
 
 
-def field_of(subscript: Rule) -> str:
-    """Return the field that is read from a record."""
-    return str(subscript["subscript"]["literal"]["the_symbol"]["symbol"])
-
-
-def counted(
-    name: str, columns: Mapping[str, Rule], differences: Mapping[int, Rule], body: Sequence[Rule]
+def count_rule(
+    name: str,
+    columns: Mapping[str, Expression],
+    differences: Mapping[int, Expression],
+    body: Sequence[Proposition],
 ) -> Rule:
-    """Return a rule that counts the ways in which a body holds, grouped by columns.
+    """Make a rule that counts the ways in which a body holds, grouped by columns.
 
     Args:
         name: The predicate that it defines.
@@ -193,37 +119,31 @@ def counted(
         differences: Numbers whose least and greatest value is wanted.
         body: The body.
     """
-    found = rule(name, columns, body, name)
-    columns_of_head = found["head"]["record"]["field_value"]
-    for place, value in differences.items():
-        columns_of_head.append(_collected(f"l{place}", "Min", filled(value, {})))
-        columns_of_head.append(_collected(f"h{place}", "Max", filled(value, {})))
-    columns_of_head.append(_collected("n", "+", number("1")))
-    return {**found, "distinct_denoted": True}
+    aggregated = [
+        Argument(f"{letter}{place}", Aggregation(operator, value))
+        for place, value in differences.items()
+        for letter, operator in (("l", "Min"), ("h", "Max"))
+    ]
+    number = Argument("n", Aggregation("+", Number("1")))
+    head = Head(name, (*arguments(columns), *aggregated, number))
+    return Rule(head, Conjunction(tuple(body)) if body else None, is_distinct=True)
 
 
-def _collected(column: str, operator: str, argument: Rule) -> Rule:
-    heritage = parse.HeritageAwareString(operator)
-    aggregation = {"operator": operator, "argument": argument, "expression_heritage": heritage}
-    return {"field": column, "value": {"aggregation": aggregation}}
-
-
-def parameters(rule: Rule) -> list[tuple[int | str, str]] | None:
-    """Return the fields of a function's head with their variables, or None if it has others."""
+def parameters(rule: Rule) -> list[tuple[str, str]] | None:
+    """Return the columns of a function's head with their variables, or None if it has others."""
     found = []
-    for fv in rule["head"]["record"]["field_value"]:
-        if fv["field"] == VALUE:
+    for each in rule.head.columns:
+        if each.field == VALUE:
             continue
-        value = value_of(fv) or {}
-        if "variable" not in value or fv["field"] == "*":
+        variable = variable_of(each.expression)
+        if not variable or each.field == REST:
             return None
-        found.append((fv["field"], variable_of(value)))
+        found.append((each.column, variable))
     return found
 
 
-def outer_calls(tree: Any, own: Container[str]) -> Iterator[Rule]:
-    """Yield the calls of the program's own predicates in a syntax tree, outside aggregates."""
-    for node in nodes(tree, is_aggregate):
-        for key in ("call", "predicate"):
-            if isinstance(node.get(key), dict) and str(node[key]["predicate_name"]) in own:
-                yield node[key]
+def outer_calls(node: Tree, own: Container[str]) -> Iterator[Call | Atom]:
+    """Yield the calls of the program's own predicates in a tree, outside aggregates."""
+    for each in walk(node, is_aggregate):
+        if isinstance(each, Call | Atom) and each.name in own:
+            yield each

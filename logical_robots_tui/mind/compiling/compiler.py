@@ -6,16 +6,27 @@ The package keeps global state, so one process compiles one program at a time.
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
 
-from logical_robots_tui.mind.checking import error_messages
-from logical_robots_tui.mind.checking.checks import IGNORED, check
-from logical_robots_tui.mind.checking.robot_rule import MAIN
-from logical_robots_tui.mind.clauses.functors import recursions_written_out
-from logical_robots_tui.mind.compiling import package_patches
+from logical_robots_tui.language import error_messages, package_patches
+from logical_robots_tui.language.adapter import parse, to_package
+from logical_robots_tui.language.checks import IGNORED, check
+from logical_robots_tui.language.definitions import (
+    called,
+    definitions,
+    lacking,
+    prelude,
+    reached,
+)
+from logical_robots_tui.language.functors import expand_recursions
+from logical_robots_tui.language.robot_rule import MAIN
+from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.language.spelling import expand_rows, spell_out
+from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
 from logical_robots_tui.mind.compiling.dialect import RobotDialect
 from logical_robots_tui.mind.compiling.fixpoint import (
     Fixpoint,
@@ -24,38 +35,23 @@ from logical_robots_tui.mind.compiling.fixpoint import (
     growth_check,
     with_fixpoints,
 )
-from logical_robots_tui.mind.compiling.parsing import parse_statements, rewritten
-from logical_robots_tui.mind.compiling.rules import (
-    Rule,
-    called,
-    defined,
-    head_name,
-    heads,
-    lacking,
-    nodes,
-    prelude_rules,
-    reached,
-    subject,
-    text_of,
-    value_of,
-)
-from logical_robots_tui.mind.compiling.spelling import spell_out, written_out
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.mind.program import INPUTS, Predicate, Program
-from logical_robots_tui.mind.source_text import Prepared, diagnostic_for, prepare
+from logical_robots_tui.mind.program import Predicate, Program
 from logical_robots_tui.mind.tuning import MOST_TUNED
 from logical_robots_tui.mind.typed import as_on_duckdb
+from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from sqlglot import exp
 
+    from logical_robots_tui.language.adapter import Raw
+    from logical_robots_tui.language.tree import Statement
     from logical_robots_tui.mind.compilation import Report
 
 _RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
-_MOST_STEPS = 1_000  # of a recursion that is not unrolled
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
 
@@ -70,16 +66,16 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         ProgramError: The program has errors; holds all that can be found at once.
     """
     source = prepare(text)
-    parsed = parse_statements(source)
+    parsed = parse(source)
     found = check(parsed, text)
-    raw, visibility, invalid = _take_visibility(parsed.rules, text)
+    rest, visibility, invalid = _take_visibility(parsed.statements, text)
     _refuse([*found, *invalid])
-    compiled = compiled_rules(raw, source)
+    compiled = compiled_program(rest, source)
     statements, predicates, problems = _compile_predicates(
-        compiled, raw, source, report or (lambda _done, _all: None)
+        compiled, rest, source, report or (lambda _done, _all: None)
     )
     _refuse([*found, *problems])
-    uses = _uses(raw)
+    uses = _uses(rest)
     needed = _needed(uses, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
     program = Program(
@@ -95,50 +91,48 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     return program, compiled.trees
 
 
-def read_rules(text: str) -> tuple[Prepared, list[Rule]]:
-    """Return the prepared text of a program and its rules as written.
-
-    The last result is cached, because callers decompose one predicate after the other.
-    """
-    source, rules = _read(text)
-    return source, package_patches.deep_copy(rules)
-
-
-@lru_cache(maxsize=1)
-def _read(text: str) -> tuple[Prepared, list[Rule]]:
+@lru_cache(maxsize=1)  # callers decompose one predicate after the other
+def read_program(text: str) -> tuple[Prepared, tuple[Statement, ...]]:
+    """Return the prepared text of a program, and its statements without the game's own."""
     source = prepare(text)
-    return source, plain_rules(parse_statements(source).rules, text)
+    return source, tuple(without_visibility(parse(source).statements, text))
 
 
-def plain_rules(rules: list[Rule], text: str) -> list[Rule]:
-    """Return the rules of a program without the game's own annotations."""
-    return _take_visibility(rules, text)[0]
+def without_visibility(program: Sequence[Statement], text: str) -> list[Statement]:
+    """Return the statements of a program without the game's own annotations."""
+    return _take_visibility(program, text)[0]
 
 
-def compiled_rules(rules: list[Rule], source: Prepared) -> RobotProgram:
-    """Return the package's program for some rules and the prelude.
+def compiled_program(program: Sequence[Statement], source: Prepared) -> RobotProgram:
+    """Return the package's program for some statements and the prelude.
 
     Raises:
         ProgramError: They can't be compiled.
     """
     try:
-        written = rewritten(recursions_written_out(rules))
-        written_out(written)
-        spell_out(written, source.original)
-        return RobotProgram(_with_prelude(written), user_flags={"logica_default_engine": "sqlite"})
+        expanded = expand_rows(expand_recursions([*program]))
+        spelled = spell_out(map(_computed_in_query, expanded), source.original)
+        own = definitions(spelled)
+        library = [rule for rule in prelude() if rule.name not in own]
+        iterated, found = fixpoints([*spelled, *library])
+        return RobotProgram(
+            to_package(iterated, source), found, user_flags={"logica_default_engine": "sqlite"}
+        )
     except error_messages.COMPLAINTS as error:
         raise ProgramError(
-            (_endless(error, rules, source.original) or error_messages.explain(error, source),)
+            (_endless(error, program, source.original) or error_messages.explain(error, source),)
         ) from None
 
 
-def statements_of(wanted: list[str], rules: list[Rule], source: Prepared) -> dict[str, str]:
+def statements_of(
+    wanted: Sequence[str], program: Sequence[Statement], source: Prepared
+) -> dict[str, str]:
     """Return SQL for the rows of those predicates that can be computed alone.
 
     Raises:
-        ProgramError: The rules can't be compiled.
+        ProgramError: The program can't be compiled.
     """
-    compiled = compiled_rules(rules, source)
+    compiled = compiled_program(program, source)
     found = {}
     for name in wanted:
         with suppress(*error_messages.COMPLAINTS):
@@ -159,9 +153,9 @@ def _refuse(found: list[Diagnostic]) -> None:
 class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
     """The package's program, as single queries that create no tables."""
 
-    def __init__(self, rules: list[Rule], **options: Any) -> None:
+    def __init__(self, rules: list[Raw], fixpoints: list[Fixpoint], **options: Any) -> None:
         self.steps: dict[str, int] = {}
-        self.fixpoints: list[Fixpoint] = []
+        self.fixpoints = fixpoints
         self.trees: dict[str, exp.Query] = {}  # by statement
         self._step_queries: dict[Fixpoint, str] = {}
         super().__init__(rules, **options)
@@ -202,7 +196,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             }
         return self._step_queries
 
-    def UnfoldRecursion(self, rules: list[Rule]) -> list[Rule]:
+    def UnfoldRecursion(self, rules: list[Raw]) -> list[Raw]:
         """Unroll every recursion in place; the package would repeat statements."""
         annotations = universe.Annotations(rules, {"logica_default_engine": "sqlite"})
         depths: dict[str, Any] = annotations.annotations.get("@Recursive", {})
@@ -210,11 +204,6 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             options.pop("stop", None)
             if options.get("1") == -1:
                 options["1"] = _RECURSION_DEPTH
-        rules, self.fixpoints = fixpoints(
-            rules, lambda name: min(depths.get(name, {}).get("1", _RECURSION_DEPTH), _MOST_STEPS)
-        )
-        for fixpoint in self.fixpoints:
-            depths.pop(fixpoint.name, None)
         unfolding = functors.Functors(rules)
         recursive, _ = unfolding.RecursiveAnalysis(depths, False, _RECURSION_DEPTH)
         for name in recursive:
@@ -222,14 +211,14 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             options["iterative"] = False
             options["1"] = min(options.get("1", _RECURSION_DEPTH), _DEEPEST_RECURSION)
             self.steps[name] = options["1"]
-        return cast("list[Rule]", unfolding.UnfoldRecursions(depths, False, _RECURSION_DEPTH))
+        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, _RECURSION_DEPTH))
 
 
-def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | None:
+def _endless(error: BaseException, program: Sequence[Statement], text: str) -> Diagnostic | None:
     """Return the diagnostic for a recursion without a start, at the predicate that is recursive."""
     if "nothing to start from" not in error_messages.plain_message(error):
         return None
-    own = heads(raw)
+    own = definitions(program)
     culprit = next((name for name, rules in own.items() if name in reached(rules, own)), None)
     if culprit is None:
         return None
@@ -238,15 +227,15 @@ def _endless(error: BaseException, raw: list[Rule], text: str) -> Diagnostic | N
 
 
 def _compile_predicates(
-    compiled: RobotProgram, raw: list[Rule], source: Prepared, report: Report
+    compiled: RobotProgram, program: Sequence[Statement], source: Prepared, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
     """Return SQL by predicate, all predicates, and the errors if `Robot` can't be compiled."""
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
-    own = heads(raw)
+    own = definitions(program)
     names = {name: name for name in own}
-    left_open = lacking(raw)
+    left_open = lacking(program)
     for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
         report(done, len(own))
         is_function = False
@@ -260,82 +249,67 @@ def _compile_predicates(
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
                 problems.append(error_messages.explain(error, source))
-        line = source.original.count("\n", 0, getattr(names[name], "start", 0)) + 1
+        line = source.original.count("\n", 0, max(0, getattr(names[name], "start", 0))) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
-    for name in dict.fromkeys(head_name(r) for r in prelude_rules()):
+    for name in definitions(prelude()):
         if name not in own and name.isidentifier():
             reason = error_messages.FUNCTION.format(name)
             predicates.append(Predicate(name, "prelude", None, has_rows=False, reason=reason))
     return statements, predicates, problems if MAIN not in statements else []
 
 
-def _with_prelude(rules: list[Rule]) -> list[Rule]:
-    """Return the rules and those of the prelude that the program does not define."""
-    own = set(defined(rules))
-    added = [r for r in prelude_rules() if head_name(r) not in own]
-    return [*(_ground_in_query(r) for r in rules), *package_patches.deep_copy(added)]
-
-
-def _ground_in_query(rule: Rule) -> Rule:
+def _computed_in_query(statement: Statement) -> Statement:
     """Compute a grounded predicate once per query instead of in a table."""
-    if head_name(rule) != "@Ground":
-        return rule
-    rule = package_patches.deep_copy(rule)
-    rule["head"]["predicate_name"] = "@With"
-    rule["head"]["record"]["field_value"] = rule["head"]["record"]["field_value"][:1]
-    return rule
+    if isinstance(statement, Annotation) and statement.name == "@Ground":
+        return replace(statement, name="@With", arguments=statement.arguments[:1])
+    return statement
 
 
 def _take_visibility(
-    rules: list[Rule], text: str
-) -> tuple[list[Rule], dict[str, Any], list[Diagnostic]]:
+    program: Sequence[Statement], text: str
+) -> tuple[list[Statement], dict[str, Any], list[Diagnostic]]:
     """Separate ``@Visible``, which the package does not know, and annotations without effect."""
     visibility: dict[str, Any] = {}
-    rest = []
+    rest: list[Statement] = []
     problems = []
-    for rule in rules:
-        if head_name(rule) != "@Visible":
-            if head_name(rule) not in IGNORED:
-                rest.append(rule)
+    for each in program:
+        if not isinstance(each, Annotation) or each.name != "@Visible":
+            if each.name not in IGNORED:
+                rest.append(each)
             continue
-        values = [value_of(fv) or {} for fv in rule["head"]["record"]["field_value"]]
-        of, wanted = subject(rule), "".join(text_of(value) or "" for value in values[1:2])
-        if wanted in _VISIBILITY.get(of, ()):
-            visibility[of.lower()] = wanted
+        wanted = "".join(text_of(value) or "" for value in each.values[:1])
+        if wanted in _VISIBILITY.get(each.subject, ()):
+            visibility[each.subject.lower()] = wanted
         else:
             message = "this is not a visibility that robots can have"
             hint = (
                 'Write @Visible(Memory, "own"), "seen" or "all", or '
                 '@Visible(Sensor, "own") or "all".'
             )
-            problems.append(diagnostic_for(text, head_name(rule), message, hint))
+            problems.append(diagnostic_for(text, each.name, message, hint))
     return rest, visibility, problems
 
 
-def _lacks_arguments(error: BaseException, rules: list[Rule]) -> bool:
+def _lacks_arguments(error: BaseException, rules: Sequence[Rule | Functor]) -> bool:
     """Return whether a predicate can't be computed only because it is a function."""
-    arguments = {
-        node["variable"]["var_name"]
-        for rule in rules
-        for node in nodes(rule["head"]["record"])
-        if "variable" in node
-    }
-    names = error_messages.unassigned(error)
-    return error_messages.is_function(error) and arguments.issuperset(names)
+    heads = [each.head if isinstance(each, Rule) else each for each in rules]
+    return error_messages.is_function(error) and variables(heads, inside=True).issuperset(
+        error_messages.unassigned(error)
+    )
 
 
-def _uses(rules: list[Rule]) -> dict[str, tuple[str, ...]]:
+def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
     """Return for each of the program's predicates those that it mentions, in order."""
-    own = heads(rules)
-    library = (name for name in map(head_name, prelude_rules()) if name.isidentifier())
+    own = definitions(program)
+    library = (name for name in definitions(prelude()) if name.isidentifier())
     known = {*own, *INPUTS, *library}
     return {
         str(name): tuple(
             dict.fromkeys(
                 str(other)
-                for rule in mine
-                for other in called(rule)
-                if other in known and not (head_name(rule) == "@Make" and other == name)
+                for statement in mine
+                for other in called(statement)
+                if other in known and not (isinstance(statement, Functor) and other == name)
             )
         )
         for name, mine in own.items()

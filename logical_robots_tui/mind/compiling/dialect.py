@@ -7,8 +7,7 @@ from typing import Any
 
 from logica.compiler import dialects
 
-from logical_robots_tui.mind.clauses import trees
-from logical_robots_tui.mind.compiling.package_patches import deep_copy
+from logical_robots_tui.language.adapter import tie_pair
 
 _COLUMN = re.compile(r"\w+\.\w+")
 _ALWAYS_JSON = (".sensor", ".value")
@@ -82,34 +81,6 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
 
         The pair `argument -> value` is tied in parts, so that it need never be built.
         """
-        pair = _pair(rule)
-        if pair is None:
-            decorated: dict[str, Any] = super().DecorateCombineRule(rule, var)
-            return decorated
-        rule = deep_copy(rule)
-        pair = _pair(rule)
-        assert pair is not None
-        for side in pair["record"]["field_value"]:
-            side["value"] = {"expression": _entangled(side["value"], var)}
-        body = rule.setdefault("body", {"conjunction": {"conjunct": []}})
-        body["conjunction"]["conjunct"].append(_zero(var))
-        return rule
-
-
-def _pair(rule: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the call of `->` that a combine aggregates, or None."""
-    value = rule["head"]["record"]["field_value"][0]["value"]
-    argument = value["aggregation"]["expression"]["call"]["record"]["field_value"][0]["value"]
-    call: dict[str, Any] | None = argument.get("expression", {}).get("call")
-    return call if call and call["predicate_name"] == "->" else None
-
-
-def _entangled(value: dict[str, Any], var: str) -> dict[str, Any]:
-    call = trees.call("MagicalEntangle", {}, trees.variable(var))
-    call["call"]["record"]["field_value"][0]["value"] = value
-    return call
-
-
-def _zero(var: str) -> dict[str, Any]:
-    listed = {"literal": {"the_list": {"element": [trees.number("0")]}}}
-    return {"inclusion": {"list": listed, "element": trees.variable(var)}}
+        tied = tie_pair(rule, var)
+        decorated: dict[str, Any] = tied or super().DecorateCombineRule(rule, var)
+        return decorated

@@ -16,27 +16,25 @@ one recursive query as a list::
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.compiling.package_patches import deep_copy
-from logical_robots_tui.mind.compiling.rules import (
-    called,
-    head_name,
-    mentioned_by_make,
-    nodes,
-    subject,
-)
+from logical_robots_tui.language.definitions import called, made_from_functors
+from logical_robots_tui.language.functors import rename
+from logical_robots_tui.language.tree import Annotation, Number, Rule
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.tree import Statement
 
+_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
+_MOST_STEPS = 1_000
 _ABOUT_THE_WHOLE = frozenset({"@Limit", "@OrderBy"})
 
 
@@ -58,38 +56,52 @@ class Fixpoint:
         return f"{self.name}_NextStep"
 
 
-def fixpoints(
-    rules: list[Rule], depth_of: Callable[[str], int]
-) -> tuple[list[Rule], list[Fixpoint]]:
-    """Extract the recursions from some rules; the package unrolls those that can't be extracted.
+def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpoint]]:
+    """Extract the recursions from a program; the package unrolls those that can't be extracted.
 
     Returns:
-        The rules, with a rule for one step in place of each recursion; and the recursions.
+        The program, with rules for one step in place of each recursion; and the recursions.
     """
+    statements = list(program)
     own: dict[str, list[Rule]] = {}
-    for rule in rules:
-        if not head_name(rule).startswith("@"):
-            own.setdefault(str(head_name(rule)), []).append(rule)
+    for each in statements:
+        if isinstance(each, Rule):
+            own.setdefault(str(each.name), []).append(each)
     uses = {name: {str(c) for c in called(mine) if c in own} for name, mine in own.items()}
-    made = {
-        name for rule in rules if head_name(rule) == "@Make" for name in mentioned_by_make(rule)
-    }
-    ordered = {subject(rule) for rule in rules if head_name(rule) in _ABOUT_THE_WHOLE}
+    made = made_from_functors(statements)
+    annotations = [each for each in statements if isinstance(each, Annotation)]
+    ordered = {each.subject for each in annotations if each.name in _ABOUT_THE_WHOLE}
+    times = Counter((each.name, each.subject) for each in annotations)
+    ordered |= {subject for (_, subject), number in times.items() if number > 1}  # an error
     found: list[Fixpoint] = []
     for name in own:
         circle = _circle(name, uses)
         if (
             name in circle
-            and not name.endswith("_MultBodyAggAux")
             and not circle & (made | ordered)
             and not any(circle & _circle(fixpoint.name, uses) for fixpoint in found)
             and not any(other in _circle(other, uses, without=name) for other in circle - {name})
             and _begins(name, own, circle)
         ):
-            fixpoint = Fixpoint(name, depth_of(name))
-            rules = [*_without(name, rules), *_step(fixpoint, circle, own)]
+            fixpoint = Fixpoint(name, min(_depth(name, annotations), _MOST_STEPS))
+            statements = [
+                each
+                for each in statements
+                if (each.subject if isinstance(each, Annotation) else each.name) != name
+            ]
+            statements += _step(fixpoint, circle, own)
             found.append(fixpoint)
-    return rules, found
+    return statements, found
+
+
+def _depth(name: str, annotations: Sequence[Annotation]) -> int:
+    """Return the steps that ``@Recursive`` allows."""
+    for each in reversed(annotations):
+        if each.name == "@Recursive" and each.subject == name and each.values:
+            (steps, *_) = each.values
+            if isinstance(steps, Number) and (depth := int(float(steps.value))) >= 0:
+                return depth
+    return _DEPTH
 
 
 def _circle(name: str, uses: Mapping[str, set[str]], without: str = "") -> set[str]:
@@ -122,15 +134,6 @@ def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool
         begun |= found
 
 
-def _without(name: str, rules: list[Rule]) -> list[Rule]:
-    return [
-        rule
-        for rule in rules
-        if head_name(rule) != name
-        and not (head_name(rule).startswith("@") and subject(rule) == name)
-    ]
-
-
 def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
     """Return copies of a recursion's rules that compute a step from the previous one."""
     copies = {name: f"{name}_For_{fixpoint.step}" for name in circle}
@@ -138,12 +141,8 @@ def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -
     calls = {**copies, fixpoint.name: fixpoint.before}
     for name in circle:
         for rule in own[name]:
-            copied = deep_copy(rule)
-            for node in nodes(copied):
-                if (old := node.get("predicate_name")) in calls:
-                    node["predicate_name"] = calls[str(old)]
-            copied["head"]["predicate_name"] = heads[name]
-            yield copied
+            copied = rename(rule, calls)
+            yield replace(copied, head=replace(copied.head, name=heads[name]))
 
 
 def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:

@@ -10,30 +10,43 @@ import itertools
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logica.parser_py import parse
-
-from logical_robots_tui.mind.checking import error_messages
-from logical_robots_tui.mind.checking.checks import check
-from logical_robots_tui.mind.clauses.scopes import names
-from logical_robots_tui.mind.compiling.compiler import compiled_rules, plain_rules, read_rules
-from logical_robots_tui.mind.compiling.parsing import parse_statements
-from logical_robots_tui.mind.compiling.rules import (
+from logical_robots_tui.language import error_messages
+from logical_robots_tui.language.adapter import (
+    is_rule,
+    parse,
+    parse_expression,
+    parse_proposition,
+)
+from logical_robots_tui.language.checks import check
+from logical_robots_tui.language.definitions import definitions
+from logical_robots_tui.language.source_text import diagnostic_for, prepare
+from logical_robots_tui.language.tree import (
     CONDITIONS,
-    fields,
-    heads,
-    nodes,
+    Atom,
+    Membership,
+    Rule,
+    Variable,
     operands,
     variable_of,
+    variables,
+    walk,
+)
+from logical_robots_tui.mind.compiling.compiler import (
+    compiled_program,
+    read_program,
+    without_visibility,
 )
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.mind.program import INPUTS, VALUE, Question
-from logical_robots_tui.mind.source_text import diagnostic_for, prepare
+from logical_robots_tui.mind.program import Question
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Functor, Node, Proposition
+
+    Own = Mapping[str, Sequence[Rule | Functor]]
 
 Gives: TypeAlias = Literal["rows", "value", "truth"]
 
@@ -51,12 +64,10 @@ def compile_question(text: str, query: str) -> Question:
     if not bare:
         hint = "Type a predicate, such as Robot, or an expression."
         raise ProgramError((Diagnostic(1, 1, "the question is empty", hint),))
-    own = heads(read_rules(text)[1])
+    own = definitions(read_program(text)[1])
     before, after = "", ""
     gives: Gives = "rows"
-    if source.ends or any(
-        len(parse.Split(parse.HeritageAwareString(source.text), sign)) > 1 for sign in (":-", ":=")
-    ):
+    if source.ends or is_rule(source):
         asked = _defined(source, own)
     elif bare in own:
         asked, query = bare, ""
@@ -84,14 +95,13 @@ def _names() -> Iterator[str]:
 
 def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
     source = prepare(whole)
-    parsed = parse_statements(source)
+    parsed = parse(source)
     found = tuple(d for d in check(parsed, whole) if d.severity == "error")
     if found:
         raise ProgramError(found)
     try:
-        sql: str = compiled_rules(plain_rules(parsed.rules, whole), source).FormattedPredicateSql(
-            asked
-        )
+        rest = without_visibility(parsed.statements, whole)
+        sql = compiled_program(rest, source).FormattedPredicateSql(asked)
     except error_messages.COMPLAINTS as error:
         if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
@@ -110,16 +120,16 @@ def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
     return replace(diagnostic, line=1, column=1, excerpt="")
 
 
-def _defined(source: Prepared, own: Mapping[str, list[Rule]]) -> str:
+def _defined(source: Prepared, own: Own) -> str:
     """Return the last predicate that a query defines.
 
     Raises:
         ProgramError: The query can't be parsed, or redefines a predicate of the program.
     """
-    parsed = parse_statements(source)
+    parsed = parse(source)
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
-    defined = heads(parsed.rules)
+    defined = definitions(parsed.statements)
     for name in defined:
         if name in own or name in INPUTS:
             message = f"the program already defines {name}"
@@ -130,28 +140,27 @@ def _defined(source: Prepared, own: Mapping[str, list[Rule]]) -> str:
     return str(list(defined)[-1])
 
 
-def _frame(name: str, source: Prepared, own: Mapping[str, list[Rule]]) -> tuple[str, str, Gives]:
+def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
     """Return the text before and after a query that makes it a rule, and the kind of its result."""
-    text = parse.HeritageAwareString(source.text)
     try:
-        body = parse.ParseProposition(parse.Strip(text))
+        body = parse_proposition(source)
     except error_messages.COMPLAINTS as error:
         try:
-            expression = parse.ParseExpression(parse.Strip(text))
+            expression = parse_expression(source)
         except error_messages.COMPLAINTS:
             raise ProgramError((error_messages.explain(error, source),)) from None
         return _value_frame(name, _open_inputs(expression))
-    found, left_open = names(body), _open_inputs(body)
-    variables = [each for each in _in_text(body) if each in found and each not in left_open]
-    if not variables and _is_value(body, own):
+    found, left_open = variables(body), _open_inputs(body)
+    columns = [each for each in _in_text(body) if each in found and each not in left_open]
+    if not columns and _is_value(body, own):
         return _value_frame(name, left_open)
     if left_open:
-        columns = [*variables, *({"robot_name"} - {*variables})]
+        columns += {"robot_name"} - {*columns}
         return f"{name}({_columns(columns)}) :- {_supplied(left_open)},", "", "rows"
-    if not variables:
+    if not columns:
         denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
         return f'{name}(holds: "true") :-', denied, "truth"
-    return f"{name}({_columns(variables)}) :-", "", "rows"
+    return f"{name}({_columns(columns)}) :-", "", "rows"
 
 
 def _value_frame(name: str, left_open: Sequence[str]) -> tuple[str, str, Gives]:
@@ -165,16 +174,16 @@ def _columns(variables: Iterable[str]) -> str:
     return ", ".join(f"{each}:" for each in variables)
 
 
-def _open_inputs(tree: Rule) -> list[str]:
+def _open_inputs(asked: Expression | Proposition) -> list[str]:
     """Return the columns of the inputs that a question uses as variables and gives no value."""
     given = set()
-    for node in nodes(tree):
-        if "inclusion" in node:
-            given.add(variable_of(node["inclusion"]["element"]))
-        if "predicate" in node and node["predicate"]["predicate_name"] not in CONDITIONS:
-            given |= {variable_of(value) for value in operands(node["predicate"])}
+    for node in walk(asked):
+        if isinstance(node, Membership):
+            given.add(variable_of(node.element))
+        elif isinstance(node, Atom) and node.name not in CONDITIONS:
+            given |= {variable_of(value) for value in operands(node.arguments)}
     columns = {column for inputs in INPUTS.values() for column in inputs}
-    return [name for name in _in_text(tree) if name in columns and name not in given]
+    return [name for name in _in_text(asked) if name in columns and name not in given]
 
 
 def _supplied(left_open: Sequence[str]) -> str:
@@ -187,17 +196,16 @@ def _supplied(left_open: Sequence[str]) -> str:
     return ", ".join(calls) or f"Sensor({_columns(INPUTS['Sensor'])})"
 
 
-def _is_value(body: Rule, own: Mapping[str, list[Rule]]) -> bool:
+def _is_value(body: Proposition, own: Own) -> bool:
     """Return whether a possible condition is meant as an expression: a function or calculation."""
-    name = str(body.get("predicate", {}).get("predicate_name", ""))
+    name = body.name if isinstance(body, Atom) else ""
     if name in own:
-        return any(VALUE in fields(rule["head"]["record"]) for rule in own[name])
+        return any(isinstance(each, Rule) and each.head.column(VALUE) for each in own[name])
     return bool(name) and name not in INPUTS and name not in CONDITIONS
 
 
-def _in_text(tree: Rule) -> Iterator[str]:
-    """Return the names of a syntax tree's variables in text order, once each."""
-    found = (node["variable"]["var_name"] for node in nodes(tree) if "variable" in node)
-    yield from dict.fromkeys(
-        str(name) for name in sorted(found, key=lambda n: getattr(n, "start", 0))
-    )
+def _in_text(asked: Node) -> Iterator[str]:
+    """Yield the names of the variables in text order, once each."""
+    found = [node for node in walk(asked) if isinstance(node, Variable)]
+    found.sort(key=lambda node: node.span or (0, 0))
+    yield from dict.fromkeys(str(node.name) for node in found)

@@ -23,10 +23,10 @@ from functools import partial
 from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.checking.robot_rule import MAIN
+from logical_robots_tui.language.constants import with_constants
+from logical_robots_tui.language.robot_rule import MAIN
 from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
-from logical_robots_tui.mind.compiling.parsing import with_constants
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.diagnosis.checkup import check_up
 from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printable

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from logical_robots_tui.language.similar_names import closest, distance
 from logical_robots_tui.mind.diagnosis.counting import is_always_true
 from logical_robots_tui.mind.diagnosis.sites import TESTS
-from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.similar_names import closest, distance
+from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -9,31 +9,36 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.clauses import trees
-from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope, column_name, flat, names
-from logical_robots_tui.mind.clauses.trees import (
-    compared,
-    field_of,
-    filled,
-    parameters,
-)
-from logical_robots_tui.mind.compiling.rules import (
+from logical_robots_tui.language.tree import (
     CONDITIONS,
     JUNCTIONS,
+    Aggregate,
+    Call,
+    Choice,
+    FieldAccess,
+    List,
+    Literal,
+    PredicateName,
+    Record,
+    Variable,
+    call,
+    conjuncts,
     operands,
+    substitute,
     text_of,
-    value_of,
     variable_of,
+    variables,
 )
+from logical_robots_tui.mind.clauses.scopes import EVERY_COLUMN, Scope
+from logical_robots_tui.mind.clauses.trees import compared, parameters
 from logical_robots_tui.mind.diagnosis.sites import Field
 from logical_robots_tui.mind.diagnosis.watching import At, Segment, Stands, Trail, Watching
-from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.why.probing import ORDERING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.tree import Atom, Expression, Proposition, Rule
 
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
@@ -42,191 +47,182 @@ _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
 class ValueTracing(Watching):
     """Watches expressions; subclasses trace bodies."""
 
-    def _value(self, tree: Rule, at: At, *, is_leaf: bool = False) -> None:
+    def _value(self, node: Expression, at: At, *, is_leaf: bool = False) -> None:
         """Trace an expression that is computed at a place."""
-        if "implication" in tree:
-            for branch in tree["implication"]["if_then"]:
-                column = self._truth(branch["condition"], at, "branch")
+        if isinstance(node, Choice):
+            for branch in node.branches:
+                column = self._truth(branch.condition, at, "branch")
                 if column < 0:
                     return
-                self._value(branch["consequence"], at.when(column, holds=True), is_leaf=is_leaf)
+                self._value(branch.value, at.when(column, holds=True), is_leaf=is_leaf)
                 at = at.when(column, holds=False)
-            self._value(tree["implication"]["otherwise"], at, is_leaf=is_leaf)
+            self._value(node.otherwise, at, is_leaf=is_leaf)
             return
-        call = tree.get("call", {})
-        name = str(call.get("predicate_name", ""))
-        if is_leaf and "literal" not in tree:
-            self._nulls(tree, at)
+        name = node.name if isinstance(node, Call) else ""
+        if is_leaf and not isinstance(node, Literal | List | PredicateName):
+            self._nulls(node, at)
             # A predicate with rows is watched in its own rules.
-            told = {"places": ()} if name in self._own and name not in self._functions else {}
-            self._add(at, self._site("leaf", tree, at, **told), (), "always")
+            has_rows = name in self._own and name not in self._functions
+            details = {"places": ()} if has_rows else {}
+            self._add(at, self._site("leaf", node, at, **details), (), "always")
         if name in CONDITIONS:
-            self._truth(tree, at, "operand")
-        elif call:
-            given = operands(call)
-            for value in given[:1] if name in _NOT_VALUES else given:
-                self._value(value, at)
-            if name in self._functions:
-                self._function(name, call, at, is_leaf=is_leaf)
-        elif "combine" in tree:
-            self._combine(tree["combine"], at)
-        elif "subscript" in tree:
-            self._read(tree["subscript"], at)
-        elif "record" in tree:
-            for value in operands(tree):
-                self._value(value, at)
-        elif "the_list" in tree.get("literal", {}):
-            for value in tree["literal"]["the_list"]["element"]:
-                self._value(value, at)
-        elif "variable" in tree and self._called(variable_of(tree), at) in self._memories:
-            self.reads_all = True
+            self._truth(node, at, "operand")
+            return
+        match node:
+            case Call():
+                given = operands(node.arguments)
+                for value in given[:1] if name in _NOT_VALUES else given:
+                    self._value(value, at)
+                if name in self._functions:
+                    self._function(node, at, is_leaf=is_leaf)
+            case Aggregate():
+                self._aggregate(node, at)
+            case FieldAccess():
+                self._read(node, at)
+            case Record():
+                for value in operands(node.arguments):
+                    self._value(value, at)
+            case List():
+                for value in node.elements:
+                    self._value(value, at)
+            case Variable() if self._called(node.name, at) in self._memories:
+                self.reads_all = True
 
-    def _nulls(self, tree: Rule, at: At) -> None:
+    def _nulls(self, node: Expression, at: At) -> None:
         """Watch whether the values that a leaf is computed from are null."""
-        waiting = [tree]
+        waiting = [node]
         while waiting:
             node = waiting.pop(0)
-            name = str(node.get("call", {}).get("predicate_name", ""))
-            if "combine" in node or (name in self._functions and "call" in node):
-                lacks = trees.call("IsNull", filled(node, at.given))
+            is_function = isinstance(node, Call) and node.name in self._functions
+            if isinstance(node, Aggregate) or is_function:
+                lacks = call("IsNull", substitute(node, at.given))
                 self._add(at, self._site("value", node, at), (lacks,), "truth", lacks)
-            if "record" in node:
-                waiting += operands(node)
-            elif "call" in node and name not in _NOT_VALUES:
-                waiting += operands(node["call"])
+            if isinstance(node, Record) or (
+                isinstance(node, Call) and node.name not in _NOT_VALUES
+            ):
+                waiting += operands(node.arguments)
 
-    def _truth(self, condition: Rule, at: At, kind: Any) -> int:
+    def _truth(self, condition: Expression, at: At, kind: Any) -> int:
         """Watch a condition; return its column, or -1 if there are too many."""
-        call = condition.get("call", {})
-        name = str(call.get("predicate_name", ""))
+        name = condition.name if isinstance(condition, Call) else ""
+        given = operands(condition.arguments) if isinstance(condition, Call) else ()
         found = compared(condition)
-        asked: list[Rule] = [filled(condition, at.given)]
+        whole = substitute(condition, at.given)
+        asked: list[Expression] = [whole]
         how, literal, other, lacks = "truth", None, "", None
         if found is not None:
             sign, *both = found
-            asked_sides = [filled(side, at.given) for side in both]
+            asked_sides = [substitute(side, at.given) for side in both]
             texts = [text_of(side) for side in asked_sides]
             other = self._span(both[0]).text
             if sign in ORDERING:
-                lacks = trees.call("-", left=asked_sides[0], right=asked_sides[1])
+                lacks = call("-", left=asked_sides[0], right=asked_sides[1])
             elif sign == "==" and texts.count(None) == 1:
                 place = 0 if texts[0] is not None else 1
                 how, literal, asked = "text", texts[place], [asked_sides[1 - place]]
                 other = self._span(both[1 - place]).text
                 if text_of(both[place]) is None:
-                    given = self._site("text", asked_sides[place], at, literal=literal, other=other)
-                    self._add(at, given, asked, "text")
-                    how, literal, asked = "truth", None, [filled(condition, at.given)]
+                    site = self._site("text", asked_sides[place], at, literal=literal, other=other)
+                    self._add(at, site, asked, "text")
+                    how, literal, asked = "truth", None, [whole]
             elif sign == "==" and kind == "condition":
                 how, asked = "pair", asked_sides
         operator = found[0] if found else name if name in JUNCTIONS else ""
-        told = {"literal": literal, "other": other, "operator": operator}
-        site = self._site(kind, condition, at, **told)
-        column = self._add(at, site, asked, how, filled(condition, at.given))
+        details = {"literal": literal, "other": other, "operator": operator}
+        site = self._site(kind, condition, at, **details)
+        column = self._add(at, site, asked, how, whole)
         if column < 0:
             return column
         if lacks is not None:
             at.trail.segment.differences[column] = lacks
         if name in JUNCTIONS:
-            left, right = operands(call)
-            first = self._truth(left, at, "operand")
+            first = self._truth(given[0], at, "operand")
             if first >= 0:
-                self._truth(right, at.when(first, holds=name == "&&"), "operand")
+                self._truth(given[1], at.when(first, holds=name == "&&"), "operand")
         elif name == "!":
-            self._truth(operands(call)[0], at, "operand")
-        elif found is not None or call:
+            self._truth(given[0], at, "operand")
+        elif isinstance(condition, Call):
             within = replace(at, stands="denied") if kind == "denial" else at
-            for value in operands(call):
+            for value in given:
                 self._value(value, within)
             if name in self._functions:
-                self._function(name, call, at, is_leaf=False)
+                self._function(condition, at, is_leaf=False)
         else:
             self._value(condition, at)
         return column
 
-    def _combine(self, combine: Rule, at: At) -> None:
-        inner = flat(combine.get("body"))
-        (column,) = combine["head"]["record"]["field_value"]
-        argument = column["value"].get("aggregation", {}).get("argument")
+    def _aggregate(self, node: Aggregate, at: At) -> None:
+        inner = conjuncts(node.body)
         if not inner:
-            if argument:
-                self._value(argument, at)
+            self._value(node.argument, at)
             return
-        local = names([combine["head"], *inner], inside=True) - at.scope.variables
-        given = {**at.given, **{name: trees.variable(self._new(name)) for name in local}}
-        values = [(argument, False)] if argument else []
+        local = variables([node.argument, *inner], inside=True) - at.scope.variables
+        given = {**at.given, **{name: Variable(self._new(name)) for name in local}}
         stands: Stands = "denied" if at.stands == "denied" else "aggregate"
-        variables = at.scope.variables.union(*map(names, inner))
-        scope = Scope(at.scope.functions, variables)
-        self._aside(inner, at, scope, given, values, stands=stands)
+        scope = Scope(at.scope.functions, at.scope.variables | variables(inner))
+        self._aside(inner, at, scope, given, [(node.argument, False)], stands=stands)
 
-    def _function(self, name: str, call: Rule, at: At, *, is_leaf: bool) -> None:
-        if name in at.inside or len(at.inside) >= _DEEPEST:
+    def _function(self, node: Call, at: At, *, is_leaf: bool) -> None:
+        if node.name in at.inside or len(at.inside) >= _DEEPEST:
             return
-        for rule in self._own.get(name, ()):
-            found = self._entered(rule, name, call, at)
-            value = head_value(rule)
-            if found is None or value is None:
+        for rule in self._own.get(node.name, ()):
+            found = self._entered(rule, node, at)
+            if found is None or rule.value is None:
                 continue
-            body = flat(rule.get("body"))
+            body = conjuncts(rule.body)
             if body:
-                self._aside(body, found, found.scope, found.given, [(value, is_leaf)])
+                self._aside(body, found, found.scope, found.given, [(rule.value, is_leaf)])
             else:
-                self._value(value, found, is_leaf=is_leaf)
+                self._value(rule.value, found, is_leaf=is_leaf)
 
-    def _read(self, subscript: Rule, at: At) -> None:
+    def _read(self, node: FieldAccess, at: At) -> None:
         """Note a field that is read from a record."""
-        record = subscript["record"]
-        if self._is_memory(record, at):
-            name, span = field_of(subscript), self._span(subscript)
+        if self._is_memory(node.record, at):
+            name, span = str(node.field), self._span(node)
             self.reads.setdefault((name, span.start), Field(name, span))
         else:
-            self._value(record, at)
+            self._value(node.record, at)
 
-    def _is_memory(self, value: Rule, at: At) -> bool:
+    def _is_memory(self, value: Expression, at: At) -> bool:
         """Return whether an expression is a memory, perhaps cast or with a default."""
-        value = filled(value, at.given)
-        while str(value.get("call", {}).get("predicate_name", "")) in ("TryCast", "Coalesce"):
-            value = operands(value["call"])[0]
+        value = substitute(value, at.given)
+        while isinstance(value, Call) and value.name in ("TryCast", "Coalesce"):
+            value = operands(value.arguments)[0]
         return variable_of(value) in self._memories
 
-    def _entered(self, rule: Rule, name: str, call: Rule, at: At) -> At | None:
+    def _entered(self, rule: Rule, called: Call | Atom, at: At) -> At | None:
         """Return the place at the beginning of the rule of a function that is called."""
         expected = parameters(rule)
-        values = {column_name(fv["field"]): value_of(fv) for fv in call["record"]["field_value"]}
+        values = {each.column: each.expression for each in called.arguments}
         if expected is None or id(rule) not in self._numbers:
             return None
-        given: dict[str, Rule] = {}
-        for place, variable in expected:
-            value = values.get(column_name(place))
+        given: dict[str, Expression] = {}
+        for column, variable in expected:
+            value = values.get(column)
             if value is None:
                 return None
-            given[variable] = filled(value, at.given)
-        inner = [*flat(rule.get("body")), rule["head"]["record"]]
-        scope = Scope(
-            dict.fromkeys(self._functions, EVERY_COLUMN), frozenset[str]().union(*map(names, inner))
-        )
+            given[variable] = substitute(value, at.given)
+        inner = [*conjuncts(rule.body), *rule.head.columns]
+        scope = Scope(dict.fromkeys(self._functions, EVERY_COLUMN), variables(inner))
         known = frozenset(given)
-        for local in scope.variables - known:
-            given[local] = trees.variable(self._new(local))
-        for local in names(inner, inside=True) - scope.variables:
-            given[local] = trees.variable(self._new(local))
+        for local in variables(inner, inside=True) - known:
+            given[local] = Variable(self._new(local))
         return replace(
             at,
             rule=self._numbers[id(rule)],
             scope=scope,
             known=known,
             given=given,
-            inside=(*at.inside, name),
+            inside=(*at.inside, str(called.name)),
         )
 
     def _aside(
         self,
-        parts: Sequence[Rule],
+        parts: Sequence[Proposition],
         at: At,
         scope: Scope,
-        given: Mapping[str, Rule],
-        values: Sequence[tuple[Rule, bool]],
+        given: Mapping[str, Expression],
+        values: Sequence[tuple[Expression, bool]],
         **changed: Any,
     ) -> None:
         """Trace a body inside an expression or a part."""
@@ -242,12 +238,6 @@ class ValueTracing(Watching):
             for name in trail.probes:
                 del self.probes[name]
 
-    def _parts(self, parts: Sequence[Rule], at: At) -> At | None:
+    def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
         """Trace the parts of a body; return None if some can never be evaluated."""
         raise NotImplementedError
-
-
-def head_value(rule: Rule) -> Rule | None:
-    """Return the expression for the value of a function, or None."""
-    columns = rule["head"]["record"]["field_value"]
-    return next((value_of(column) for column in columns if column["field"] == VALUE), None)

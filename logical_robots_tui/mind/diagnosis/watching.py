@@ -6,20 +6,26 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from logical_robots_tui.mind.clauses.scopes import names
-from logical_robots_tui.mind.clauses.trees import as_part, counted, filled, parameters, span_of
-from logical_robots_tui.mind.compiling.rules import called, equated, nodes, value_of, variable_of
+from logical_robots_tui.language.definitions import called
+from logical_robots_tui.language.tree import (
+    Atom,
+    Rule,
+    equated,
+    variable_of,
+    variables,
+    walk,
+)
+from logical_robots_tui.mind.clauses.trees import as_part, count_rule, parameters, span_of
 from logical_robots_tui.mind.diagnosis.sites import TESTS, Column, Field, Probe, Site
-from logical_robots_tui.mind.program import INPUTS, VALUE
-from logical_robots_tui.mind.why.probing import Span
+from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from logical_robots_tui.mind.clauses.functors import Expanded
+    from logical_robots_tui.language.functors import Expanded
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Node, Proposition, Tree
     from logical_robots_tui.mind.clauses.scopes import Scope
-    from logical_robots_tui.mind.compiling.rules import Rule
-    from logical_robots_tui.mind.source_text import Prepared
     from logical_robots_tui.mind.why.probing import Span
 
 _MOST = 6  # places
@@ -32,7 +38,7 @@ class Sources:
     def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
         self._source, self._own = source, own
 
-    def of(self, tree: Any, rule: Rule) -> tuple[Span, ...]:
+    def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
         """Return where the values in an expression of a rule come from, the nearest places first.
 
         These are the expressions equal to its variables, and the rules of the predicates that bind
@@ -40,11 +46,11 @@ class Sources:
         """
         found: dict[int, Span] = {}
         seen: set[tuple[int, str]] = set()
-        waiting: deque[tuple[Any, Rule, int]] = deque([(tree, rule, 0)])
-        own_line = span_of(tree, self._source).line
+        waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
+        own_line = span_of(node, self._source).line
         while waiting and len(found) < _MOST:
-            tree, rule, depth = waiting.popleft()
-            for place, inner, where in self._next(tree, rule, seen):
+            node, rule, depth = waiting.popleft()
+            for place, inner, where in self._next(node, rule, seen):
                 span = span_of(place, self._source)
                 if span.text and span.line != own_line:
                     found.setdefault(span.line, span)
@@ -53,42 +59,34 @@ class Sources:
         return tuple(found.values())[:_MOST]
 
     def _next(
-        self, tree: Any, rule: Rule, seen: set[tuple[int, str]]
-    ) -> Iterator[tuple[Any, Any, Rule]]:
+        self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
+    ) -> Iterator[tuple[Node, Tree, Rule]]:
         """Yield places one step away: what to show, what to continue with, and its rule."""
-        for name in dict.fromkeys(map(str, called(tree))):
+        for name in dict.fromkeys(called(node)):
             yield from self._rules(name, seen)
-        for variable in sorted(names(tree, inside=True)):
+        for variable in sorted(variables(node, inside=True)):
             if (id(rule), variable) in seen:
                 continue
             seen.add((id(rule), variable))
-            for part in nodes(rule.get("body", {})):
+            for part in walk(rule.body) if rule.body else ():
                 pair = equated(part)
                 if pair is not None:
                     for side, value in (pair, pair[::-1]):
                         if variable_of(side) == variable:
                             yield part, value, rule
                             break
-                elif variable in _given_by(part):
-                    yield from self._rules(str(part["predicate"]["predicate_name"]), seen)
+                elif isinstance(part, Atom) and variable in variables(part):
+                    yield from self._rules(part.name, seen)
 
-    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Any, Any, Rule]]:
-        """Return the rules of a predicate except facts."""
+    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
+        """Yield the rules of a predicate except facts."""
         if (0, name) in seen:
             return
         seen.add((0, name))
         for rule in self._own.get(name, ()):
-            columns = rule["head"]["record"]["field_value"]
-            is_function = any(column["field"] == VALUE for column in columns)
-            if "body" in rule or (is_function and parameters(rule) is not None):
-                value = [value_of(c) for c in columns if c["field"] == VALUE]
-                yield rule, value or [rule["head"], rule.get("body")], rule
-
-
-def _given_by(part: Rule) -> frozenset[str]:
-    """Return the variables that a call in a body may bind."""
-    call = part.get("predicate")
-    return names(call) if isinstance(call, dict) and "record" in call else frozenset()
+            is_function = rule.value is not None and parameters(rule) is not None
+            if rule.body or is_function:
+                yield rule, rule.value or rule, rule
 
 
 PROBE = "DiagnosisProbe"
@@ -116,12 +114,12 @@ class Segment:
         after: Number of the site of the part at its end, or -1.
     """
 
-    body: list[Rule]
+    body: list[Proposition]
     after: int = -1
     columns: list[Column] = field(default_factory=list)
-    trees: list[Rule] = field(default_factory=list)
-    asked: dict[int, Sequence[Rule]] = field(default_factory=dict)
-    differences: dict[int, Rule] = field(default_factory=dict)
+    trees: list[Expression | None] = field(default_factory=list)
+    asked: dict[int, Sequence[Expression]] = field(default_factory=dict)
+    differences: dict[int, Expression] = field(default_factory=dict)
 
 
 @dataclass
@@ -158,7 +156,7 @@ class At:
     rule: int
     scope: Scope
     known: frozenset[str]
-    given: Mapping[str, Rule]
+    given: Mapping[str, Expression]
     guard: Guard = ()
     inside: tuple[str, ...] = ()
     stands: Stands = "body"
@@ -207,11 +205,11 @@ class Watching:
         self._leaves: set[str] = set()
         self._fresh = 0
 
-    def _all_of(self, at: At) -> list[Rule]:
+    def _all_of(self, at: At) -> list[Proposition]:
         """Return everything that holds at a place, as parts of a body."""
         segment = at.trail.segment
-        guard = [as_part(filled(segment.trees[c], {}), holds=holds) for c, holds in at.guard]
-        return [*segment.body, *guard]
+        conditions = ((segment.trees[column], holds) for column, holds in at.guard)
+        return [*segment.body, *(as_part(c, holds=holds) for c, holds in conditions if c)]
 
     def _tells(self, probe: Probe) -> bool:
         return any(
@@ -228,28 +226,28 @@ class Watching:
         self._fresh += 1
         return f"d{self._fresh}_{name}"
 
-    def _span(self, tree: Any) -> Span:
+    def _span(self, tree: Tree) -> Span:
         return span_of(tree, self._source)
 
-    def _site(self, kind: Any, tree: Any, at: At, **told: Any) -> int:
+    def _site(self, kind: Any, node: Tree, at: At, **details: Any) -> int:
         """Return the number of a site, the same for the same place."""
-        span = self._span(tree)
+        span = self._span(node)
         key = (kind, span.start, span.stop, self._within)
         if key not in self._known_sites:
             self._known_sites[key] = len(self.sites)
             rule = self._rules[at.rule]
-            places = self._sources.of(tree, rule) if kind in _EXPLAINED else ()
-            told = {"within": self._within, "places": places, "stands": at.stands, **told}
-            self.sites.append(Site(kind, span, at.rule, **told))
+            places = self._sources.of(node, rule) if kind in _EXPLAINED else ()
+            details = {"within": self._within, "places": places, "stands": at.stands, **details}
+            self.sites.append(Site(kind, span, at.rule, **details))
         return self._known_sites[key]
 
     def _add(
         self,
         at: At,
         site: int,
-        asked: Sequence[Rule],
+        asked: Sequence[Expression],
         kind: Any,
-        condition: Rule | None = None,
+        condition: Expression | None = None,
     ) -> int:
         """Add a column to the query at a place; return -1 if there are too many."""
         segment = at.trail.segment
@@ -258,7 +256,7 @@ class Watching:
             self.left_out += 1
             return -1
         segment.columns.append(Column(site, at.guard, kind))
-        segment.trees.append(condition or {})
+        segment.trees.append(condition)
         if asked:
             segment.asked[number] = asked
         return number
@@ -268,14 +266,14 @@ class Watching:
         return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
 
     def _emit(
-        self, trail: Trail, before: int = -1, gives: int = -1, who: Rule | None = None
+        self, trail: Trail, before: int = -1, gives: int = -1, who: Expression | None = None
     ) -> None:
         """Generate the predicate that queries a segment."""
         segment = trail.segment
         if not segment.body and not segment.columns and gives < 0:
             return
-        told = tuple(segment.columns)
-        values = {n for n, column in enumerate(told) if self.sites[column.site].kind == "value"}
+        every = tuple(segment.columns)
+        values = {n for n, column in enumerate(every) if self.sites[column.site].kind == "value"}
         for closer in (False, True) if values else (False,):
             name = f"{PROBE}{self._fresh}"
             self._fresh += 1
@@ -290,7 +288,7 @@ class Watching:
                 columns["who"] = who
             probe = Probe(
                 name,
-                tuple(replace(c, kind="skip") if n in left_out else c for n, c in enumerate(told)),
+                tuple(replace(c, kind="skip") if n in left_out else c for n, c in enumerate(every)),
                 segment.after,
                 before,
                 trail.filters,
@@ -298,6 +296,6 @@ class Watching:
                 robot=who is not None,
                 closeness=("closer" if closer else "wider") if values else "both",
             )
-            rule = counted(name, columns, segment.differences, segment.body)
+            rule = count_rule(name, columns, segment.differences, segment.body)
             self.probes[name] = (rule, probe)
             trail.probes.append(name)

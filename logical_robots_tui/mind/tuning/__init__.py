@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
-from logical_robots_tui.mind.program import INPUTS, STEPS, Tuned
+from logical_robots_tui.mind.program import STEPS, Tuned
 from logical_robots_tui.mind.tuning import columns, sql
 from logical_robots_tui.mind.tuning.memories import MemoryColumns, named_fields
 from logical_robots_tui.mind.tuning.passes import PASSES, Rewriting
+from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import VALUE
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.deriving import MOST_ELEMENTS, shown, value_of
 from logical_robots_tui.mind.why.relations import ALIKE, same
+from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.mind.why.explanation import Ask, Node
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
 from logical_robots_tui.mind.why.relations import alike
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -9,9 +9,9 @@ from itertools import islice
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.language.similar_names import closest, distance
 from logical_robots_tui.mind.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.similar_names import closest, distance
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.why.deriving import value_of
 from logical_robots_tui.mind.why.probing import ORDERING, Span

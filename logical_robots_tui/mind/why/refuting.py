@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.mind.why.deriving import Telling, counted, denied, value_of
 from logical_robots_tui.mind.why.explanation import Node
 from logical_robots_tui.mind.why.relations import same
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

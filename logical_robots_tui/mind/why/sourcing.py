@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.program import INPUTS, VALUE
 from logical_robots_tui.mind.why.deriving import decided, value_of
 from logical_robots_tui.mind.why.probing import DECIDED_BY_ONE
 from logical_robots_tui.mind.why.relations import alike
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

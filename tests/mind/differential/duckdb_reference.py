@@ -16,9 +16,8 @@ from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
 from logica.type_inference.research import reference_algebra, types_of_builtins
 
-from logical_robots_tui.mind.compiling import package_patches
-from logical_robots_tui.mind.compiling.rules import nodes
-from logical_robots_tui.mind.source_text import INNER_QUOTE, prepare
+from logical_robots_tui.language import package_patches
+from logical_robots_tui.language.source_text import INNER_QUOTE, prepare
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -97,9 +96,15 @@ def _types_in_order(sql: str) -> str:
 
 def _parsed(text: str) -> list[Any]:
     rules = list(_parse(prepare(text).text)["rule"])
-    for node in nodes(rules):
-        if isinstance(written := node.get("the_string"), str):
-            node["the_string"] = written.replace(INNER_QUOTE, '"')
+    waiting: list[Any] = list(rules)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, dict):
+            if isinstance(written := node.get("the_string"), str):
+                node["the_string"] = written.replace(INNER_QUOTE, '"')
+            waiting += node.values()
+        elif isinstance(node, list):
+            waiting += node
     return rules
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from logica.compiler import functors, rule_translate
 from logica.parser_py import parse
 
-from logical_robots_tui.mind.similar_names import closest
-from logical_robots_tui.mind.source_text import Prepared, diagnostic_at
+from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.diagnostics import Diagnostic

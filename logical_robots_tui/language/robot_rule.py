@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.checking.shapes import Record
-from logical_robots_tui.mind.compiling.rules import fields, heads, nodes
-from logical_robots_tui.mind.similar_names import closest
-from logical_robots_tui.mind.source_text import diagnostic_at, diagnostic_for
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.definitions import definitions, rules_of
+from logical_robots_tui.language.shapes import Record
+from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
+from logical_robots_tui.language.tree import REST
 from logical_robots_tui.schema import DESIRE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
-    from logical_robots_tui.mind.checking.inference import Inference
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.inference import Inference
+    from logical_robots_tui.language.tree import Statement
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
 MAIN = "Robot"
@@ -26,40 +28,39 @@ _EXAMPLE = (
 )
 
 
-def main_predicate(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     """Find what is missing in the heads of `Robot`, or report that there is none."""
-    found = heads(rules).get(MAIN, [])
+    found = definitions(program).get(MAIN, [])
     if not found:
         message = "there is no Robot predicate"
-        close = next((n for n in heads(rules) if n.lower() == MAIN.lower()), "")
+        close = next((n for n in definitions(program) if n.lower() == MAIN.lower()), "")
         if close:
             yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
         else:
             yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
-    for rule in found:
-        head = rule["head"]
-        columns = fields(head["record"])
-        if head["predicate_name"] != MAIN or "*" in columns:
+    for rule in rules_of(found):
+        columns = [each.field for each in rule.head.columns]
+        if REST in columns:
             continue
         others = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
         for column in _COLUMNS:
             if column not in columns:
-                yield _missing(head["predicate_name"], column, others, text)
+                yield _missing(rule.name, column, others, text)
 
 
-def engines(rules: list[Rule], inference: Inference, text: str) -> Iterator[Diagnostic]:
+def engines(program: Sequence[Statement], inference: Inference, text: str) -> Iterator[Diagnostic]:
     """Find misspelt or missing engines in a desire."""
     literals = [
-        [name for name in fields(node["record"]) if isinstance(name, str)]
-        for node in nodes(rules)
-        if "field_value" in node.get("record", {}) and "predicate_name" not in node
+        [each.field for each in node.arguments if isinstance(each.field, str)]
+        for node in tree.walk(program)
+        if isinstance(node, tree.Record)
     ]
     desires = [
         shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, Record)
     ]
     problems: dict[tuple[int, int], Diagnostic] = {}
     for names in literals:
-        if set(names) & set(_ENGINES) and "*" not in names:
+        if set(names) & set(_ENGINES) and REST not in names:
             problems |= _by_place(_misspelt(names, text))
     for desire in desires:
         names = list(desire)

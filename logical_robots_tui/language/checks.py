@@ -4,44 +4,49 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 from logica.compiler import universe
 
-from logical_robots_tui.mind.checking import builtins
-from logical_robots_tui.mind.checking.inference import Inference
-from logical_robots_tui.mind.checking.robot_rule import MAIN, engines, main_predicate
-from logical_robots_tui.mind.checking.signatures import (
+from logical_robots_tui.language import builtins
+from logical_robots_tui.language.definitions import (
+    called,
+    calls,
+    definitions,
+    lacking,
+    parameters,
+    prelude,
+)
+from logical_robots_tui.language.inference import Inference
+from logical_robots_tui.language.robot_rule import MAIN, engines, main_predicate
+from logical_robots_tui.language.signatures import (
     collisions,
     given_twice,
     signatures,
     wrong_calls,
 )
-from logical_robots_tui.mind.checking.verbatim import verbatim
-from logical_robots_tui.mind.compiling.rules import (
-    called,
-    calls,
-    defined,
-    fields,
-    head_name,
-    heads,
-    lacking,
-    nodes,
-    parameters,
-    prelude_rules,
-    subject,
-    value_of,
+from logical_robots_tui.language.similar_names import closest, distance
+from logical_robots_tui.language.source_text import diagnostic_for
+from logical_robots_tui.language.spelling import TYPES
+from logical_robots_tui.language.tree import (
+    Annotation,
+    Argument,
+    Functor,
+    Number,
+    PredicateName,
+    Rule,
+    Text,
+    Variable,
+    walk,
 )
-from logical_robots_tui.mind.compiling.spelling import TYPES
-from logical_robots_tui.mind.program import INPUTS
-from logical_robots_tui.mind.similar_names import closest, distance
-from logical_robots_tui.mind.source_text import diagnostic_for
+from logical_robots_tui.language.verbatim import verbatim
+from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
-    from logical_robots_tui.mind.compiling.parsing import Parsed
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.adapter import Parsed
+    from logical_robots_tui.language.tree import Expression, Node, Statement
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
 _CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
@@ -50,7 +55,6 @@ _ANNOTATIONS = frozenset(
         "@DefineFlag",
         "@Ground",
         "@Limit",
-        "@Make",
         "@NoInject",
         "@NoWith",
         "@OrderBy",
@@ -80,25 +84,25 @@ _OUTSIDE = frozenset(
 
 def check(parsed: Parsed, text: str) -> list[Diagnostic]:
     """Return errors and warnings that would compile silently, in text order."""
-    rules = parsed.rules
-    known = {n: s for n, s in signatures(rules).items() if n not in parsed.doubtful}
-    inference = Inference(rules, text, parsed.doubtful)
+    program = parsed.statements
+    known = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
+    inference = Inference(program, text, parsed.doubtful)
     problems = [
         *parsed.problems,
-        *_annotations(rules, text),
-        *_supplied(rules, text),
-        *_names(rules, text, parsed.doubtful),
-        *collisions(rules, text),
-        *wrong_calls(rules, known, text),
-        *given_twice(rules, text),
-        *_without_arguments(rules, text),
-        *verbatim(rules, known, text),
+        *_annotations(program, text),
+        *_supplied(program, text),
+        *_names(program, text, parsed.doubtful),
+        *collisions(program, text),
+        *wrong_calls(program, known, text),
+        *given_twice(program, text),
+        *_without_arguments(program, text),
+        *verbatim(program, known, text),
         *inference.problems,
-        *engines(rules, inference, text),
-        *typos(rules, text),
+        *engines(program, inference, text),
+        *typos(program, text),
     ]
-    if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in heads(rules)):
-        problems += main_predicate(rules, text)
+    if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in definitions(program)):
+        problems += main_predicate(program, text)
     unique = {(p.line, p.column, p.message): p for p in problems}
     return sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
 
@@ -106,13 +110,15 @@ def check(parsed: Parsed, text: str) -> list[Diagnostic]:
 _FLAG = "FlagValue"  # the value set by @DefineFlag
 
 
-def _annotations(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
-    ours = _ANNOTATIONS - {"@Make"} | {"@Visible"}
-    for rule in rules:
-        name = head_name(rule)
+def _annotations(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+    ours = _ANNOTATIONS | {"@Visible"}
+    for each in program:
+        if not isinstance(each, Annotation):
+            continue
+        name = each.name
         if name in _CHOSEN_BY_THE_GAME:
             yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
-        elif name.startswith("@") and name not in {*_ANNOTATIONS, *IGNORED, "@Visible"}:
+        elif name not in ours | IGNORED:
             close = closest(name[1:], {o[1:] for o in ours})
             if name in universe.Annotations.ANNOTATING_PREDICATES:
                 message, hint = f"{name} is for other engines", "Remove this line."
@@ -122,55 +128,53 @@ def _annotations(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
                 message = f"there is no annotation {name} for robots"
                 hint = f"There are {', '.join(sorted(ours))}."
             yield diagnostic_for(text, name, message, hint)
-        elif name in _ARGUMENTS and not _fits(rule, _ARGUMENTS[name][0]):
+        elif name in _ARGUMENTS and not _fits(each, _ARGUMENTS[name][0]):
             _, message, hint = _ARGUMENTS[name]
             yield diagnostic_for(text, name, message, hint)
 
 
-_ARGUMENTS = {
-    "@Limit": ("the_number", "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
+_ARGUMENTS: dict[str, tuple[type[Expression], str, str]] = {
+    "@Limit": (Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
     "@OrderBy": (
-        "the_string",
+        Text,
         "@OrderBy needs a predicate and its columns in quotes",
         'Such as @OrderBy(P, "col0 DESC");',
     ),
     "@Recursive": (
-        "the_number",
+        Number,
         "@Recursive needs a predicate and a number of steps",
         "Such as @Recursive(P, 50);",
     ),
 }
 
 
-def _fits(rule: Rule, kind: str) -> bool:
+def _fits(annotation: Annotation, kind: type[Expression]) -> bool:
     """Return whether an annotation has a predicate followed by literals of a kind."""
-    values = [value_of(fv) or {} for fv in rule["head"]["record"]["field_value"]]
-    named = [isinstance(field, str) for field in fields(rule["head"]["record"])]
-    if not values or "the_predicate" not in values[0].get("literal", {}):
-        return False
-    rest = [v for v, has_name in zip(values, named, strict=True) if not has_name][1:]
-    enough = bool(rest) or head_name(rule) == "@Recursive"
-    return enough and all(kind in value.get("literal", {}) for value in rest)
+    rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
+    is_enough = bool(rest) or annotation.name == "@Recursive"
+    has_subject = bool(annotation.subject)
+    return has_subject and is_enough and all(isinstance(value, kind) for value in rest)
 
 
-def _supplied(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
-    for name in defined(rules):
+def _supplied(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+    for name in definitions(program):
         if name in INPUTS:
             message = f"{name} is supplied by the game and can't be defined"
             yield diagnostic_for(text, name, message, "Give your predicate another name.")
 
 
-def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[Diagnostic]:
+def _names(
+    program: Sequence[Statement], text: str, doubtful: frozenset[str]
+) -> Iterator[Diagnostic]:
     """Find names that are not defined, or that robots may not use."""
-    own = {*(head_name(r) for r in rules), *defined(rules), *doubtful, *_types(rules)}
-    known = {*own, *defined(list(prelude_rules())), *INPUTS}
-    left_open = parameters(rules) - {lacking(rules).get(MAIN)}
+    own = {*(each.name for each in program if isinstance(each, Rule)), *definitions(program)}
+    known = {*own, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
+    left_open = parameters(program) - {lacking(program).get(MAIN)}
     seen = set()
-    values = {str(n["the_predicate"]["predicate_name"]) for n in nodes(rules) if _is_value(n)}
-    values -= {str(call["predicate_name"]) for call, _ in calls(rules)} | {
-        subject(rule) for rule in rules
-    }
-    for name in called(rules):
+    subjects = {each.subject for each in program if isinstance(each, Annotation)}
+    values = {node.name for node in walk(program) if isinstance(node, PredicateName)}
+    values -= {*(each.name for each in calls(program)), *subjects}
+    for name in called(program):
         if name in seen or name in known or name in left_open:
             continue
         seen.add(name)
@@ -194,27 +198,24 @@ def _names(rules: list[Rule], text: str, doubtful: frozenset[str]) -> Iterator[D
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
 
 
-def _without_arguments(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     """Find functions and predicates that are named where a value belongs."""
-    known = {*defined(rules), *INPUTS} - {*_types(rules)}
-    own = [rule for rule in rules if not head_name(rule).startswith("@")]
-    for node in filter(_is_value, nodes(own)):
-        name = node["the_predicate"]["predicate_name"]
+    known = {*definitions(program), *INPUTS} - {*_types(program)}
+    for node in walk(each for each in program if isinstance(each, Rule)):
+        if not isinstance(node, PredicateName):
+            continue
+        name = node.name
         if name in known or (builtins.is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} is named without its arguments, so it has no value"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
 
-def _is_value(node: Rule) -> bool:
-    return isinstance(node.get("the_predicate"), dict)
-
-
-def _types(rules: list[Rule]) -> Iterator[str]:
+def _types(program: Sequence[Statement]) -> Iterator[str]:
     """Return names that stand for types: in `TryCast` and after `~`."""
-    for call, _ in calls(rules):
-        if call["predicate_name"] in ("TryCast", "~"):
-            for name in called(call["record"]["field_value"][1:]):
-                if call["predicate_name"] == "~" or name.upper() in TYPES:
+    for call in calls(program):
+        if call.name in ("TryCast", "~"):
+            for name in called(call.arguments[1:]):
+                if call.name == "~" or name.upper() in TYPES:
                     yield name
 
 
@@ -253,13 +254,13 @@ _SHORTEST = 4  # letters in a word that can be recognised as misspelt
 _LONG = 7  # letters in a word that may have two errors
 
 
-def typos(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+def typos(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     """Warn about variables that are probably misspelt."""
-    for rule in rules:
-        if head_name(rule).startswith("@"):
+    for rule in program:
+        if isinstance(rule, Annotation | Functor):
             continue
-        variables = [n["variable"]["var_name"] for n in nodes(rule) if "variable" in n]
-        shorthand = {n["field"] for n in nodes(rule) if _is_shorthand(n)}
+        variables = [node.name for node in walk(rule) if isinstance(node, Variable)]
+        shorthand = {node.field for node in walk(rule) if _is_shorthand(node)}
         counts = Counter(map(str, variables))
         for at, name in enumerate(variables):
             if counts[name] > 1 or name in shorthand:
@@ -273,12 +274,11 @@ def typos(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
                 yield diagnostic_for(text, name, message, hint, "warning")
 
 
-def _is_shorthand(node: Rule) -> bool:
+def _is_shorthand(node: Node) -> TypeGuard[Argument]:
     """Return whether this is `name:`, which names a column and its variable at once."""
-    if "field" not in node:
+    if not isinstance(node, Argument) or not isinstance(node.value, Variable):
         return False
-    variable = node["value"].get("expression", {}).get("variable")
-    return bool(variable) and variable["var_name"] == node["field"]
+    return node.value.name == node.field
 
 
 def _looks_like(name: str, other: str) -> bool:

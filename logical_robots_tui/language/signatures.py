@@ -4,30 +4,36 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.checking import builtins
-from logical_robots_tui.mind.checking.robot_rule import MAIN
-from logical_robots_tui.mind.compiling.rules import (
+from logical_robots_tui.language import builtins
+from logical_robots_tui.language.definitions import (
     calls,
-    fields,
-    head_name,
-    heads,
-    nodes,
-    prelude_rules,
+    definitions,
+    prelude,
     reached,
-    subject,
-    value_of,
-    variable_of,
+    rules_of,
 )
-from logical_robots_tui.mind.program import INPUTS, VALUE
-from logical_robots_tui.mind.similar_names import closest
-from logical_robots_tui.mind.source_text import diagnostic_for
+from logical_robots_tui.language.robot_rule import MAIN
+from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.source_text import diagnostic_for
+from logical_robots_tui.language.tree import (
+    REST,
+    Argument,
+    Call,
+    Functor,
+    Rule,
+    children,
+    variable_of,
+    variables,
+    walk,
+)
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from logical_robots_tui.mind.compiling.rules import Rule
+    from logical_robots_tui.language.tree import Atom, Statement
     from logical_robots_tui.mind.diagnostics import Diagnostic
 
 
@@ -53,63 +59,54 @@ class Signature:
         return f"({shown})" + (" = value" if self.has_value else "")
 
 
-def signatures(rules: list[Rule]) -> dict[str, Signature]:
+def signatures(program: Sequence[Statement]) -> dict[str, Signature]:
     """Return the signatures of predicates whose rules agree."""
     found = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
-    for name, own in {**heads(list(prelude_rules())), **heads(rules)}.items():
-        candidates = {_signature(rule) for rule in own}
+    for name, own in {**definitions(prelude()), **definitions(program)}.items():
+        candidates = {_signature(each) for each in own}
         signature = candidates.pop()
         if signature is not None and not candidates:
             found[name] = signature
     return found
 
 
-def collisions(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     """Find rules that disagree with the first rule of the same predicate."""
-    for name, own in heads(rules).items():
-        first, *others = own
-        if name.isidentifier() and (problem := _hides_built_in(name, first, rules)):
+    for name, (first, *others) in definitions(program).items():
+        if name.isidentifier() and (problem := _hides_built_in(name, first, program)):
             yield diagnostic_for(text, name, problem, "Give your predicate another name.")
-        for rule in others:
-            if told := _difference(first, rule):
-                here = subject(rule) if head_name(rule) == "@Make" else head_name(rule)
-                line = text.count("\n", 0, getattr(name, "start", 0)) + 1
-                message, hint = told
-                yield diagnostic_for(text, here, message.format(name, line), hint)
+        for other in others:
+            if difference := _difference(first, other):
+                line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
+                message, hint = difference
+                yield diagnostic_for(text, other.name, message.format(name, line), hint)
                 break
 
 
 def wrong_calls(
-    rules: list[Rule], known: Mapping[str, Signature], text: str
+    program: Sequence[Statement], known: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
     """Find calls with arguments that the predicate does not have."""
-    own = heads(rules)
-    used = _used(own)
-    for rule in rules:
-        if head_name(rule).startswith("@"):
-            continue
-        for call, for_value in calls(rule):
-            name = call["predicate_name"]
+    own = definitions(program)
+    used = {MAIN, *reached(own[MAIN], own)} if MAIN in own else {*own}
+    for rule in rules_of(program):
+        for call in calls(rule):
+            name, for_value = call.name, isinstance(call, Call)
             if name in known and not (for_value and builtins.is_built_in(name)):
-                yield from _wrong_call(call, known[name], for_value, text)
-                if for_value and known[name].has_value and head_name(rule) in used:
+                yield from _wrong_call(call, known[name], text)
+                if for_value and known[name].has_value and rule.name in used:
                     yield from _left_out(call, known[name], text)
             elif for_value and name not in own and _is_named_built_in(name):
                 yield from _wrong_built_in(call, text)
 
 
-def _used(own: Mapping[str, list[Rule]]) -> set[str]:
-    """Return the predicates that `Robot` uses, or all if there is no `Robot`."""
-    return {MAIN, *reached(own[MAIN], own)} if MAIN in own else {*own}
-
-
-def given_twice(rules: list[Rule], text: str) -> Iterator[Diagnostic]:
+def given_twice(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     """Find fields and arguments with two values."""
-    for node in nodes(rules):
+    for node in walk(program):
         seen = set()
-        for fv in node.get("field_value", ()):
-            name = fv["field"]
-            if isinstance(name, str) and name in seen and name != "*":
+        for each in children(node):
+            name = each.field if isinstance(each, Argument) else 0
+            if isinstance(name, str) and name in seen and name != REST:
                 hint = "Remove one, or join the conditions with ','."
                 yield diagnostic_for(text, name, f"{name} is given twice here", hint)
             seen.add(name)
@@ -120,33 +117,32 @@ def _is_named_built_in(name: str) -> bool:
     return name[:1].isupper() and builtins.is_built_in(name) and builtins.runs(name)
 
 
-def _signature(rule: Rule) -> Signature | None:
-    if head_name(rule).startswith("@"):
+def _signature(rule: Rule | Functor) -> Signature | None:
+    if isinstance(rule, Functor):
         return None
-    columns = fields(rule["head"]["record"])
-    if "*" in columns:
+    columns = [each.field for each in rule.head.columns]
+    if REST in columns:
         return None
     positional = sum(isinstance(c, int) for c in columns)
     named = frozenset(str(c) for c in columns if isinstance(c, str))
-    required = frozenset[int]() if "body" in rule else _in_value(rule)
+    required = frozenset[int]() if rule.body else _in_value(rule)
     return Signature(positional, named - {VALUE}, VALUE in named, required)
 
 
 def _in_value(rule: Rule) -> frozenset[int]:
     """Return the places of arguments in the value of a function without conditions."""
-    record = rule["head"]["record"]["field_value"]
-    values = [fv for fv in record if fv["field"] == VALUE]
-    mentioned = {node["variable"]["var_name"] for node in nodes(values) if "variable" in node}
+    value = rule.head.column(VALUE)
+    mentioned = variables(value, inside=True) if value else ()
     return frozenset(
-        fv["field"]
-        for fv in record
-        if isinstance(fv["field"], int) and variable_of(value_of(fv) or {}) in mentioned
+        each.field
+        for each in rule.head.columns
+        if isinstance(each.field, int) and variable_of(each.expression) in mentioned
     )
 
 
-def _difference(first: Rule, other: Rule) -> tuple[str, str] | None:
+def _difference(first: Rule | Functor, other: Rule | Functor) -> tuple[str, str] | None:
     """Describe how two rules of one name contradict each other, with a hint."""
-    if "@Make" in (head_name(first), head_name(other)):
+    if isinstance(first, Functor) or isinstance(other, Functor):
         return "{0} is already defined in line {1}", "Give one of them another name."
     one, two = _signature(first), _signature(other)
     if one is None or two is None:
@@ -160,28 +156,26 @@ def _difference(first: Rule, other: Rule) -> tuple[str, str] | None:
         if len(hint) > 120:
             hint = "All rules of a predicate have the same columns."
         return "{0} has different columns in line {1}", hint
-    if ("distinct_denoted" in first) != ("distinct_denoted" in other):
-        where = "in line {1}, but not here" if "distinct_denoted" in first else "here only"
+    if first.is_distinct != other.is_distinct:
+        where = "in line {1}, but not here" if first.is_distinct else "here only"
         return "{0} is distinct " + where, "Write distinct in all of its heads, or in none."
     return None
 
 
-def _hides_built_in(name: str, rule: Rule, rules: list[Rule]) -> str:
+def _hides_built_in(name: str, first: Rule | Functor, program: Sequence[Statement]) -> str:
     if not builtins.is_built_in(name):
         return ""
-    used = any(for_value and call["predicate_name"] == name for call, for_value in calls(rules))
-    if VALUE in fields(rule["head"]["record"]) or used:
+    used = any(isinstance(call, Call) and call.name == name for call in calls(program))
+    if used or (isinstance(first, Rule) and first.head.column(VALUE)):
         return f"{name} is built in; this definition would be ignored"
     return ""
 
 
-def _wrong_call(
-    call: Rule, signature: Signature, for_value: bool, text: str
-) -> Iterator[Diagnostic]:
-    name = call["predicate_name"]
-    given = fields(call["record"])
+def _wrong_call(call: Call | Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
+    name = call.name
+    given = [each.field for each in call.arguments]
     positional = sum(isinstance(field, int) for field in given)
-    allowed = {*signature.named, "*", VALUE, *(f"col{i}" for i in range(signature.count))}
+    allowed = {*signature.named, REST, VALUE, *(f"col{i}" for i in range(signature.count))}
     if positional > signature.count:
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
         yield diagnostic_for(text, name, _too_many(name, positional, signature), hint)
@@ -190,24 +184,23 @@ def _wrong_call(
             close = closest(field, signature.named, 0.6)
             hint = f"Did you mean {close}?" if close else _shape(signature)
             yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
-    if for_value and not signature.has_value:
+    if isinstance(call, Call) and not signature.has_value:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is not a function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
 
 
-def _left_out(call: Rule, signature: Signature, text: str) -> Iterator[Diagnostic]:
+def _left_out(call: Call | Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
     """Report a function that is called without arguments that its value needs.
 
     Without other arguments it returns all its values.
     """
-    name = call["predicate_name"]
-    given: list[Any] = fields(call["record"])
-    missing = {place for place in signature.required if not {place, f"col{place}"} & {*given}}
-    if missing and "*" not in given:
+    given = {each.field for each in call.arguments}
+    missing = any(not {place, f"col{place}"} & given for place in signature.required)
+    if missing and REST not in given:
         here = sum(isinstance(field, int) for field in given)
-        message = f"{name} takes {_arguments(signature.count)}, here {_are(here)}"
-        yield diagnostic_for(text, name, message, "Add the missing arguments.")
+        message = f"{call.name} takes {_arguments(signature.count)}, here {_are(here)}"
+        yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
 
 
 def _too_many(name: str, given: int, signature: Signature) -> str:
@@ -227,9 +220,9 @@ def _shape(signature: Signature) -> str:
     return hint if len(hint) <= 120 else ""
 
 
-def _wrong_built_in(call: Rule, text: str) -> Iterator[Diagnostic]:
-    name = call["predicate_name"]
-    given: list[Any] = fields(call["record"])
+def _wrong_built_in(call: Call | Atom, text: str) -> Iterator[Diagnostic]:
+    name = call.name
+    given = [each.field for each in call.arguments]
     least, most = builtins.arity(name)
     named = [field for field in given if isinstance(field, str)]
     if named:

@@ -1,0 +1,437 @@
+"""Between the typed tree and the nodes of the `logica` package; nothing else knows these nodes.
+
+`parse` reads a program statement by statement, so that every error is found. `to_package` gives
+back what the package's compiler takes, with the places that its messages need.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from logica.parser_py import parse as parser
+
+from logical_robots_tui.language import error_messages, tree
+from logical_robots_tui.language.package_patches import deep_copy
+from logical_robots_tui.language.source_text import INNER_QUOTE, statements
+from logical_robots_tui.language.tree import Name, Span
+from logical_robots_tui.schema import VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Statement
+    from logical_robots_tui.mind.diagnostics import Diagnostic
+
+Raw: TypeAlias = dict[str, Any]
+"""A node of the package."""
+
+_NAME = re.compile(r"[A-Z]\w*")
+_MODALITIES = ("couldbe_denoted", "cantbe_denoted", "shouldbe_denoted")
+_LITERALS = {
+    "the_number": ("number", tree.Number),
+    "the_string": ("the_string", tree.Text),
+    "the_bool": ("the_bool", tree.Boolean),
+    "the_null": ("the_null", tree.Null),
+}
+_KEYS = {kind: (outer, inner) for outer, (inner, kind) in _LITERALS.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """The parsed part of a program.
+
+    Attributes:
+        statements: As written, in the order of the text.
+        problems: Errors in the statements that could not be parsed.
+        doubtful: Names in those statements, about which nothing is known.
+    """
+
+    statements: list[Statement]
+    problems: list[Diagnostic]
+    doubtful: frozenset[str]
+
+
+def parse(source: Prepared) -> Parsed:
+    """Parse every statement that can be parsed."""
+    parser.TOO_MUCH = "too much"  # a program could switch the package's syntax permanently
+    parser.EnactIncantations(source.text)
+    found: list[Statement] = []
+    problems = list(source.problems)
+    doubtful: set[str] = set()
+    for start, end in statements(source):
+        if not any(start <= place < end for place in source.broken):
+            try:
+                found += _parse_statement(source.text, start, end)
+                continue
+            except error_messages.COMPLAINTS as error:
+                problems.append(error_messages.explain(error, source, (start, end)))
+        doubtful.update(_NAME.findall(source.skeleton[start:end]))
+    return Parsed(found, problems, frozenset(doubtful))
+
+
+def parse_proposition(source: Prepared) -> tree.Proposition:
+    """Parse a body.
+
+    Raises:
+        Exception: One of the package's, if it is none.
+    """
+    text = parser.Strip(parser.HeritageAwareString(source.text))
+    return _Reader(source.text).proposition(parser.ParseProposition(text))
+
+
+def parse_expression(source: Prepared) -> tree.Expression:
+    """Parse an expression.
+
+    Raises:
+        Exception: One of the package's, if it is none.
+    """
+    text = parser.Strip(parser.HeritageAwareString(source.text))
+    return _Reader(source.text).expression(parser.ParseExpression(text))
+
+
+def parse_trusted(text: str) -> tuple[Statement, ...]:
+    """Parse a text of our own, without places."""
+    reader = _Reader("")
+    return tuple(map(reader.statement, parser.ParseFile(text)["rule"]))
+
+
+def is_rule(source: Prepared) -> bool:
+    """Return whether a text has the sign of a rule or of a functor outside of brackets."""
+    text = parser.HeritageAwareString(source.text)
+    return any(len(parser.Split(text, sign)) > 1 for sign in (":-", ":="))
+
+
+def _parse_statement(text: str, start: int, end: int) -> Iterator[Statement]:
+    statement = parser.HeritageAwareString(text[start:end])
+    statement.start, statement.stop, statement.heritage = start, end, text
+    function: list[Raw] | None = parser.ParseFunctionRule(statement)
+    if function:
+        # The package reads ``head --> value`` as a text of its own, ``head = value``.
+        head, value = parser.SplitRaw(statement, "-->")
+        middle, shift = len(head), value.start - len(head) - len(" = ")
+        rule = f"{head} = {value}"
+        reader = _Reader(
+            rule, lambda at: at + (head.start if at <= middle else shift), Span(start, end)
+        )
+        yield from map(reader.statement, function)
+        return
+    reader = _Reader(text)
+    yield reader.statement(parser.ParseFunctorRule(statement) or parser.ParseRule(statement))
+
+
+# -- from the package ----------------------------------------------------------------------------
+
+
+class _Reader:
+    """Makes typed nodes.
+
+    Args:
+        text: The text whose pieces the package's nodes are.
+        place: The offset in the program of an offset in the text.
+        whole: The span of the statement, if it is not a piece of the text.
+    """
+
+    def __init__(
+        self, text: str, place: Callable[[int], int] | None = None, whole: Span | None = None
+    ) -> None:
+        self._text, self._place, self._whole = text, place, whole
+
+    def statement(self, raw: Raw) -> Statement:
+        head = raw["head"]
+        name = self._name(head["predicate_name"])
+        arguments = self._arguments(head["record"])
+        span = self._span(raw["full_text"]) or self._whole
+        if name == "@Make":
+            made, base, given = (each.value for each in arguments)
+            assert isinstance(made, tree.PredicateName)
+            assert isinstance(base, tree.PredicateName)
+            assert isinstance(given, tree.Record)
+            return tree.Functor(made.name, base.name, given.arguments, span=span)
+        if name.startswith("@"):
+            return tree.Annotation(name, arguments, span=span)
+        return tree.Rule(
+            tree.Head(name, arguments, span=self._around([name], arguments)),
+            self.proposition(raw["body"]) if "body" in raw else None,
+            raw.get("distinct_denoted", False),
+            tuple(each for each in _MODALITIES if raw.get(each)),
+            span=span,
+        )
+
+    def proposition(self, raw: Raw) -> tree.Proposition:
+        if "conjunction" in raw:
+            members = tuple(map(self.proposition, raw["conjunction"]["conjunct"]))
+            return tree.Conjunction(members, span=tree.span_of(members))
+        if "disjunction" in raw:
+            members = tuple(map(self.proposition, raw["disjunction"]["disjunct"]))
+            return tree.Disjunction(members, span=tree.span_of(members))
+        if "inclusion" in raw:
+            collection = self.expression(raw["inclusion"]["list"])
+            element = self.expression(raw["inclusion"]["element"])
+            span = tree.span_of([collection, element])
+            return tree.Membership(collection, element, span=span)
+        if "unification" in raw:
+            pair = raw["unification"]
+            left = self.expression(pair["left_hand_side"])
+            right = self.expression(pair["right_hand_side"])
+            return tree.Equation(left, right, span=tree.span_of([left, right]))
+        name = self._name(raw["predicate"]["predicate_name"])
+        arguments = self._arguments(raw["predicate"]["record"])
+        return tree.Atom(name, arguments, span=self._around([name], arguments))
+
+    def expression(self, raw: Raw) -> tree.Expression:
+        span = self._span(raw.get("expression_heritage"))
+        if "literal" in raw:
+            return self._literal(raw["literal"], span)
+        if "variable" in raw:
+            return tree.Variable(self._name(raw["variable"]["var_name"]), span=span)
+        if "call" in raw:
+            name = self._name(raw["call"]["predicate_name"])
+            arguments = self._arguments(raw["call"]["record"])
+            return tree.Call(name, arguments, span=span or self._around([name], arguments))
+        if "subscript" in raw:
+            record = self.expression(raw["subscript"]["record"])
+            field = self._name(raw["subscript"]["subscript"]["literal"]["the_symbol"]["symbol"])
+            return tree.FieldAccess(record, field, span=span)
+        if "record" in raw:
+            return tree.Record(self._arguments(raw["record"]), span=span)
+        if "implication" in raw:
+            branches = tuple(
+                tree.Branch(
+                    self.expression(each["condition"]), self.expression(each["consequence"])
+                )
+                for each in raw["implication"]["if_then"]
+            )
+            return tree.Choice(
+                branches, self.expression(raw["implication"]["otherwise"]), span=span
+            )
+        return self._aggregate(raw["combine"], span)
+
+    def _aggregate(self, raw: Raw, span: Span | None) -> tree.Aggregate:
+        aggregation = raw["head"]["record"]["field_value"][0]["value"]["aggregation"]
+        argument = self.expression(aggregation["argument"])
+        return tree.Aggregate(
+            self._name(aggregation["operator"]),
+            argument,
+            self.proposition(raw["body"]) if "body" in raw else None,
+            is_denial=isinstance(argument, tree.Number) and argument.span is None,
+            span=span or self._span(raw["full_text"]),
+        )
+
+    def _literal(self, raw: Raw, span: Span | None) -> tree.Expression:
+        ((key, inner),) = raw.items()
+        if key == "the_list":
+            return tree.List(tuple(map(self.expression, inner["element"])), span=span)
+        if key == "the_predicate":
+            return tree.PredicateName(self._name(inner["predicate_name"]), span=span)
+        within, kind = _LITERALS[key]
+        return kind(str(inner[within]).replace(INNER_QUOTE, '"'), span=span)
+
+    def _arguments(self, record: Raw) -> tuple[tree.Argument, ...]:
+        return tuple(map(self._argument, record["field_value"]))
+
+    def _argument(self, raw: Raw) -> tree.Argument:
+        field = raw["field"] if isinstance(raw["field"], int) else self._name(raw["field"])
+        value: tree.Expression | tree.Aggregation
+        if "aggregation" in raw["value"]:
+            found = raw["value"]["aggregation"]
+            value = tree.Aggregation(
+                self._name(found["operator"]),
+                self.expression(found["argument"]),
+                span=self._span(found["expression_heritage"]),
+            )
+        else:
+            value = self.expression(raw["value"]["expression"])
+        return tree.Argument(field, value, span=self._around([field], [value]))
+
+    def _name(self, piece: str) -> Name:
+        span = self._span(piece)
+        return Name(piece, -1 if span is None else span.start)
+
+    def _span(self, piece: Any) -> Span | None:
+        if type(piece) is not parser.HeritageAwareString or piece.heritage != self._text:
+            return None
+        if self._place is None:
+            return Span(piece.start, piece.stop)
+        return Span(self._place(piece.start), self._place(piece.stop))
+
+    @staticmethod
+    def _around(names: Iterable[object], nodes: Iterable[tree.Node]) -> Span | None:
+        """Return the span of names and the nodes beside them."""
+        spans = [Span(n.start, n.start + len(n)) for n in names if isinstance(n, Name)]
+        spans = [span for span in spans if span.start >= 0]
+        spans += [node.span for node in nodes if node.span]
+        if not spans:
+            return None
+        return Span(min(s.start for s in spans), max(s.stop for s in spans))
+
+
+# -- to the package ------------------------------------------------------------------------------
+
+
+def to_package(program: Iterable[Statement], source: Prepared) -> list[Raw]:
+    """Return statements as the package compiles them, without disjunctions."""
+    rules = [*map(_Writer(source.text).statement, program)]
+    for rewriting in (
+        parser.DisjunctiveNormalForm,
+        parser.MultiBodyAggregation,
+        parser.AggergationsAsExpressions,
+    ):
+        rules = rewriting.Rewrite(rules)
+    return rules
+
+
+class _Writer:
+    """Makes nodes of the package, each of its own."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def statement(self, node: Statement) -> Raw:
+        text = self._piece(node.span)
+        if isinstance(node, tree.Functor):
+            name, base = tree.PredicateName(node.name), tree.PredicateName(node.base)
+            given = tree.Record(node.arguments)
+            return self._rule("@Make", tree.arguments({0: name, 1: base, 2: given}), text)
+        if isinstance(node, tree.Annotation):
+            return self._rule(node.name, node.arguments, text)
+        made = self._rule(
+            node.name, node.head.columns, text or parser.HeritageAwareString(node.name)
+        )
+        if node.is_distinct:
+            made["distinct_denoted"] = True
+        made |= dict.fromkeys(node.modalities, True)
+        if node.body is not None:
+            made["body"] = self._body(node.body)
+        return made
+
+    def _rule(self, name: str, arguments: Iterable[tree.Argument], text: str) -> Raw:
+        head = {"predicate_name": name, "record": self._record(arguments)}
+        return {"head": head, "full_text": text}
+
+    def _body(self, node: tree.Proposition) -> Raw:
+        if isinstance(node, tree.Conjunction):
+            return {"conjunction": {"conjunct": [*map(self._body, node.members)]}}
+        if isinstance(node, tree.Disjunction):
+            return {"disjunction": {"disjunct": [*map(self._body, node.alternatives)]}}
+        if isinstance(node, tree.Membership):
+            collection, element = map(self._expression, (node.collection, node.element))
+            return {"inclusion": {"list": collection, "element": element}}
+        if isinstance(node, tree.Equation):
+            left, right = map(self._expression, (node.left, node.right))
+            return {"unification": {"left_hand_side": left, "right_hand_side": right}}
+        assert isinstance(node, tree.Atom)
+        record = self._record(node.arguments)
+        return {"predicate": {"predicate_name": node.name, "record": record}}
+
+    def _expression(self, node: tree.Expression) -> Raw:
+        return {**self._content(node), "expression_heritage": self._piece(node.span)}
+
+    def _content(self, node: tree.Expression) -> Raw:
+        if isinstance(node, tree.Literal):
+            outer, inner = _KEYS[type(node)]
+            return {"literal": {outer: {inner: node.value}}}
+        if isinstance(node, tree.Variable):
+            return {"variable": {"var_name": node.name}}
+        if isinstance(node, tree.Call):
+            record = self._record(node.arguments)
+            return {"call": {"predicate_name": node.name, "record": record}}
+        if isinstance(node, tree.FieldAccess):
+            symbol = {"literal": {"the_symbol": {"symbol": node.field}}}
+            return {"subscript": {"record": self._expression(node.record), "subscript": symbol}}
+        if isinstance(node, tree.Record):
+            return {"record": self._record(node.arguments)}
+        if isinstance(node, tree.List):
+            return {"literal": {"the_list": {"element": [*map(self._expression, node.elements)]}}}
+        if isinstance(node, tree.PredicateName):
+            return {"literal": {"the_predicate": {"predicate_name": node.name}}}
+        if isinstance(node, tree.Choice):
+            pairs = [
+                {
+                    "condition": self._expression(branch.condition),
+                    "consequence": self._expression(branch.value),
+                }
+                for branch in node.branches
+            ]
+            otherwise = self._expression(node.otherwise)
+            return {"implication": {"if_then": pairs, "otherwise": otherwise}}
+        assert isinstance(node, tree.Aggregate)
+        value = tree.Aggregation(node.operator, node.argument, span=node.span)
+        made = self._rule("Combine", [tree.Argument(VALUE, value)], self._piece(node.span))
+        made["distinct_denoted"] = True
+        if node.body is not None:
+            body = self._body(node.body)
+            is_whole = isinstance(node.body, tree.Conjunction)
+            made["body"] = body if is_whole else {"conjunction": {"conjunct": [body]}}
+        return {"combine": made}
+
+    def _record(self, arguments: Iterable[tree.Argument]) -> Raw:
+        fields: list[Raw] = []
+        for each in arguments:
+            field: Raw = {"field": each.field, "value": self._value(each.value)}
+            if each.field == tree.REST and fields:
+                field["except"] = [_column(other["field"]) for other in fields]
+            fields.append(field)
+        return {"field_value": fields}
+
+    def _value(self, node: tree.Expression | tree.Aggregation) -> Raw:
+        if isinstance(node, tree.Expression):
+            return {"expression": self._expression(node)}
+        return {
+            "aggregation": {
+                "operator": node.operator,
+                "argument": self._expression(node.argument),
+                "expression_heritage": self._piece(node.span),
+            }
+        }
+
+    def _piece(self, span: Span | None) -> str:
+        if span is None:
+            return ""
+        piece: Any = parser.HeritageAwareString(self._text[span.start : span.stop])
+        piece.start, piece.stop, piece.heritage = *span, self._text
+        text: str = piece
+        return text
+
+
+def _column(field: int | str) -> str:
+    return f"col{field}" if isinstance(field, int) else field
+
+
+# -- in the package's own compiler ---------------------------------------------------------------
+
+
+def tie_pair(rule: Raw, variable: str) -> Raw | None:
+    """Tie the pair that an aggregating rule collects to a subquery, side by side.
+
+    Args:
+        rule: What the package makes of an aggregate.
+        variable: A variable that has the value 0 in the subquery only.
+
+    Returns:
+        Another rule, or None if this one does not collect ``argument -> value``.
+    """
+    rule = deep_copy(rule)
+    value = rule["head"]["record"]["field_value"][0]["value"]
+    argument = value["aggregation"]["expression"]["call"]["record"]["field_value"][0]["value"]
+    pair = argument.get("expression", {}).get("call")
+    if not pair or pair["predicate_name"] != "->":
+        return None
+    writer = _Writer("")
+    tied = tree.Variable(variable)
+    for side in pair["record"]["field_value"]:
+        entangled = writer._expression(tree.call("MagicalEntangle", tied, tied))
+        entangled["call"]["record"]["field_value"][0]["value"] = side["value"]
+        side["value"] = {"expression": entangled}
+    body = rule.setdefault("body", {"conjunction": {"conjunct": []}})
+    zero = tree.Membership(tree.List((tree.Number("0"),)), tied)
+    body["conjunction"]["conjunct"].append(writer._body(zero))
+    return rule
+
+
+def operator_name(operator: str) -> str:
+    """Return the function that an aggregating operator stands for."""
+    name: str = parser.AggergationsAsExpressions.AggregationOperator(operator)
+    return name

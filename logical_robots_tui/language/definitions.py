@@ -1,0 +1,144 @@
+"""What statements define, call and substitute; and the prelude.
+
+A parameter is a predicate that ``New := Old(Parameter: Given)`` substitutes.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.language.adapter import operator_name, parse_trusted
+from logical_robots_tui.language.tree import (
+    Aggregate,
+    Aggregation,
+    Annotation,
+    Atom,
+    Call,
+    Functor,
+    PredicateName,
+    Rule,
+    walk,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.language.tree import Statement, Tree
+
+_PRELUDE = """
+->(left:, right:) = {arg: left, value: right};
+`=`(left:, right:) = right :- left == right;
+Arrow(left, right) = arrow :- left == arrow.arg, right == arrow.value;
+
+WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);
+
+ArgMin(pair) = SqlExpr("arg_min({a}, {v})", {a: pair.arg, v: pair.value});
+ArgMax(pair) = SqlExpr("arg_max({a}, {v})", {a: pair.arg, v: pair.value});
+ArgMinK(pair, k) = SqlExpr("arg_min_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
+ArgMaxK(pair, k) = SqlExpr("arg_max_k({a}, {v}, {k})", {a: pair.arg, v: pair.value, k:});
+Array(pair) = SqlExpr("array_by({a}, {v})", {a: pair.arg, v: pair.value});
+
+NaturalHash(x) = SqlExpr("natural_hash({x})", {x:});
+Fingerprint(x) = SqlExpr("natural_hash({x})", {x:});
+TryCast(value, example) = SqlExpr("try_cast_like({v}, {e})", {v: value, e: example});
+TruthToString(truth) = SqlExpr("truth_to_text({t})", {t: truth});
+RecordAsJson(record) = SqlExpr("record_as_json({r})", {r: record});
+AssembleRecord(pairs) = SqlExpr("assemble_record({p})", {p: pairs});
+DisassembleRecord(record) = SqlExpr("disassemble_record({r})", {r: record});
+Chr(code) = SqlExpr("char({c})", {c: code});
+Ord(text) = SqlExpr("unicode_of({t})", {t: text});
+Num(x) = x;
+Str(x) = x;
+"""
+"""Common predicates that every program may use.
+
+A program can define its own instead, so none of them may use another.
+Aggregates take ``argument -> value`` pairs, which the compiler sees as ``{arg:, value:}``.
+"""
+
+_AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it makes itself
+
+
+@functools.cache
+def prelude() -> tuple[Rule, ...]:
+    """Return the rules of the prelude."""
+    return tuple(each for each in parse_trusted(_PRELUDE) if isinstance(each, Rule))
+
+
+def definitions(program: Iterable[Statement]) -> dict[str, list[Rule | Functor]]:
+    """Return what defines each predicate of a program, in text order."""
+    found: dict[str, list[Rule | Functor]] = {}
+    for statement in program:
+        if not isinstance(statement, Annotation) and not statement.name.endswith(_AUXILIARY):
+            found.setdefault(statement.name, []).append(statement)
+    return found
+
+
+def rules_of(program: Iterable[Statement]) -> list[Rule]:
+    """Return the rules among statements."""
+    return [each for each in program if isinstance(each, Rule)]
+
+
+def calls(tree: Tree) -> Iterator[Call | Atom]:
+    """Yield all calls in a tree."""
+    return (node for node in walk(tree) if isinstance(node, Call | Atom))
+
+
+def called(tree: Tree) -> Iterator[str]:
+    """Yield the names of all predicates, functions and aggregates that a tree mentions."""
+    for node in walk(tree):
+        if isinstance(node, Call | Atom | PredicateName):
+            yield node.name
+        elif isinstance(node, Aggregate | Aggregation):
+            yield operator_name(node.operator)
+        elif isinstance(node, Functor):
+            yield from (node.name, node.base)
+
+
+def reached(tree: Tree, program: Mapping[str, Sequence[Statement]]) -> set[str]:
+    """Return the names of the predicates that a tree uses, directly or indirectly."""
+    found: set[str] = set()
+    waiting = [tree]
+    while waiting:
+        for name in called(waiting.pop()):
+            if name not in found:
+                found.add(name)
+                waiting.append(program.get(name, ()))
+    return found
+
+
+def parameters(program: Sequence[Statement]) -> frozenset[str]:
+    """Return the names of predicates that are substituted somewhere and defined nowhere."""
+    substituted = {name for each in program for name in substitutions(each)}
+    return frozenset(substituted.difference(definitions(program)))
+
+
+def lacking(program: Sequence[Statement]) -> dict[str, str]:
+    """Return for each predicate that uses an unsubstituted parameter the name of that parameter."""
+    own, left_open = definitions(program), parameters(program)
+
+    def first_open(name: str, given: frozenset[str], seen: set[str]) -> Iterator[str]:
+        if name in left_open:
+            if name not in given:
+                yield name
+        elif name in own and name not in seen:
+            seen.add(name)
+            for statement in own[name]:
+                inside = given.union(substitutions(statement))
+                for other in called(statement):
+                    yield from first_open(other, inside, seen)
+
+    found = {name: next(first_open(name, frozenset(), set()), "") for name in own}
+    return {name: other for name, other in found.items() if other}
+
+
+def substitutions(statement: Statement) -> tuple[str, ...]:
+    """Return the names that a statement substitutes."""
+    return statement.parameters if isinstance(statement, Functor) else ()
+
+
+def made_from_functors(program: Iterable[Statement]) -> set[str]:
+    """Return the predicates that functors make, copy, substitute or put in."""
+    functors = [each for each in program if isinstance(each, Functor)]
+    return {name for each in functors for name in (*called(each), *each.parameters)}

@@ -1,1 +1,0 @@
-"""Mistakes in a program, found before it runs. In the compile process."""
