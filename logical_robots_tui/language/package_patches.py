@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING, Any
 from logica.compiler import dialects, expr_translate, functors, rule_translate, universe
 from logica.parser_py import parse
 
+from logical_robots_tui.language.tree import Name
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_NEVER_CHANGE = {parse.HeritageAwareString, str, int, float, bool, type(None)}
+_NEVER_CHANGE = {parse.HeritageAwareString, Name, str, int, float, bool, type(None)}
 
 
 def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any]) -> None:
