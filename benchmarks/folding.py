@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from textual.app import App, ComposeResult
 
 from benchmarks.measure import Effort, Measurement, at_most, repeated, summed_up
-from logical_robots_tui.mind import Node
+from logical_robots_tui.explain import Node
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 

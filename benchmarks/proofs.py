@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from benchmarks.measure import Effort, Measurement, at_most, processor_seconds_for, summed_up
 from benchmarks.subjects import solution_of
 from logical_robots_tui import Mind, World, load_level
+from logical_robots_tui.explain import Explainer
 from logical_robots_tui.world import list_levels
 
 if TYPE_CHECKING:
@@ -54,10 +55,10 @@ def _measured(name: str, ticks: int) -> tuple[list[float], list[float]]:
                 once = partial(mind.think, rows, memories)
                 think = statistics.median(processor_seconds_for(once) for _ in range(THINKS))
                 for robot in [each.name for each in level.robots[:ROBOTS]]:
-                    explainer = mind.explainer(robot, rows, memories)
+                    explainer = Explainer(mind, robot, rows, memories)
                     if not times:
                         explainer.proof()  # takes the predicates apart, once for each program
-                        explainer = mind.explainer(robot, rows, memories)
+                        explainer = Explainer(mind, robot, rows, memories)
                     seconds = processor_seconds_for(explainer.proof)
                     times.append(1000 * seconds)
                     ratios.append(seconds / think)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind.reference import REFERENCE
+from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.schema import tables
 
 if TYPE_CHECKING:

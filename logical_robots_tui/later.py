@@ -13,13 +13,14 @@ if TYPE_CHECKING:
 def lazy_exports(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
     """Return a ``__getattr__`` (PEP 562) for a package that loads its exports on first use.
 
-    `homes` names, for each export, the module within the package that defines it.
+    `homes` names, for each export, the module within the package that defines it; one
+    that begins with a dot is beside the package.
     """
 
     def load(name: str) -> object:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value: object = getattr(import_module(f"{package}.{homes[name]}"), name)
+        value: object = getattr(import_module(f".{homes[name]}", package), name)
         setattr(sys.modules[package], name, value)
         return value
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import argparse
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.mind.reference import FunctionHelp
+    from logical_robots_tui.language.reference import FunctionHelp
     from logical_robots_tui.world import Level
 
 
@@ -124,7 +124,7 @@ def _declare_help(commands: Commands) -> None:
 
 def print_help(options: argparse.Namespace) -> int:
     """Print help on one function, or the list of all."""
-    from logical_robots_tui.mind.reference import REFERENCE, find_help, similar
+    from logical_robots_tui.language.reference import REFERENCE, find_help, similar
 
     if options.name is None:
         for kind in ("operator", "aggregate", "function"):

@@ -206,6 +206,6 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
 @cache
 def simulation_digest() -> bytes:
     """Return the digest of the code that computes a run."""
-    places = [_CODE / part for part in ("world", "mind", "game", "schema.py")]
+    places = [_CODE / part for part in ("world", "language", "mind", "game", "schema.py")]
     code = digest_of_code(places, ("logica", "numpy", "sqlglot"))
     return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

@@ -11,7 +11,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import starts_due, text_of
 from logical_robots_tui.lab.ledger import ATTEMPTS
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.mind.diagnostics import printable
+from logical_robots_tui.language.diagnostics import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -20,8 +20,8 @@ from logical_robots_tui.lab.specification import (
     read_assignment,
 )
 from logical_robots_tui.lab.sweeping import level_to_run
+from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.mind.diagnostics import printable
 from logical_robots_tui.paths import is_folder, read_ordinary
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from logical_robots_tui.schema import VALUE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.source_text import Prepared
     from logical_robots_tui.language.tree import Statement
-    from logical_robots_tui.mind.diagnostics import Diagnostic
 
 Raw: TypeAlias = dict[str, Any]
 """A node of the package."""

@@ -46,8 +46,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.language.adapter import Parsed
+    from logical_robots_tui.language.diagnostics import Diagnostic
+    from logical_robots_tui.language.signatures import Runs
     from logical_robots_tui.language.tree import Expression, Node, Statement
-    from logical_robots_tui.mind.diagnostics import Diagnostic
 
 _CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
 _ANNOTATIONS = frozenset(
@@ -82,8 +83,14 @@ _OUTSIDE = frozenset(
 """What the package offers to programs that are trusted with the machine."""
 
 
-def check(parsed: Parsed, text: str) -> list[Diagnostic]:
-    """Return errors and warnings that would compile silently, in text order."""
+def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
+    """Return errors and warnings that would compile silently, in text order.
+
+    Args:
+        parsed: The program.
+        text: Its text.
+        runs: Whether a built-in function works in SQLite.
+    """
     program = parsed.statements
     known = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
     inference = Inference(program, text, parsed.doubtful)
@@ -91,9 +98,9 @@ def check(parsed: Parsed, text: str) -> list[Diagnostic]:
         *parsed.problems,
         *_annotations(program, text),
         *_supplied(program, text),
-        *_names(program, text, parsed.doubtful),
+        *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
-        *wrong_calls(program, known, text),
+        *wrong_calls(program, known, text, runs),
         *given_twice(program, text),
         *_without_arguments(program, text),
         *verbatim(program, known, text),
@@ -164,7 +171,7 @@ def _supplied(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
 
 
 def _names(
-    program: Sequence[Statement], text: str, doubtful: frozenset[str]
+    program: Sequence[Statement], text: str, doubtful: frozenset[str], runs: Runs
 ) -> Iterator[Diagnostic]:
     """Find names that are not defined, or that robots may not use."""
     own = {*(each.name for each in program if isinstance(each, Rule)), *definitions(program)}
@@ -188,11 +195,11 @@ def _names(
             message = f"{name} is not available to robots"
             yield diagnostic_for(text, name, message, "Robots can only think.")
         elif builtins.is_built_in(name):
-            if name.isidentifier() and not builtins.runs(name) and name != _FLAG:
-                hint = _instead(name, known)
+            if name.isidentifier() and not runs(name) and name != _FLAG:
+                hint = _instead(name, known, runs)
                 yield diagnostic_for(text, name, f"{name} is not available here", hint)
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
-            hint = _instead(name, known) or "Define it, or correct its name."
+            hint = _instead(name, known, runs) or "Define it, or correct its name."
             if name in values:
                 hint = "Names of variables are lower case."
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
@@ -237,7 +244,7 @@ _INSTEAD = {
 }
 
 
-def _instead(name: str, known: set[str]) -> str:
+def _instead(name: str, known: set[str], runs: Runs) -> str:
     """Return a hint about what a name may have meant, or ""."""
     if name in _INSTEAD:
         return f"Use {_INSTEAD[name]}."
@@ -245,7 +252,7 @@ def _instead(name: str, known: set[str]) -> str:
     close = closest(name, known | {n for n in working if len(n) > 1})
     if not close and len(name) > 2:  # in short names one typo is a large part
         close = next((n for n in sorted(working) if distance(name, n) == 1), "")
-    if close and (close in known or builtins.runs(close)):
+    if close and (close in known or runs(close)):
         return f"Did you mean {close}?"
     return "`logical-robots help` lists all functions." if builtins.is_built_in(name) else ""
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.definitions import definitions
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.tree import Rule
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:

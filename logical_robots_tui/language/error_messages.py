@@ -12,7 +12,7 @@ from logical_robots_tui.language.similar_names import closest
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind.diagnostics import Diagnostic
+    from logical_robots_tui.language.diagnostics import Diagnostic
 
 COMPLAINTS = (
     parse.ParsingException,

@@ -21,8 +21,8 @@ from logical_robots_tui.schema import VALUE
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.tree import Argument, Expression, Proposition, Rule, Statement
-    from logical_robots_tui.mind.diagnostics import Diagnostic
 
 _ROUNDS = 6  # how far a shape is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly

@@ -15,9 +15,9 @@ from logical_robots_tui.schema import DESIRE
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.inference import Inference
     from logical_robots_tui.language.tree import Statement
-    from logical_robots_tui.mind.diagnostics import Diagnostic
 
 MAIN = "Robot"
 _ENGINES = DESIRE.names

@@ -31,10 +31,12 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.tree import Atom, Statement
-    from logical_robots_tui.mind.diagnostics import Diagnostic
+
+    Runs = Callable[[str], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +86,7 @@ def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
 
 
 def wrong_calls(
-    program: Sequence[Statement], known: Mapping[str, Signature], text: str
+    program: Sequence[Statement], known: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
     """Find calls with arguments that the predicate does not have."""
     own = definitions(program)
@@ -96,7 +98,13 @@ def wrong_calls(
                 yield from _wrong_call(call, known[name], text)
                 if for_value and known[name].has_value and rule.name in used:
                     yield from _left_out(call, known[name], text)
-            elif for_value and name not in own and _is_named_built_in(name):
+            elif (
+                for_value
+                and name not in own
+                and name[:1].isupper()  # not an operator
+                and builtins.is_built_in(name)
+                and runs(name)
+            ):
                 yield from _wrong_built_in(call, text)
 
 
@@ -110,11 +118,6 @@ def given_twice(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]
                 hint = "Remove one, or join the conditions with ','."
                 yield diagnostic_for(text, name, f"{name} is given twice here", hint)
             seen.add(name)
-
-
-def _is_named_built_in(name: str) -> bool:
-    """Return whether this is a built-in function called by its name, not an operator."""
-    return name[:1].isupper() and builtins.is_built_in(name) and builtins.runs(name)
 
 
 def _signature(rule: Rule | Functor) -> Signature | None:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.language.definitions import definitions, prelude, substitutions
+from logical_robots_tui.language.diagnostics import ProgramError
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.language.tree import (
     REST,
@@ -35,7 +36,6 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.mind.diagnostics import ProgramError
 from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from logical_robots_tui.schema import VALUE
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.signatures import Signature
     from logical_robots_tui.language.tree import Node, Statement
-    from logical_robots_tui.mind.diagnostics import Diagnostic
 
 _TYPES = (
     *("BIGINT", "BOOL", "BOOLEAN", "DOUBLE", "FLOAT", "FLOAT64", "INT", "INT64", "INTEGER"),

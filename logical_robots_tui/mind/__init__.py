@@ -11,29 +11,29 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
+    from logical_robots_tui.language.diagnostics import (
+        Diagnostic,
+        ProgramError,
+        QueryError,
+        Stopped,
+    )
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
-    from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError, Stopped
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.mind import Mind
     from logical_robots_tui.mind.program import Predicate, Program, Question
     from logical_robots_tui.mind.table import QueryPlan, Table
-    from logical_robots_tui.mind.why.explanation import Ask, Explanation, Node, Proof
 
 __all__ = [
-    "Ask",
     "Decision",
     "Diagnostic",
-    "Explanation",
     "Limits",
     "Mind",
-    "Node",
     "Notice",
     "NoticeKind",
     "Predicate",
     "Program",
     "ProgramError",
-    "Proof",
     "QueryError",
     "QueryPlan",
     "Question",
@@ -45,24 +45,20 @@ __all__ = [
 __getattr__ = lazy_exports(
     __name__,
     {
-        "Ask": "why.explanation",
         "Decision": "decision",
-        "Diagnostic": "diagnostics",
-        "Explanation": "why.explanation",
+        "Diagnostic": ".language.diagnostics",
         "Limits": "limits",
         "QueryPlan": "table",
         "Mind": "mind",
-        "Node": "why.explanation",
         "Notice": "decision",
         "NoticeKind": "decision",
         "Predicate": "program",
         "Program": "program",
-        "ProgramError": "diagnostics",
-        "Proof": "why.explanation",
-        "QueryError": "diagnostics",
+        "ProgramError": ".language.diagnostics",
+        "QueryError": ".language.diagnostics",
         "Question": "program",
         "Report": "compilation",
-        "Stopped": "diagnostics",
+        "Stopped": ".language.diagnostics",
         "Table": "table",
     },
 )

@@ -79,5 +79,6 @@ def _digest(body: bytes) -> bytes:
 @cache
 def _maker() -> bytes:
     """Return a digest of everything that affects compilation."""
-    places = Path(__file__).parent, Path(schema.__file__)
+    package = Path(schema.__file__).parent
+    places = [package / part for part in ("language", "mind", "explain", "schema.py")]
     return digest_of_code(places, ("logica", "sqlglot"))

@@ -13,8 +13,8 @@ from collections import OrderedDict
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind import cache
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.processes.helper import Helper
 from logical_robots_tui.records import record
@@ -31,7 +31,7 @@ T = TypeVar("T", bound="DataclassInstance")
 
 _log = logging.getLogger(__name__)
 
-_WORKER = "logical_robots_tui.mind.compiling.worker"
+_WORKER = "logical_robots_tui.explain.worker"
 _KEPT = 64
 _LOOK_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy machine

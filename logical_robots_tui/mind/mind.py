@@ -7,10 +7,10 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.confinement import check_room
+from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.asking import Asking
 from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
 from logical_robots_tui.mind.decision import Decision, Notice
-from logical_robots_tui.mind.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.asking import Answer
     from logical_robots_tui.mind.program import Program, Question
-    from logical_robots_tui.mind.why.explainer import Explainer
+    from logical_robots_tui.mind.relations import Relations
 
 _ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
 
@@ -247,31 +247,29 @@ class Mind:
                 else:
                     yield name, [dict(zip(columns, row, strict=True)) for row in found]
 
-    def explainer(
+    def relations(
         self,
         robot: str,
         rows: Sequence[SensorRow],
         memories: Memories,
         *,
         stop: threading.Event | None = None,
-    ) -> Explainer:
-        """Return an explainer for one robot at one moment; valid until the next call.
+    ) -> Relations:
+        """Return the rows of predicates as one robot sees them; valid until the next call.
 
         Takes the arguments of `think`, and the robot's name.
 
         Raises:
             QueryError: There is no such robot.
         """
-        from logical_robots_tui.mind.why.explainer import Explainer
-        from logical_robots_tui.mind.why.relations import Relations
+        from logical_robots_tui.mind.relations import Relations
 
         moment = self._new_moment(rows, memories)
         view = next((view for view in moment.views if robot in view.viewers), None)
         if view is None:
             raise QueryError(f"There is no robot {robot} at this tick.")
         within = self._within_query(_EXPLAINED_ROWS, stop, cut=False)
-        relations = Relations(self._asking, moment, view, within)
-        return Explainer(self.program, relations, robot, self.limits, within)
+        return Relations(self._asking, moment, view, within)
 
     def query_plan(
         self,

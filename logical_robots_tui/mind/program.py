@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, QueryError
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 
 if TYPE_CHECKING:
     import threading
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.why.probing import Probing
 
 STEPS = "t_0_steps_of_"
 """The prefix of named queries with the steps of a recursion."""
@@ -226,39 +225,6 @@ class Program:
         }
         request = {"text": self.own.text, "query": query, "columns": columns}
         return compiled(request, Question, stop=stop, limits=limits)
-
-    def decompose(
-        self,
-        predicate: str,
-        within: str = "",
-        *,
-        stop: threading.Event | None = None,
-        limits: Limits | None = None,
-    ) -> Probing:
-        """Decompose the rules of a predicate, for `Mind.why`. Blocks.
-
-        Raises:
-            QueryError: There is no such predicate, or it can't be computed.
-            Stopped: `stop` was set.
-        """
-        from logical_robots_tui.mind.compilation import compiled
-        from logical_robots_tui.mind.why.probing import Probing
-
-        known = self.predicate(predicate)
-        if known is None or known.kind != "program":
-            raise QueryError(f"The program has no rules for {predicate}.")
-        if not (known.has_rows or known.is_function or within):
-            raise QueryError(known.reason)
-        request = {
-            "text": self.own.text,
-            "predicate": predicate,
-            "within": within,
-            "with_rows": [p.name for p in self.predicates if p.kind == "program" and p.has_rows],
-        }
-        try:
-            return compiled(request, Probing, stop=stop, limits=limits)
-        except ProgramError as error:
-            raise QueryError(f"{predicate} can't be explained: {error}") from None
 
     def predicate(self, name: str) -> Predicate | None:
         """Return the predicate of that name, or None."""

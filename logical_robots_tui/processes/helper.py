@@ -17,7 +17,7 @@ from pathlib import Path
 
 from logical_robots_tui.processes.lifeline import signal_when_closed
 
-_MODULES = ("logical_robots_tui.game.measuring", "logical_robots_tui.mind.compiling.worker")
+_MODULES = ("logical_robots_tui.game.measuring", "logical_robots_tui.explain.worker")
 _FLAGS = ("-I", "-S", "-B", "-X", "utf8")
 _BEGIN = (
     "import sys; sys.path[:] = sys.argv.pop(1).split(':'); "

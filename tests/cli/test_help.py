@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.mind.reference import REFERENCE
+from logical_robots_tui.language.reference import REFERENCE
 
 if TYPE_CHECKING:
     from tests.cli.running import Command

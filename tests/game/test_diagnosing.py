@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from logical_robots_tui.mind.diagnosis.telling import Finding
+    from logical_robots_tui.explain.diagnosis.telling import Finding
 
 ENGINES = "desire: {left_engine: 0.1, right_engine: 0.1}"
 PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'

@@ -85,7 +85,7 @@ def test_only_the_games_own_helpers_are_taken_for_one() -> None:
             words.append([str(word) for word in self.args])
             self.end()
 
-    Noted("logical_robots_tui.mind.compiling.worker")
+    Noted("logical_robots_tui.explain.worker")
     Noted(MODULE)
     assert is_helper(sys.executable, words[0])
     assert not is_helper(sys.executable, words[1])

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.explain import Explainer
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.debugging.comparing import Comparison, compare_proofs
 from logical_robots_tui.game.debugging.proof_difference import (
@@ -55,7 +56,7 @@ class Two:
         rows = World(level).sense()
         self._minds = [Mind(Program.compile(text)) for text in (here, there)]
         self._explainers = [
-            mind.explainer("Ada", rows, self._memories(memory))
+            Explainer(mind, "Ada", rows, self._memories(memory))
             for mind, memory in zip(self._minds, memories, strict=True)
         ]
         mine, other = (explainer.proof() for explainer in self._explainers)

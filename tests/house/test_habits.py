@@ -183,6 +183,41 @@ def test_a_file_of_tests_can_be_read_in_one_go() -> None:
     assert not long
 
 
+PACKAGE_KEYS = {
+    *("aggregation", "combine", "conjunct", "conjunction", "disjunct", "disjunction", "element"),
+    *("expression", "expression_heritage", "field_value", "full_text", "if_then", "implication"),
+    *("inclusion", "left_hand_side", "literal", "otherwise", "predicate_name", "right_hand_side"),
+    *("subscript", "the_bool", "the_list", "the_null", "the_number", "the_predicate"),
+    *("the_string", "the_symbol", "unification", "var_name", "variable", "distinct_denoted"),
+}
+"""Keys of the nodes that the `logica` package parses."""
+
+
+def keys_in(tree: ast.AST) -> Iterator[str]:
+    """Texts that are looked up in something: ``x["a"]``, ``x.get("a")``, ``"a" in x``."""
+    for node in ast.walk(tree):
+        found: ast.AST | None = None
+        if isinstance(node, ast.Subscript):
+            found = node.slice
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+            found = node.args[0] if node.func.attr in ("get", "pop", "setdefault") else None
+        elif isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+            found = node.left
+        if isinstance(found, ast.Constant) and isinstance(found.value, str):
+            yield found.value
+
+
+def test_only_the_adapter_knows_the_nodes_of_the_package() -> None:
+    package = CHECKOUT / "logical_robots_tui"
+    adapter = {package / "language" / name for name in ("adapter.py", "package_patches.py")}
+    seen = {
+        path: PACKAGE_KEYS.intersection(keys_in(ast.parse(path.read_text(encoding="utf-8"))))
+        for part in ("language", "mind", "explain")
+        for path in (package / part).rglob("*.py")
+    }
+    assert {path for path, keys in seen.items() if keys} == adapter
+
+
 def test_the_tests_of_the_screen_have_its_rooms() -> None:
     rooms, tested = (
         {path.name for path in (CHECKOUT / folder).iterdir() if (path / "__init__.py").exists()}

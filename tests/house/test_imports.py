@@ -14,16 +14,18 @@ import logical_robots_tui
 from tests.waiting import PATIENCE
 
 SCREEN = {"textual", "rich"}
-WORLD, MIND, PROGRESS, EDITING, GAME, LAB, TUI, CLI = (
-    f"logical_robots_tui.{part}"
-    for part in ("world", "mind", "progress", "editing", "game", "lab", "tui", "cli")
+PARTS = ("world", "language", "mind", "explain", "progress", "editing", "game", "lab", "tui", "cli")
+WORLD, LANGUAGE, MIND, EXPLAIN, PROGRESS, EDITING, GAME, LAB, TUI, CLI = (
+    f"logical_robots_tui.{part}" for part in PARTS
 )
 EXTRAS = {"distributed", "plotext", "pyarrow", "pygal"}
 
 MUST_NOT_LOAD = {
     "logical_robots_tui": {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica", "sqlite3"} | SCREEN,
     WORLD: {MIND, PROGRESS, EDITING, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
-    MIND: {WORLD, PROGRESS, GAME, TUI, CLI, "numpy", "logica", "sqlglot"} | SCREEN,
+    f"{LANGUAGE}.adapter": {WORLD, MIND, EXPLAIN, GAME, TUI, CLI, "numpy", "sqlite3"} | SCREEN,
+    MIND: {WORLD, EXPLAIN, PROGRESS, GAME, TUI, CLI, "numpy", "logica", "sqlglot"} | SCREEN,
+    EXPLAIN: {WORLD, PROGRESS, GAME, TUI, CLI, "numpy", "logica", "sqlglot"} | SCREEN,
     PROGRESS: {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica"} | SCREEN,
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
     GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,

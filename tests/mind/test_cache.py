@@ -97,8 +97,9 @@ def test_a_fresh_process_finds_it_without_compiling(folder: Path) -> None:
 def test_a_fresh_process_needs_no_compiler_for_what_was_asked_before() -> None:
     script = (
         "import sys; from logical_robots_tui.mind import Program, compilation;"
+        "from logical_robots_tui.explain.why.probing import decompose;"
         "p = Program.compile(sys.argv[1]); q = p.question('Robot(memory: 4713)');"
-        "t = p.decompose('Robot'); print(q.sql, len(t.rules));"
+        "t = decompose(p, 'Robot'); print(q.sql, len(t.rules));"
         "print(compilation._compiler._process, file=sys.stderr)"
     )
     first, second = (

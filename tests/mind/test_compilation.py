@@ -201,7 +201,7 @@ def test_a_mistake_of_ours_while_compiling_is_told_plainly_and_logged(
         raise ZeroDivisionError("ours")
 
     monkeypatch.setattr(compiler, "compile_text", stumble)
-    answer = json.dumps(worker._answer({"text": "A(1);"})).encode()
+    answer = json.dumps(worker.answer({"text": "A(1);"}, {})).encode()
     monkeypatch.setattr(compilation._Compiler, "_exchange", lambda *_: iter([answer]))
     with pytest.raises(ProgramError, match="gave up on this program"):
         Program.compile(ROBOT + "m = 4242;")

@@ -9,6 +9,7 @@ from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.mind.compiling.dialect import runs
 from tests.mind.differential.corpus import CASES
 from tests.mind.rows import PAPER, ROBOT
 
@@ -50,7 +51,7 @@ package_patches.install()  # as in the compile process
 
 
 def found(text: str) -> list[str]:
-    return [str(problem) for problem in check(parse(prepare(text)), text)]
+    return [str(problem) for problem in check(parse(prepare(text)), text, runs)]
 
 
 @pytest.mark.parametrize("rules", SUBTLE)

@@ -9,10 +9,11 @@ import sys
 from typing import Any
 
 import pytest
-from logical_robots_tui.language.definitions import definitions, prelude
 
 from logical_robots_tui.language import builtins
-from logical_robots_tui.mind.reference import REFERENCE, FunctionHelp, find_help, similar
+from logical_robots_tui.language.definitions import definitions, prelude
+from logical_robots_tui.language.reference import REFERENCE, FunctionHelp, find_help, similar
+from logical_robots_tui.mind.compiling.dialect import runs as runs_here
 from tests.mind.rows import remembered
 from tests.waiting import PATIENCE
 
@@ -33,7 +34,7 @@ def test_each_example_gives_the_result_that_is_told(entry: FunctionHelp) -> None
 
 
 def test_everything_that_compiles_is_explained_and_nothing_else() -> None:
-    runs = {SPELT.get(name, name) for name in builtins.names() if builtins.runs(name)}
+    runs = {SPELT.get(name, name) for name in builtins.names() if runs_here(name)}
     library = {name for name in definitions(prelude()) if name.isidentifier()}
     assert {entry.name for entry in REFERENCE} == runs | library | SYNTAX
 
@@ -62,7 +63,7 @@ def test_the_tables_of_the_docs_are_made_from_the_data() -> None:
 
 def test_reading_the_help_needs_no_compiler() -> None:
     script = (
-        "import sys, logical_robots_tui.mind.reference as r; "
+        "import sys, logical_robots_tui.language.reference as r; "
         "print(len(r.REFERENCE), 'logica' in sys.modules)"
     )
     done = subprocess.run(

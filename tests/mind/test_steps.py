@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 
+from logical_robots_tui.explain import Explainer
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError
 from logical_robots_tui.mind.sqlite import budget
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Work
@@ -141,7 +142,7 @@ def test_what_a_proof_does_between_its_queries_is_counted() -> None:
     for steps in (1_000_000, 200_000_000):
         mind = Mind(program, limits=Limits(query_steps=steps))
         try:
-            proof = mind.explainer("Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
+            proof = Explainer(mind, "Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
             found[steps] = [
                 n.text for root in proof.nodes for _, n in root.walk() if "steps" in n.text
             ]

@@ -10,15 +10,16 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.explain import Explainer
 from logical_robots_tui.game import Game, load_program
 from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:
+    from logical_robots_tui.explain.diagnosis.telling import Finding
+    from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
-    from logical_robots_tui.mind.diagnosis.telling import Finding
-    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.values import SensorRow, Value
 
 __all__ = [
@@ -188,7 +189,7 @@ def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
     visibility = asdict(load_level(mutant.level).visibility)
     found: list[Suggestion] = []
     with closing(Mind(program, **visibility)) as mind:
-        explainer = mind.explainer(there.robot, there.rows, there.memories)
+        explainer = Explainer(mind, there.robot, there.rows, there.memories)
         for predicate in program.needed:
             found += [each for _, each in explainer.nearest(predicate)]
     return found

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.world import Level
 
 NOTHING, FOUND = 0, 1

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.cli.command import Commands
+    from logical_robots_tui.explain.why.sourcing import Path, Read
     from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.mind.why.sourcing import Path, Read
     from logical_robots_tui.world import Level
 
 _LONGEST = 60  # characters of a value

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.mind import Ask, Explanation, Node, Program
-    from logical_robots_tui.mind.why.nearest import Suggestion
+    from logical_robots_tui.explain import Ask, Explanation, Node
+    from logical_robots_tui.explain.why.nearest import Suggestion
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
 GAVE, GAVE_NOT = 0, 1

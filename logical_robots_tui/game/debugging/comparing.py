@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from logical_robots_tui import explain
 from logical_robots_tui.game.debugging.proof_difference import condition_of, first_difference
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
@@ -13,13 +14,14 @@ from logical_robots_tui.mind import QueryError
 if TYPE_CHECKING:
     import threading
 
+    from logical_robots_tui.explain import Ask, Explanation, Node, Proof
+    from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.debugging.proof_difference import ProofDifference, Side
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.divergence import Divergence
     from logical_robots_tui.game.history.packing import TickState
-    from logical_robots_tui.mind import Ask, Explanation, Limits, Node, Program, Proof
-    from logical_robots_tui.mind.why.explainer import Explainer
+    from logical_robots_tui.mind import Limits, Program
 
 _DECISIONS = ("desire", "memory", "notices")
 
@@ -105,4 +107,4 @@ class _Course:
 
     def _explainer(self, program: Program, stop: threading.Event) -> Explainer:
         frame, mind = self._thinker.replay(program, self._before, self._known, self._limits)
-        return mind.explainer(self._robot, frame.sensors, frame.memories_before, stop=stop)
+        return explain.Explainer(mind, self._robot, frame.sensors, frame.memories_before, stop=stop)

@@ -7,6 +7,7 @@ import contextlib
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
+from logical_robots_tui import explain
 from logical_robots_tui.game.debugging.pins import read
 from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.game.frame import Superseded
@@ -17,11 +18,12 @@ if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from logical_robots_tui.explain import Explanation, Proof
+    from logical_robots_tui.explain.why.explainer import Explainer
+    from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Explanation, Mind, Program, Proof, QueryPlan
-    from logical_robots_tui.mind.why.explainer import Explainer
-    from logical_robots_tui.mind.why.nearest import Suggestion
+    from logical_robots_tui.mind import Mind, Program, QueryPlan
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
@@ -177,7 +179,9 @@ class Inquiry:
         work: Callable[[Explainer], T],
     ) -> T:
         def explained(mind: Mind, stop: threading.Event) -> T:
-            return work(mind.explainer(robot, frame.sensors, frame.memories_before, stop=stop))
+            return work(
+                explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
+            )
 
         return await self._do(thinker, program, explained)
 

@@ -11,22 +11,23 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
+from logical_robots_tui import explain
+from logical_robots_tui.explain.why.sourcing import part_of
 from logical_robots_tui.game.frame import NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.mind.why.relations import alike
-from logical_robots_tui.mind.why.sourcing import part_of
+from logical_robots_tui.mind.relations import alike
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Awaitable, Callable, Mapping, Sequence
 
+    from logical_robots_tui.explain.why.probing import Span
+    from logical_robots_tui.explain.why.sourcing import Made, Path, Read
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind
-    from logical_robots_tui.mind.why.probing import Span
-    from logical_robots_tui.mind.why.sourcing import Made, Path, Read
     from logical_robots_tui.values import Value
 
 _MOST_LINKS = 24
@@ -204,7 +205,7 @@ def read_path(text: str) -> Path:
 def _source(
     robot: str, path: Path, frame: Frame, mind: Mind, stop: threading.Event
 ) -> tuple[Made, Mapping[str, Value]]:
-    explainer = mind.explainer(robot, frame.sensors, frame.memories_before, stop=stop)
+    explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
     return explainer.source(path), frame.memories_before
 
 

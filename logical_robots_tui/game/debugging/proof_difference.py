@@ -11,13 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.mind import Ask
-from logical_robots_tui.mind.why.relations import alike
+from logical_robots_tui.explain import Ask
+from logical_robots_tui.mind.relations import alike
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from logical_robots_tui.mind import Explanation, Node, Proof
+    from logical_robots_tui.explain import Explanation, Node, Proof
     from logical_robots_tui.values import Value
 
 Side: TypeAlias = Literal["here", "there"]

@@ -6,24 +6,24 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.explain.diagnosis.counting import Tally
+from logical_robots_tui.explain.diagnosis.sites import check_up
 from logical_robots_tui.game.diagnosis.findings import findings_of
 from logical_robots_tui.game.diagnosis.observations import observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
-from logical_robots_tui.mind.diagnosis.counting import Tally
-from logical_robots_tui.mind.diagnosis.sites import check_up
 
 if TYPE_CHECKING:
     import threading
     from collections.abc import Callable, Mapping, Sequence
 
+    from logical_robots_tui.explain.diagnosis.sites import Checkup
+    from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.diagnosis.observations import Observations
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
-    from logical_robots_tui.mind.diagnosis.sites import Checkup
-    from logical_robots_tui.mind.diagnosis.telling import Finding
 
 _FEWEST = 20  # ticks that are examined
 _QUESTIONS = 20_000  # most probes of all robots when only some ticks are examined

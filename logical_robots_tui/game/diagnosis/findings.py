@@ -6,17 +6,17 @@ from collections import Counter
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shortened
 from logical_robots_tui.language.similar_names import closest
-from logical_robots_tui.mind.diagnosis.telling import Finding, rule_findings, shortened
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from logical_robots_tui.explain.diagnosis.counting import Tally
+    from logical_robots_tui.explain.diagnosis.sites import Checkup
+    from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.game.diagnosis.observations import Observations, Stretch
-    from logical_robots_tui.mind.diagnosis.counting import Tally
-    from logical_robots_tui.mind.diagnosis.sites import Checkup
-    from logical_robots_tui.mind.why.probing import Span
     from logical_robots_tui.world import Level
 
 _SEEN = frozenset({*OBJECTS, NO_LABEL})

@@ -22,12 +22,13 @@ from logical_robots_tui.language.definitions import (
     prelude,
     reached,
 )
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.functors import expand_recursions
 from logical_robots_tui.language.robot_rule import MAIN
 from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.language.spelling import expand_rows, spell_out
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
-from logical_robots_tui.mind.compiling.dialect import RobotDialect
+from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
     Fixpoint,
     fixpoints,
@@ -35,7 +36,6 @@ from logical_robots_tui.mind.compiling.fixpoint import (
     growth_check,
     with_fixpoints,
 )
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.mind.program import Predicate, Program
 from logical_robots_tui.mind.tuning import MOST_TUNED
 from logical_robots_tui.mind.typed import as_on_duckdb
@@ -67,7 +67,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     """
     source = prepare(text)
     parsed = parse(source)
-    found = check(parsed, text)
+    found = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
     _refuse([*found, *invalid])
     compiled = compiled_program(rest, source)

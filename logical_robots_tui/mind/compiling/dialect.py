@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import functools
+import math
 import re
+import sqlite3
 from typing import Any
 
-from logica.compiler import dialects
+from logica.compiler import dialects, expr_translate
 
+from logical_robots_tui.language import builtins
 from logical_robots_tui.language.adapter import tie_pair
+from logical_robots_tui.mind.sqlite.database import Database
 
 _COLUMN = re.compile(r"\w+\.\w+")
 _ALWAYS_JSON = (".sensor", ".value")
@@ -84,3 +89,61 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         tied = tie_pair(rule, var)
         decorated: dict[str, Any] = tied or super().DecorateCombineRule(rule, var)
         return decorated
+
+
+_QL = expr_translate.QL
+_SPECIAL = frozenset({"Aggr", "Cast"})
+"""Functions that the package compiles without a template."""
+_INTERNAL = frozenset(
+    {"Constraint", "Container", "FlagValue", "MagicalEntangle", "SqlExpr"}
+    | {"ToUInt64", "ValueOfUnnested"}
+)
+
+
+@functools.cache
+def runs(name: str) -> bool:
+    """Return whether a built-in function works in a mind's SQLite, by trying it."""
+    if name in _INTERNAL:
+        return False
+    if name in _SPECIAL or name in _QL.BUILT_IN_INFIX_OPERATORS:
+        return True
+    if name in _QL.ANALYTIC_FUNCTIONS:
+        template = _QL.ANALYTIC_FUNCTIONS[name].format("NULL", "NULL", "NULL", "0")
+        return _compiles(template)
+    template = _templates().get(name)
+    if not template:
+        return False
+    least, most = builtins.arity(name)
+    counts = range(least, min(int(most), least + 2) + 1) if most < math.inf else range(2, 3)
+    return any(_compiles(_filled(template, count)) for count in counts)
+
+
+def _filled(template: str, count: int) -> str:
+    nulls = ["NULL"] * count
+    try:
+        return template % ", ".join(nulls) if "%s" in template else template.format(*nulls)
+    except (IndexError, TypeError):
+        return ""
+
+
+@functools.cache
+def _templates() -> dict[str, str | None]:
+    builtins.names()  # reads the package's own table
+    return {
+        **_QL.BULK_FUNCTIONS,
+        **_QL.BUILT_IN_FUNCTIONS,
+        **RobotDialect().BuiltInFunctions(),
+    }
+
+
+def _compiles(expression: str) -> bool:
+    try:
+        _database().prepare(f"SELECT {expression}")
+    except sqlite3.Error:
+        return False
+    return bool(expression)
+
+
+@functools.cache
+def _database() -> Database:
+    return Database()

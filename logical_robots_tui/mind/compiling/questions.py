@@ -19,6 +19,7 @@ from logical_robots_tui.language.adapter import (
 )
 from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.definitions import definitions
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import diagnostic_for, prepare
 from logical_robots_tui.language.tree import (
     CONDITIONS,
@@ -36,7 +37,7 @@ from logical_robots_tui.mind.compiling.compiler import (
     read_program,
     without_visibility,
 )
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.mind.compiling.dialect import runs
 from logical_robots_tui.mind.program import Question
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -96,7 +97,7 @@ def _names() -> Iterator[str]:
 def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
     source = prepare(whole)
     parsed = parse(source)
-    found = tuple(d for d in check(parsed, whole) if d.severity == "error")
+    found = tuple(d for d in check(parsed, whole, runs) if d.severity == "error")
     if found:
         raise ProgramError(found)
     try:

@@ -17,6 +17,7 @@ import sqlite3
 import sys
 import threading
 import traceback
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from functools import partial
@@ -24,12 +25,10 @@ from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
 from logical_robots_tui.language.constants import with_constants
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.language.robot_rule import MAIN
-from logical_robots_tui.mind.clauses.decomposition import decompose
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
-from logical_robots_tui.mind.diagnosis.checkup import check_up
-from logical_robots_tui.mind.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
@@ -41,9 +40,7 @@ if TYPE_CHECKING:
     from sqlglot import exp
 
     from logical_robots_tui.mind.compilation import Report
-    from logical_robots_tui.mind.diagnosis.sites import Checkup
     from logical_robots_tui.mind.program import Program, Question, Tuned
-    from logical_robots_tui.mind.why.probing import Probing
 
 _MOST_DIAGNOSTICS = 100
 _LONGEST_MESSAGE = 1_000
@@ -51,7 +48,7 @@ _MOST_SQL = 4_000_000  # characters of all statements of a program
 _PREPARE_SECONDS = 1.0
 _LEAST_SECONDS = 0.001  # none would be without a limit
 
-_SAMPLES = (
+SAMPLES = (
     "Robot(robot_name:, desire: {left_engine: Sum{1 -> x :- x in [1]}, right_engine: 0}, "
     'memory: "") :- Sensor(robot_name:);',
     "Robot(robot_name: x, desire: Snesor(x));",
@@ -59,11 +56,20 @@ _SAMPLES = (
 )
 
 
-def main() -> None:
+Job = Callable[[dict[str, Any]], dict[str, object]]
+"""Answers a request."""
+
+
+def serve(jobs: Mapping[str, Job], samples: Iterable[dict[str, Any]]) -> None:
     """Serve requests until standard input ends.
 
-    The arguments are bytes of address space, and the processor seconds for one program.
+    The process's arguments are bytes of address space, and the processor seconds for one program.
+
+    Args:
+        jobs: Answers to further requests, by the field that tells them apart.
+        samples: Requests for these, answered once to load all that they need.
     """
+    jobs = {**_JOBS, **jobs}
     arguments = begin(processor_seconds=None)  # each program has its own bound
     address_space, seconds = int(arguments[0]), float(arguments[1])
     collect_seldom()
@@ -74,14 +80,14 @@ def main() -> None:
     os.dup2(silence, 2)
     requests: queue.Queue[str] = queue.Queue()
     threading.Thread(target=_read, args=(sys.stdin, requests), daemon=True).start()
-    _warm_up()
+    _warm_up(jobs, samples)
     _drop_permissions(address_space)
     while True:
         request = json.loads(requests.get())
         signal.setitimer(signal.ITIMER_PROF, max(seconds, _LEAST_SECONDS))  # ends the process
-        answer = _answer(request, partial(_report, answers))
+        found = answer(request, jobs, partial(_report, answers))
         signal.setitimer(signal.ITIMER_PROF, 0)
-        _say(answers, answer)
+        _say(answers, found)
 
 
 def _say(answers: IO[str], what: dict[str, object]) -> None:
@@ -93,15 +99,15 @@ def _report(answers: IO[str], done: int, of_all: int) -> None:
     _say(answers, {"done": done, "all": of_all})
 
 
-def _warm_up() -> None:
+def _warm_up(jobs: Mapping[str, Job], samples: Iterable[dict[str, Any]]) -> None:
     """Load everything that compiling may need while files can still be opened."""
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
-    for sample in _SAMPLES:
-        _answer({"text": sample})
-    _answer({"text": _SAMPLES[0], "predicate": "Robot", "within": "", "with_rows": ["Robot"]})
-    _answer({"text": _SAMPLES[0], "query": "1 + 1", "columns": {}})
-    _answer({"text": _SAMPLES[0], "checkup": []})
-    _answer({"text": "Near() = 1;", "constants": {"Near": "2"}})
+    for text in SAMPLES:
+        answer({"text": text}, jobs)
+    answer({"text": SAMPLES[0], "query": "1 + 1", "columns": {}}, jobs)
+    answer({"text": "Near() = 1;", "constants": {"Near": "2"}}, jobs)
+    for sample in samples:
+        answer(sample, jobs)
     gc.freeze()
 
 
@@ -119,20 +125,15 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
     os._exit(0)
 
 
-def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, object]:
-    """Return the answer to a request for a program, a question, a decomposition and the like."""
-    text = request["text"]
+def answer(
+    request: dict[str, Any], jobs: Mapping[str, Job], report: Report | None = None
+) -> dict[str, object]:
+    """Return the answer to a request: what was asked for, or diagnostics."""
     try:
-        if "constants" in request:
-            return {"settled": {"text": with_constants(text, request["constants"])}}
-        if "query" in request:
-            question = _question(text, request["query"])
-            return {"question": asdict(_tuned_question(question, request["columns"]))}
-        if "predicate" in request:
-            return {"probing": asdict(_probing(text, request))}
-        if "checkup" in request:
-            return {"checkup": asdict(_checkup(text, frozenset(request["checkup"])))}
-        program, trees = compiler.compile_text(text, report)
+        job = next((job for field, job in jobs.items() if field in request), None)
+        if job is not None:
+            return job(request)
+        program, trees = compiler.compile_text(request["text"], report)
         _try_out(program)
         return {"program": asdict(_tuned(program, trees))}
     except ProgramError as error:
@@ -151,34 +152,24 @@ def _answer(request: dict[str, Any], report: Report | None = None) -> dict[str, 
     )
 
 
-def _question(text: str, query: str) -> Question:
-    """Return a compiled question about a program.
+def _settle(request: dict[str, Any]) -> dict[str, object]:
+    return {"settled": {"text": with_constants(request["text"], request["constants"])}}
+
+
+def _ask(request: dict[str, Any]) -> dict[str, object]:
+    """Compile a question about a program.
 
     Raises:
         ProgramError: It has errors, or SQLite can't prepare it in reasonable time.
     """
-    question = compile_question(text, query)
+    question = compile_question(request["text"], request["query"])
     with closing(Database()) as database:
-        if not _is_prepared_soon(database, question.sql):
+        if not is_prepared_soon(database, question.sql):
             raise _tangled()
-    return question
+    return {"question": asdict(_tuned_question(question, request["columns"]))}
 
 
-def _probing(text: str, request: dict[str, Any]) -> Probing:
-    """Return a predicate's decomposed rules, as far as SQLite can prepare them in time."""
-    predicate, within = request["predicate"], request["within"]
-    with closing(Database()) as database:
-        is_quick = partial(_is_prepared_soon, database)
-        define = partial(database.define, rows=())
-        return decompose(text, predicate, within, request["with_rows"], is_quick, define)
-
-
-def _checkup(text: str, functions: frozenset[str]) -> Checkup:
-    """Return a program prepared to be watched, as far as SQLite can prepare it in time."""
-    with closing(Database()) as database:
-        found = check_up(text, functions, partial(_is_prepared_soon, database))
-    tuned = _prepared(tune_all(found.program.statements))
-    return replace(found, program=replace(found.program, tuned=tuned))
+_JOBS: Mapping[str, Job] = {"constants": _settle, "query": _ask}
 
 
 def _try_out(program: Program) -> None:
@@ -217,7 +208,7 @@ def _tuned(program: Program, trees: dict[str, exp.Query]) -> Program:
         **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
         **{name: program.statements[name] for name in order},
     }
-    return replace(program, tuned=_prepared(tune_all(statements, trees)))
+    return replace(program, tuned=prepared(tune_all(statements, trees)))
 
 
 def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
@@ -229,24 +220,24 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
             question, so that one table serves all.
     """
     tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True, by_name=True)
-    found = {} if tuned is None else _prepared({"": tuned})
+    found = {} if tuned is None else prepared({"": tuned})
     return replace(question, tuned=found.get(""))
 
 
-def _prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
+def prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
     """Return the tuned queries that SQLite can prepare in reasonable time."""
     kept = {}
     with closing(Database(layout=COLUMNS_LAYOUT)) as database:
         database.offer(WHOLE_RAY, lambda _: None)
         for name, tuned in every.items():
-            if _is_prepared_soon(database, tuned.sql, tuned.bounds):
+            if is_prepared_soon(database, tuned.sql, tuned.bounds):
                 jointly = (tuned.for_all(alike=alike) for alike in (False, True))
-                good = all(not sql or _is_prepared_soon(database, sql, n) for sql, n in jointly)
+                good = all(not sql or is_prepared_soon(database, sql, n) for sql, n in jointly)
                 kept[name] = tuned if good else replace(tuned, together="", together_alike="")
     return kept
 
 
-def _is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
+def is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
     """Return whether SQLite can prepare a query with so many parameters in reasonable time."""
     began = process_time()
     try:

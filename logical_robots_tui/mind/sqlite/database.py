@@ -7,7 +7,7 @@ import sqlite3
 from itertools import count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charged
 from logical_robots_tui.mind.sqlite.functions import registry

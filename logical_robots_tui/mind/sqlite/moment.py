@@ -5,7 +5,7 @@ from __future__ import annotations
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from logical_robots_tui.mind.diagnostics import Stopped
+from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import weight_of_row
 from logical_robots_tui.mind.sqlite.budget import Budget
 

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from textual.widget import Widget
 
     from logical_robots_tui.clock import Clock
+    from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Node, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions, Survey
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable

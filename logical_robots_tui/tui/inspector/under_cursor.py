@@ -12,8 +12,8 @@ from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Frame, Path
-    from logical_robots_tui.mind import Node
     from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 

@@ -10,8 +10,8 @@ from textual.content import Content
 from textual.geometry import Offset
 from textual.widgets.option_list import Option
 
+from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.mind.reference import REFERENCE
 from logical_robots_tui.schema import RECORDS
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.program.lexer import KEYWORDS

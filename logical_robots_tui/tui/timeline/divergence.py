@@ -22,10 +22,10 @@ from logical_robots_tui.values import Desire
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Difference, Divergence, Game
     from logical_robots_tui.game.debugging.comparing import Comparison
     from logical_robots_tui.game.history.divergence import Matter
-    from logical_robots_tui.mind import Node
 
 _LONGEST = 600  # characters of a value
 _LONGEST_TEXT = 160  # of a piece of a program

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.sourcing import Read
 from logical_robots_tui.game import Pin
 from logical_robots_tui.game.debugging.origin import Link, Origin
-from logical_robots_tui.mind.why.probing import Span
-from logical_robots_tui.mind.why.sourcing import Read
 from logical_robots_tui.tui.inspector.pages.origin import LinksView, link_lines
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.under_cursor import MemoryPart, memory_of

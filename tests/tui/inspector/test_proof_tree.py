@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from logical_robots_tui.mind import Ask, Node
+from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.tui.inspector.widgets.proof_tree import ProofLine, ProofTree, line_content
 
 

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.game import Inquiry
-from logical_robots_tui.mind import Ask, Node
 from tests.tui.conftest import SLOW, opened
 from tests.tui.inspector.test_why import CALL, TALL, TWO_RULES, asked_why, go_to, told, view
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.mind import Explanation, Proof
+    from logical_robots_tui.explain import Explanation, Proof
 
 
 async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:

@@ -14,7 +14,7 @@ from tests.tui.conftest import opened
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.mind import Node
+    from logical_robots_tui.explain import Node
     from tests.tui.conftest import Opened
 
 TALL = (120, 70)

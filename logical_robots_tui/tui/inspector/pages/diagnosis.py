@@ -22,8 +22,8 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 if TYPE_CHECKING:
     from textual.worker import Worker
 
+    from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind.diagnosis.telling import Finding
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 

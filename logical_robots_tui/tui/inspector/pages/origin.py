@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from textual.binding import BindingType
 
+    from logical_robots_tui.explain.why.sourcing import Read
     from logical_robots_tui.game import Frame, Game, Link, Origin
-    from logical_robots_tui.mind.why.sourcing import Read
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart

@@ -9,8 +9,9 @@ from textual import on
 from textual.content import Content
 from textual.widgets import Static
 
+from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.mind import Ask, Node, QueryError
+from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
@@ -30,9 +31,9 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from logical_robots_tui.explain import Explanation, Proof
+    from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Explanation, Proof
-    from logical_robots_tui.mind.why.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.questions import Questions
 

@@ -14,7 +14,7 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from logical_robots_tui.mind import Node
+    from logical_robots_tui.explain import Node
     from logical_robots_tui.values import Value
 
 _GUIDE = "│ "  # for each node above a line

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.content import Content
 
-    from logical_robots_tui.mind import Ask, Node
+    from logical_robots_tui.explain import Ask, Node
 
 
 class WhyView(CursorView):

@@ -1,0 +1,255 @@
+"""Decomposing a predicate's rules and compiling them. In the compile process.
+
+The predicates that a rule calls are tables for its queries, filled with their rows at the moment in
+question, so that explanations are true for exactly these rows.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.explain.clauses.bodies import Names, head_of
+from logical_robots_tui.explain.clauses.normal_form import Builder
+from logical_robots_tui.explain.clauses.scopes import Scope, in_order, outer_aggregates
+from logical_robots_tui.explain.clauses.trees import make_rule
+from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
+from logical_robots_tui.language.definitions import called
+from logical_robots_tui.language.functors import expand, rename
+from logical_robots_tui.language.tree import (
+    Atom,
+    Call,
+    Equation,
+    Variable,
+    arguments,
+    conjuncts,
+    is_aggregate,
+    variable_of,
+    variables,
+    walk,
+)
+from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
+from logical_robots_tui.mind.relations import GIVEN, with_given
+from logical_robots_tui.schema import INPUTS, VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping, Sequence
+
+    from logical_robots_tui.language.functors import Expanded
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Proposition, Rule, Statement
+
+_ALL = "WhyAll"
+_GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
+
+
+def decompose(
+    text: str,
+    predicate: str,
+    within: str,
+    with_rows: Collection[str],
+    is_quick: Callable[[str, int], bool],
+    define: Callable[[str, tuple[str, ...]], None],
+) -> Probing:
+    """Decompose the rules of a predicate.
+
+    Args:
+        text: A program that can be compiled.
+        predicate: One of its own predicates.
+        within: A predicate made with ``:=``, for whose copy of the rules this is, or "".
+        with_rows: Names of predicates that have rows of their own.
+        is_quick: Whether SQLite can prepare a query with so many parameters in reasonable time.
+        define: Creates a table that these queries read.
+    """
+    source, program = read_program(text)
+    expanded = expand(program)
+    name = expanded.name_of(predicate, within)
+    functions = _functions(expanded, with_rows)
+    circle = _circle(name, expanded)
+    tables = {
+        each: f"{LOWER if each in circle else ROWS}{each}"
+        for each in expanded.rules
+        if each not in functions
+    }
+    builder = Builder(source, Names(functions, tables, expanded.origins))
+    rules = expanded.rules.get(name, [])
+    given = tuple(functions.get(name, ()))
+    parts = tuple(_rule(rule, given, builder) for rule in rules)
+    columns = _columns(rules)
+    if given:
+        builder.probes[_ALL] = _all(name, columns, given)
+    read = {each: tables[each] for each in _read(name, expanded, functions) if each in tables}
+    for each, table in read.items():
+        define(table, _columns(expanded.rules[each]))
+    compiled = _compiled(builder.probes, expanded, functions, tables, source)
+
+    return Probing(
+        predicate,
+        within,
+        name,
+        expanded.bases.get(name, ""),
+        columns,
+        given,
+        any(rule.is_distinct for rule in rules),
+        parts,
+        {probe: sql for probe, sql in compiled.items() if is_quick(*_prepared(sql))},
+        _ALL if given else "",
+        read,
+        _sources({*read, *(() if given else (name,))} - {*with_rows}, expanded, source),
+        {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
+        _is_founded(circle, expanded, functions),
+    )
+
+
+def _columns(rules: list[Rule]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(c for rule in rules for part in head_of(rule) for c in part))
+
+
+def _prepared(sql: str) -> tuple[str, int]:
+    """Return a query in its final form, and the fewest parameters that it has."""
+    number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
+    return with_given(sql, number), number
+
+
+def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
+    head, collected = head_of(rule)
+    bound: dict[str, Expression] = {}
+    checks: list[Proposition] = []
+    for number, column in enumerate(given):
+        value = head[column]
+        if not variable_of(value) or value in bound.values():
+            bound[f"g{number}"] = Variable(f"why_given_{number}")
+            checks.append(Equation(bound[f"g{number}"], value))
+        else:
+            bound[f"g{number}"] = value
+    clauses = builder.clauses([*checks, *conjuncts(rule.body)], head, collected, bound)
+    return RuleParts(builder.span(rule), clauses)
+
+
+def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
+    """Return the rule for all rows of a function."""
+    values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
+    taken = {f"g{i}": values[column] for i, column in enumerate(given)}
+    named = {_field(column): value for column, value in values.items()}
+    body = [Atom(GIVEN, arguments(taken)), Atom(name, arguments(named))]
+    return make_rule(_ALL, {f"c{i}": value for i, value in enumerate(values.values())}, body)
+
+
+def _field(column: str) -> str | int:
+    return int(column[3:]) if column.startswith("col") and column[3:].isdigit() else column
+
+
+def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
+    """Return the predicates whose rows the rules of one read, also through functions."""
+    found: set[str] = set()
+    waiting = [name]
+    while waiting:
+        for other in called(expanded.rules.get(waiting.pop(), ())):
+            if other not in found:
+                found.add(other)
+                waiting += [other] if other in functions else []
+    return found
+
+
+# -- which are functions -------------------------------------------------------------------------
+
+
+def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Return for each predicate that needs arguments the columns that must be given."""
+    found: dict[str, tuple[str, ...]] = {}
+    named = {*expanded.rules} - {*expanded.origins}
+    grew = True
+    while grew:
+        grew = False
+        for name, rules in expanded.rules.items():
+            if name in found or name in with_rows:
+                continue
+            needed = _needed(rules, found)
+            if not needed and name in named:
+                needed = tuple(c for c in head_of(rules[0])[0] if c != VALUE)
+            if needed:
+                found[name] = needed
+                grew = True
+    return found
+
+
+def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the columns without which some rule has no rows."""
+    needed: list[str] = []
+    columns = [column for column in head_of(rules[0])[0] if column != VALUE]
+    for column in columns:
+        if all(not _open(rule, needed, functions) for rule in rules):
+            break
+        if any(column in _open(rule, needed, functions) for rule in rules):
+            needed.append(column)
+    return tuple(needed)
+
+
+def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, ...]]) -> set[str]:
+    """Return the columns with unknown values; all of them if the body can't be queried."""
+    head, body = head_of(rule)[0], conjuncts(rule.body)
+    whole = [*body, *head.values()]
+    known = variables(head[column] for column in given if column in head)
+    inner = walk(whole, is_aggregate)
+    calls = [Atom(each.name, each.arguments) for each in inner if isinstance(each, Call)]
+    ordered, left = in_order([*body, *calls], Scope(functions, variables(whole)), known)
+    after = ordered[-1][1] if ordered else known
+    lacking = {column for column, value in head.items() if not variables(value) <= after}
+    return lacking or ({*head} - {*given} if left else set())
+
+
+# -- recursion -----------------------------------------------------------------------------------
+
+
+def _circle(name: str, expanded: Expanded) -> set[str]:
+    """Return the predicates in a recursion with one, or none."""
+    reach = expanded.reach(name)
+    if name not in reach:
+        return set()
+    return {each for each in reach if each in expanded.rules and name in expanded.reach(each)}
+
+
+def _is_founded(
+    circle: set[str], expanded: Expanded, functions: Mapping[str, Collection[str]]
+) -> bool:
+    """Return whether a recursion's rows can be explained by earlier rows.
+
+    Not if a step needs all rows of the previous one: a negation, an aggregate over them in a body,
+    or a sum in a head.
+    """
+    for name in circle:
+        for rule in expanded.rules[name]:
+            if name in functions:
+                return False
+            if any(used in circle for each in outer_aggregates(rule) for used in called(each)):
+                return False
+            if any(each.operator not in DECIDED_BY_ONE for each in head_of(rule)[1].values()):
+                return False
+    return True
+
+
+# -- SQL -----------------------------------------------------------------------------------------
+
+
+def _compiled(
+    probes: Mapping[str, Rule],
+    expanded: Expanded,
+    functions: Mapping[str, Collection[str]],
+    tables: Mapping[str, str],
+    source: Prepared,
+) -> dict[str, str]:
+    """Return SQL by name of a query; predicates other than functions are tables."""
+    own = [rule for name in functions for rule in expanded.rules[name]]
+    flags = [each for each in expanded.annotations if each.name == "@DefineFlag"]
+    wanted: list[Statement] = [*own, *flags, *probes.values()]
+    renamed = [rename(each, tables) for each in wanted]
+    return statements_of([*probes], renamed, source)
+
+
+def _sources(wanted: Collection[str], expanded: Expanded, source: Prepared) -> dict[str, str]:
+    """Return SQL for the rows of copies that ``:=`` made."""
+    copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
+    if not copies:
+        return {}
+    rules = [rule for own in expanded.rules.values() for rule in own]
+    return statements_of(copies, [*expanded.annotations, *rules], source)

@@ -1,0 +1,354 @@
+"""Decomposing bodies: a clause for each choice of alternatives, with a query for its derivations.
+
+In the compile process. A call of the program's own predicate in an expression becomes a separate
+part of the body, as in the compiler, so that its value is computed once however often it is
+mentioned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal, TypeVar
+
+from logical_robots_tui.explain.clauses.bodies import (
+    TooManyError,
+    alternatives,
+    chain_root,
+    chains,
+    kind_of,
+    names_of,
+    parts_of,
+    values_in,
+)
+from logical_robots_tui.explain.clauses.scopes import Scope, in_order, outer_aggregates
+from logical_robots_tui.explain.clauses.trees import make_rule, span_of
+from logical_robots_tui.explain.why.probing import Body, Call, Clause, Collected, Step, Term
+from logical_robots_tui.language.tree import (
+    REST,
+    Aggregate,
+    Aggregation,
+    Argument,
+    Atom,
+    Conjunction,
+    Membership,
+    Number,
+    Variable,
+    arguments,
+    conjuncts,
+    equated,
+    is_aggregate,
+    operands,
+    rebuild,
+    variable_of,
+    variables,
+)
+from logical_robots_tui.language.tree import Call as Function
+from logical_robots_tui.mind.relations import GIVEN
+from logical_robots_tui.schema import INPUTS, VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.clauses.bodies import Names
+    from logical_robots_tui.explain.why.probing import Span
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import (
+        Expression,
+        Node,
+        Proposition,
+        Rule,
+        Tree,
+    )
+
+N = TypeVar("N", bound="Node")
+
+PROBE = "WhyProbe"
+"""The prefix of the queries' names."""
+
+_AUXILIARY = "why_"
+_DEEPEST = 4  # nesting of bodies
+_MOST_COLUMNS = 90  # SQLite's limit is 100
+
+
+class Builder:
+    """Decomposes bodies and collects the queries to be compiled.
+
+    Attributes:
+        probes: The rules that define the queries' rows, by name.
+    """
+
+    def __init__(self, source: Prepared, known: Names) -> None:
+        self.probes: dict[str, Rule] = {}
+        self.known = known
+        self._source = source
+
+    def clauses(
+        self,
+        body: Sequence[Proposition],
+        head: Mapping[str, Expression],
+        collected: Mapping[str, Aggregation],
+        given: Mapping[str, Expression],
+        depth: int = 0,
+    ) -> tuple[Clause, ...]:
+        """Return the clauses of a body.
+
+        Args:
+            body: Its parts.
+            head: The expressions of the columns without aggregation.
+            collected: The aggregations of the other columns.
+            given: For each column of the table of given values, its variable.
+            depth: The nesting within other bodies.
+        """
+        return tuple(
+            _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
+            for parts, taken in self._choices(body)
+        )
+
+    def span(self, tree: Tree) -> Span:
+        """Return the place of a piece of a syntax tree."""
+        return span_of(tree, self._source)
+
+    def _choices(
+        self, body: Sequence[Proposition]
+    ) -> Iterator[tuple[list[Proposition], tuple[Span, ...]]]:
+        """Return the body for each choice of alternatives, or unchanged if there are too many."""
+        try:
+            found = alternatives(body)
+        except TooManyError:
+            found = [(list(body), [])]
+        for parts, taken in found:
+            yield parts, tuple(map(self.span, taken))
+
+
+class _ClauseBuilder:
+    def __init__(
+        self,
+        builder: Builder,
+        parts: Sequence[Proposition],
+        head: Mapping[str, Expression],
+        collected: Mapping[str, Aggregation],
+        given: Mapping[str, Expression],
+        depth: int,
+    ) -> None:
+        self._builder, self._depth = builder, depth
+        self._names = builder.known
+        self._calls: dict[str, Function] = {}  # by the variable of their value
+        self._columns: dict[Expression, str] = {}
+        self._used: set[str] = set()
+        self._body: list[Proposition] = []
+        for part in parts:
+            self._body.append(self._without_calls(part))
+        self._head = {column: self._without_calls(value) for column, value in head.items()}
+        self._collected = {
+            column: (str(aggregation.operator), self._without_calls(aggregation.argument))
+            for column, aggregation in collected.items()
+        }
+        everything: list[Node] = [
+            *self._body,
+            *self._head.values(),
+            *(argument for _, argument in self._collected.values()),
+        ]
+        mentioned = variables(everything)
+        self._begin: list[Proposition] = []
+        self._given = given
+        known: frozenset[str] = frozenset()
+        if given:
+            self._begin = [Atom(GIVEN, arguments(given))]
+            known = variables(given.values())
+        self._scope = Scope(self._names.functions, mentioned | known)
+        self._known = known
+        self._all = everything
+
+    def clause(self, taken: tuple[Span, ...]) -> Clause:
+        """Return the clause for the chosen alternatives."""
+        ordered, left = in_order(self._body, self._scope, self._known)
+        if left:
+            together = left[0] if len(left) == 1 else Conjunction(tuple(left))
+            ordered.append((together, self._scope.variables))
+        before = [self._known, *(after for _, after in ordered)]
+        steps = []
+        wanted: list[set[str]] = []  # for each step, the columns to show
+        for (part, after), known in zip(ordered, before, strict=False):
+            self._used = set()
+            steps.append(self._step(part, known, after))
+            wanted.append(self._used)
+        everywhere = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
+        head = {column: self._column(value) for column, value in self._head.items()}
+        terms = {column: self._term(value) for column, value in self._head.items()}
+        collected = tuple(self._collection(column, *of) for column, of in self._collected.items())
+        always = everywhere | {*head.values()}
+        wanted.append({*self._columns.values()})
+        start = self._query(self._begin, self._known, always | wanted[0])
+        body = list(self._begin)
+        finished = []
+        for step, (part, after), next_wanted in zip(steps, ordered, wanted[1:], strict=True):
+            body = [*body, part]
+            query = self._query(body, after, always | next_wanted)
+            finished.append(replace(step, query=query))
+        return Clause(
+            taken,
+            start,
+            tuple(finished),
+            {column: place for column, place in head.items() if place},
+            terms,
+            collected,
+            {self._column(variable): name for name, variable in self._given.items()},
+        )
+
+    # -- calls -----------------------------------------------------------------------------------
+
+    def _without_calls(self, node: N) -> N:
+        """Return a part without the calls in its expressions, which become parts before it."""
+
+        def change(inner: Node) -> Node:
+            if is_aggregate(inner):
+                return inner
+            inner = rebuild(inner, change)
+            if not isinstance(inner, Function) or not self._names.is_own(inner.name):
+                return inner
+            name = f"{_AUXILIARY}{len(self._calls)}"
+            self._calls[name] = inner
+            value = Argument(VALUE, Variable(name))
+            self._body.append(Atom(inner.name, (*inner.arguments, value), span=inner.span))
+            return Variable(name, span=inner.span)
+
+        return change(node)  # type: ignore[return-value]  # a kind for its kind
+
+    def _is_call(self, node: Node | None) -> bool:
+        return variable_of(node) in self._calls
+
+    # -- steps -----------------------------------------------------------------------------------
+
+    def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
+        new = sorted(name for name in after - known if not name.startswith(_AUXILIARY))
+        gives = {name: self._column(Variable(name)) for name in new}
+        kind = self._kind(part)
+        span = self._builder.span(part)
+        if isinstance(part, Atom) and kind in ("call", "function"):
+            called, reads = self._call(part), self._reads(part)
+            value = next(values_in(part, VALUE), None)
+            if kind == "function" and value is not None:
+                span = self._builder.span(self._calls[variable_of(value)])
+            return Step(kind, span, "", gives, call=called, reads=reads)
+        if kind == "denial":
+            (denied,) = outer_aggregates(part)
+            return Step(kind, span, "", gives, denied=self._inner(denied))
+        return Step(kind, span, "", gives, tuple(map(self._term, self._shown(part))))
+
+    def _kind(
+        self, part: Proposition
+    ) -> Literal["call", "condition", "value", "element", "denial", "function"]:
+        if isinstance(part, Membership):
+            return "element"
+        if equated(part) is not None:
+            return "value"
+        name = part.name if isinstance(part, Atom) else ""
+        if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
+            return "denial"
+        if name in INPUTS or self._names.is_own(name):
+            return "function" if self._is_call(next(values_in(part, VALUE), None)) else "call"
+        return "condition"
+
+    @staticmethod
+    def _shown(part: Proposition) -> Sequence[Expression]:
+        """Return the expressions of a step that explain why it holds."""
+        if isinstance(part, Membership):
+            return [part.collection]
+        if (pair := equated(part)) is not None:
+            return pair
+        return operands(part.arguments) if isinstance(part, Atom) else ()
+
+    def _call(self, atom: Atom) -> Call:
+        given = {
+            each.column: each.expression
+            for each in atom.arguments
+            if each.expression and each.field != REST
+        }
+        columns = {name: self._column(value) for name, value in given.items()}
+        columns = {name: column for name, column in columns.items() if column}
+        if atom.name in INPUTS:
+            return Call(str(atom.name), "", columns)
+        terms = {name: self._term(value) for name, value in given.items() if name != VALUE}
+        terms = {c: term for c, term in terms.items() if term.kind not in ("literal", "variable")}
+        return replace(self._names.call(atom.name, columns), terms=terms)
+
+    def _reads(self, atom: Atom) -> tuple[Term, ...]:
+        """Return everything read from a sensor or a memory in the clause."""
+        found: dict[str, Expression] = {}
+        columns = INPUTS.get(atom.name, ())
+        for column in (*columns, REST) if columns else ():
+            for value in values_in(atom, column):
+                root = variable_of(value)
+                mine = [each for each in chains(self._all) if chain_root(each) == root]
+                found |= {self._builder.span(each).text: each for each in mine}
+                if column == "memory" and root and not mine:
+                    found[root] = value
+        return tuple(map(self._term, found.values()))
+
+    # -- expressions -----------------------------------------------------------------------------
+
+    def _term(self, node: Expression) -> Term:
+        kind = kind_of(node)
+        span = self._builder.span(node)
+        if kind == "literal":
+            return Term("literal", span, self._column(node))
+        if self._is_call(node):
+            return self._called_term(variable_of(node), self._column(node))
+        if isinstance(node, Aggregate):
+            body = self._inner(node) if self._depth < _DEEPEST else None
+            return Term("aggregate", span, self._column(node), body=body)
+        parts = tuple(map(self._term, parts_of(node)))
+        return Term(kind, span, self._column(node), parts, names_of(node))
+
+    def _called_term(self, name: str, column: str) -> Term:
+        """Return the term of a call whose value is a variable."""
+        atom = next(
+            part
+            for part in self._body
+            if isinstance(part, Atom) and name in map(variable_of, values_in(part, VALUE))
+        )
+        called = self._call(atom)
+        parts = tuple(each for each in called.terms.values() if each.kind != "field")
+        return Term("call", self._builder.span(self._calls[name]), column, parts, call=called)
+
+    def _inner(self, aggregate: Aggregate) -> Body | None:
+        body = conjuncts(aggregate.body)
+        if not body or self._depth >= _DEEPEST:
+            return None
+        mentioned = variables([aggregate.argument, *body], inside=True) & self._scope.variables
+        outer = {f"g{i}": Variable(name) for i, name in enumerate(sorted(mentioned))}
+        aggregation = Aggregation(aggregate.operator, aggregate.argument)
+        collected = {} if aggregate.is_denial else {VALUE: aggregation}
+        clauses = self._builder.clauses(body, {}, collected, outer, self._depth + 1)
+        given = {name: self._column(variable) for name, variable in outer.items()}
+        return Body(self._builder.span(aggregate), given, clauses)
+
+    def _collection(self, column: str, operator: str, argument: Expression) -> Collected:
+        if isinstance(argument, Function) and argument.name == "->":
+            left, right = operands(argument.arguments)
+            value, by = self._column(left), self._column(right)
+            return Collected(column, operator, value, by, self._term(left))
+        return Collected(column, operator, self._column(argument), "", self._term(argument))
+
+    # -- queries ---------------------------------------------------------------------------------
+
+    def _column(self, node: Expression) -> str:
+        """Return the column with the value of an expression, or "" if there are too many."""
+        if node not in self._columns and len(self._columns) >= _MOST_COLUMNS:
+            return ""
+        column = self._columns.setdefault(node, f"c{len(self._columns)}")
+        self._used.add(column)
+        return column
+
+    def _query(self, body: Sequence[Proposition], known: frozenset[str], wanted: set[str]) -> str:
+        """Return a query for the ways in which a body holds, with the wanted columns."""
+        columns: dict[str, Expression] = {"one": Number("1")}
+        columns |= {
+            column: node
+            for node, column in self._columns.items()
+            if column in wanted and self._scope.mentioned(node) <= known
+        }
+        probes = self._builder.probes
+        name = f"{PROBE}{len(probes)}"
+        probes[name] = make_rule(name, columns, body)
+        return name

@@ -1,0 +1,178 @@
+"""Preparing a program to be watched, with what it writes into memories. In the compile process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.explain.clauses.trees import span_of
+from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
+from logical_robots_tui.explain.diagnosis.tracing import Tracer
+from logical_robots_tui.language.constants import is_constant
+from logical_robots_tui.language.definitions import definitions, reached, rules_of
+from logical_robots_tui.language.functors import expand
+from logical_robots_tui.language.robot_rule import MAIN
+from logical_robots_tui.language.tree import (
+    COMPARISONS,
+    Atom,
+    Call,
+    Choice,
+    Equation,
+    Head,
+    List,
+    Literal,
+    Membership,
+    PredicateName,
+    Record,
+    Variable,
+    conjuncts,
+    operands,
+    text_of,
+    walk,
+)
+from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
+from logical_robots_tui.mind.program import Program
+from logical_robots_tui.schema import INPUTS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.why.probing import Span
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Node, Rule
+
+_MOST_PROBES = 400
+
+
+def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int], bool]) -> Checkup:
+    """Prepare a program to be watched."""
+    source, program = read_program(text)
+    expanded = expand(program)
+    rules = [(rule.name, rule) for rule in rules_of(program)]
+    own: dict[str, list[Rule]] = {}
+    for name, rule in rules:
+        own.setdefault(name, []).append(rule)
+    rules = [(name, rule) for name in own for rule in own[name]]
+    functions |= {name for name, mine in own.items() if len(mine) == 1 and is_constant(mine[0])}
+    functions |= {n for n, (first, _) in expanded.origins.items() if first in functions}
+    all_own = definitions(program)
+    needed = reached(all_own[MAIN], all_own) | {MAIN}
+    tracer = Tracer(source, expanded, functions, [rule for _, rule in rules])
+    for name, rule in rules:
+        if name in needed and name not in functions:
+            tracer.rule(rule, tells_robot=name == MAIN)
+    for name, (_, within) in tracer.copies.items():
+        if within in needed and name not in functions:
+            tracer.copy(name)
+    asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
+    copied = [rule for mine in expanded.rules.values() for rule in mine]
+    probed = [rule for rule, _ in asked.values()]
+    compiled = statements_of([*asked], [*expanded.annotations, *copied, *probed], source)
+    statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
+    probes = [asked[name][1] for name in statements]
+    writes, writes_all = written_fields(own, functions, source)
+    return Checkup(
+        tuple(
+            _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
+            for name, rule in rules
+        ),
+        tuple(tracer.sites),
+        tuple(probes),
+        Program(text, (), statements),
+        tuple(tracer.reads.values()),
+        tuple(writes),
+        tracer.reads_all,
+        writes_all,
+        tuple(texts_of((rule for name, rule in rules if name in needed), all_own, source)),
+        tracer.left_out + len(tracer.probes) - len(probes),
+    )
+
+
+def _site(
+    name: str, rule: Rule, source: Prepared, *, is_function: bool, is_needed: bool
+) -> RuleSite:
+    column = rule.head.column("memory")
+    memory = span_of(column, source) if column and column.expression else None
+    body = span_of(rule.body, source) if rule.body else None
+    span = span_of(rule, source)
+    return RuleSite(
+        str(name), span, is_function, is_needed, not rule.body, _key(rule, span), memory, body
+    )
+
+
+def _key(rule: Rule, span: Span) -> str:
+    """Return a fact's key: the text in its first column, or all of its text."""
+    found = None if rule.body else text_of(rule.head.columns[0].expression)
+    return span.text if found is None else found
+
+
+_DEEPEST = 8
+
+
+def written_fields(
+    own: Mapping[str, Sequence[Rule]], functions: frozenset[str], source: Prepared
+) -> tuple[list[Field], bool]:
+    """Return the fields of `Robot`'s memory records, and whether there may be others."""
+    found: dict[str, Field] = {}
+    is_open = False
+
+    def look(value: Expression, rule: Rule, depth: int) -> None:
+        nonlocal is_open
+        match value:
+            case Record():
+                for each in value.arguments:
+                    field = Field(str(each.field), span_of(each, source))
+                    found.setdefault(field.name, field)
+            case Choice():
+                for branch in value.branches:
+                    look(branch.value, rule, depth)
+                look(value.otherwise, rule, depth)
+            case Variable() if (bound := _bound(value, rule)) is not None:
+                look(bound, rule, depth)
+            case Call(name=name) if name in functions and name in own and depth < _DEEPEST:
+                for inner in own[name]:
+                    if inner.value is not None:
+                        look(inner.value, inner, depth + 1)
+            case Literal() | PredicateName():
+                pass
+            case _:
+                is_open = True
+
+    for rule in own.get(MAIN, ()):
+        column = rule.head.column("memory")
+        if column is not None and column.expression is None:
+            is_open = True
+        elif column is not None and column.expression is not None:
+            look(column.expression, rule, 0)
+    return list(found.values()), is_open
+
+
+def texts_of(rules: Iterable[Rule], own: Container[str], source: Prepared) -> Iterator[Field]:
+    """Yield the texts in some rules that are compared or passed to a predicate."""
+    for rule in rules:
+        for node in walk(rule):
+            for value in _meant_for_something(node, own, is_fact=not rule.body):
+                name = text_of(value)
+                if name:
+                    yield Field(name, span_of(value, source))
+
+
+def _meant_for_something(node: Node, own: Container[str], *, is_fact: bool) -> Sequence[Expression]:
+    """Return the values in a node that are compared with something, or are in a fact."""
+    match node:
+        case Call() | Atom() if node.name in COMPARISONS or node.name in own or node.name in INPUTS:
+            return operands(node.arguments)
+        case Equation():
+            return node.left, node.right
+        case Membership(collection=List(elements=elements)):
+            return elements
+        case Head() if is_fact:
+            return operands(node.columns)
+    return ()
+
+
+def _bound(value: Variable, rule: Rule) -> Expression | None:
+    """Return the expression that a variable is equal to in a body, or None."""
+    for part in conjuncts(rule.body):
+        if isinstance(part, Equation) and part.left == value:
+            return part.right
+    return None

@@ -1,0 +1,248 @@
+"""Counts of what the rules and conditions of a program did over the ticks of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.explain.diagnosis.sites import TESTS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from logical_robots_tui.explain.diagnosis.sites import Checkup, Column, Probe, Site
+    from logical_robots_tui.values import Value
+
+_MOST_VALUES = 60  # compared values that are kept for a place
+
+
+@dataclass(slots=True)
+class Count:
+    """Statistics of a site; ticks are those that were examined.
+
+    Attributes:
+        reached: The first tick in which it was reached, or None.
+        ways: The number of ways in which it was reached, over all looks.
+        passed: The number of ways in which a part was passed.
+        looks: The number of looks in which it was reached.
+        true: The first tick in which it was true, or a part gave rows; or None.
+        false: The first tick in which it was false, or None.
+        null: The first tick in which it was null, or None.
+        left: Values of the left side of an equation.
+        right: Values of the right side.
+        least: The least difference between the sides of a comparison, or None.
+        greatest: The greatest difference, or None.
+    """
+
+    reached: int | None = None
+    ways: int = 0
+    passed: int = 0
+    looks: int = 0
+    true: int | None = None
+    false: int | None = None
+    null: int | None = None
+    left: dict[Value, int] = field(default_factory=dict)
+    right: dict[Value, int] = field(default_factory=dict)
+    least: float | None = None
+    greatest: float | None = None
+
+
+@dataclass(slots=True)
+class RuleCount:
+    """Statistics of a rule.
+
+    Attributes:
+        asked: The first tick in which it was examined, or None.
+        gave: The first tick in which it gave a row, or None.
+        looks: How often it was examined.
+    """
+
+    asked: int | None = None
+    gave: int | None = None
+    looks: int = 0
+
+
+class Tally:
+    """Statistics of everything that a checkup watches.
+
+    Attributes:
+        sites: Statistics by number of the site.
+        rules: Statistics by number of the rule.
+        ticks: The examined ticks, in order of examination.
+        given_up: Numbers of probes that failed once, so that they can't prove a "never".
+        robots: By robot and tick, how many rows each rule of `Robot` had for it.
+    """
+
+    def __init__(self, checkup: Checkup) -> None:
+        self.checkup = checkup
+        self.sites = [Count() for _ in checkup.sites]
+        self.rules = [RuleCount() for _ in checkup.rules]
+        self.ticks: list[int] = []
+        self.given_up: set[int] = set()
+        # Parts that are reached only if the parts before them hold.
+        self._waited_for = {probe.before for probe in checkup.probes}
+        self.robots: dict[tuple[str, int], dict[int, int]] = {}
+
+    def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
+        """Count the rows of a probe."""
+        if not self.ticks or self.ticks[-1] != tick:
+            self.ticks.append(tick)
+        probe = self.checkup.probes[number]
+        passed = before = gave = 0
+        reached: set[int] = set()
+        for row in rows:
+            ways = row["n"]
+            if not isinstance(ways, int):
+                continue  # a sum of nothing
+            truths: list[bool | None] = []
+            for place, column in enumerate(probe.columns):
+                truth = self._truth(column, place, row)
+                truths.append(truth)
+                is_reached = all((truths[c] is True) is holds for c, holds in column.guard)
+                if is_reached and column.kind != "skip":
+                    self._see(tick, column, place, row, truth, ways)
+                    reached.add(column.site)
+            passed += ways
+            if all(truths[c] is True for c in probe.filters):
+                before += ways
+                gave += ways
+                who = row.get("who")
+                if probe.robot and isinstance(who, str):
+                    given = self.robots.setdefault((who, tick), {})
+                    given[probe.gives] = given.get(probe.gives, 0) + ways
+        for site in reached:
+            self.sites[site].looks += 1
+        self._note_parts(tick, probe, passed, before)
+        if probe.gives >= 0:
+            rule = self.rules[probe.gives]
+            rule.looks += 1
+            rule.asked = _first(rule.asked, tick)
+            if gave:
+                rule.gave = _first(rule.gave, tick)
+
+    def give_up(self, number: int) -> None:
+        """Note that a probe failed: nothing is reported that depends on it."""
+        probe = self.checkup.probes[number]
+        self.given_up.add(number)
+        for place in {probe.after, probe.before, *(column.site for column in probe.columns)} - {-1}:
+            count = self.sites[place]
+            if self.checkup.sites[place].kind in ("leaf", "value"):
+                continue
+            if count.reached is None:
+                count.reached = 0
+            count.true = _first(count.true, 0)
+            count.false = _first(count.false, 0)
+        if probe.gives >= 0:
+            self.rules[probe.gives].gave = _first(self.rules[probe.gives].gave, 0)
+
+    def doubtful_probes(self) -> list[int]:
+        """Return the probes that may still show that something does happen."""
+        sites = {
+            number
+            for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True))
+            if _is_doubtful(site, count)
+        }
+        found = []
+        for number, probe in enumerate(self.checkup.probes):
+            if probe.closeness == "closer" or number in self.given_up:
+                continue
+            told = {probe.after, probe.before, *(column.site for column in probe.columns)}
+            if told & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
+                found.append(number)
+        return found
+
+    def stopped(self, rule: int) -> int | None:
+        """Return the last site of a rule's body that was reached and never passed."""
+        found = None
+        for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True)):
+            is_stuck = count.reached is not None and count.true is None
+            if site.rule == rule and site.is_step and is_stuck:
+                found = number
+        return found
+
+    # -- inside --------------------------------------------------------------------------------
+
+    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int) -> None:
+        if probe.after >= 0 and passed:
+            site = self.sites[probe.after]
+            site.true = _first(site.true, tick)
+            site.passed += passed
+        if probe.after >= 0 and probe.after not in self._waited_for:
+            site = self.sites[probe.after]
+            site.reached = _first(site.reached, tick)
+        if probe.before >= 0 and before:
+            site = self.sites[probe.before]
+            site.reached = _first(site.reached, tick)
+            site.ways += before
+
+    def _truth(self, column: Column, place: int, row: Mapping[str, Value]) -> bool | None:
+        if column.kind in ("always", "skip"):
+            return True
+        value = row[f"c{place}"]
+        if column.kind == "truth":
+            return is_true(value)
+        is_pair = column.kind == "pair"
+        other = row[f"d{place}"] if is_pair else self.checkup.sites[column.site].literal
+        return None if value is None or other is None else value == other
+
+    def _see(
+        self,
+        tick: int,
+        column: Column,
+        place: int,
+        row: Mapping[str, Value],
+        truth: bool | None,
+        ways: int,
+    ) -> None:
+        site = self.sites[column.site]
+        site.reached = _first(site.reached, tick)
+        site.ways += ways
+        if truth:
+            site.true = _first(site.true, tick)
+        elif truth is None:
+            site.null = _first(site.null, tick)
+        else:
+            site.false = _first(site.false, tick)
+        if column.kind in ("text", "pair"):
+            _keep(site.left, row[f"c{place}"], tick)
+        if column.kind == "pair":
+            _keep(site.right, row[f"d{place}"], tick)
+        site.least = _extreme(min, site.least, row.get(f"l{place}"))
+        site.greatest = _extreme(max, site.greatest, row.get(f"h{place}"))
+
+
+def _is_doubtful(site: Site, count: Count) -> bool:
+    """Return whether a site would be reported if nothing else happens there."""
+    if site.kind in ("leaf", "value"):
+        return False
+    return count.reached is None or count.true is None or is_always_true(site, count)
+
+
+def is_always_true(site: Site, count: Count) -> bool:
+    """Return whether a condition was reached, and never false or null."""
+    seen = count.true is not None and count.false is None and count.null is None
+    return site.kind in TESTS and seen
+
+
+def is_true(value: Value) -> bool | None:
+    """Return whether a value is true as an SQL condition; None if unknown."""
+    if value is None:
+        return None
+    return bool(value) if isinstance(value, int | float) else False
+
+
+def _extreme(
+    choose: Callable[[float, float], float], known: float | None, new: Value
+) -> float | None:
+    if not isinstance(new, int | float):
+        return known
+    return float(new) if known is None else choose(known, float(new))
+
+
+def _first(known: int | None, tick: int) -> int:
+    return tick if known is None else min(known, tick)
+
+
+def _keep(values: dict[Any, int], value: Value, tick: int) -> None:
+    if isinstance(value, str | int | float) and len(values) < _MOST_VALUES:
+        values.setdefault(value, tick)

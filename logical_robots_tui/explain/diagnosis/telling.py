@@ -1,0 +1,292 @@
+"""Findings: what stands out in the counts of a run, such as rules without rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from logical_robots_tui.explain.diagnosis.counting import is_always_true
+from logical_robots_tui.explain.diagnosis.sites import TESTS
+from logical_robots_tui.language.similar_names import closest, distance
+from logical_robots_tui.schema import INPUTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from logical_robots_tui.explain.diagnosis.counting import Count, Tally
+    from logical_robots_tui.explain.diagnosis.sites import Site
+    from logical_robots_tui.explain.why.probing import Span
+    from logical_robots_tui.values import Value
+
+FindingKind = Literal[
+    "several rows",
+    "no row",
+    "bad engine",
+    "notice",
+    "unknown text",
+    "memory never written",
+    "memory never read",
+    "memory lost",
+    "no rows",
+    "always null",
+    "never true",
+    "never false",
+    "circle",
+    "blocked",
+    "still",
+    "unfinished",
+]
+
+Severity = Literal["warning", "note"]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A likely mistake.
+
+    Attributes:
+        kind: The kind.
+        severity: ``warning`` for what is hardly intended, ``note`` for what may well be.
+        span: Its place in the program, or None if there is no single place.
+        tick: The first tick in which it happened.
+        message: The finding, one plain sentence.
+        hint: What to look at, one sentence.
+        others: Related places, the nearest first.
+        robot: The robot that it is about, or "".
+    """
+
+    kind: FindingKind
+    severity: Severity
+    span: Span | None
+    tick: int
+    message: str
+    hint: str
+    others: tuple[Span, ...] = ()
+    robot: str = ""
+
+
+_LONGEST = 60  # characters in a quotation
+_MOST_LISTED = 4  # values
+
+
+def rule_findings(tally: Tally, *, won: bool) -> list[Finding]:
+    """Return findings about rules and conditions, the most significant first.
+
+    Args:
+        tally: The statistics of the run.
+        won: Whether the run was won, so that what never happened was hardly needed.
+    """
+    return list(_Reporter(tally, won=won).findings())
+
+
+def shortened(text: str) -> str:
+    """Return a piece of a program, shortened for a message."""
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+class _Reporter:
+    def __init__(self, tally: Tally, *, won: bool) -> None:
+        self._tally = tally
+        self._checkup = tally.checkup
+        self._said: set[int] = set()
+        self._severity: Severity = "note" if won else "warning"
+
+    def findings(self) -> Iterator[Finding]:
+        silent = self._silent()
+        for number in sorted(silent, key=lambda n: self._is_consequence(n, silent)):
+            found = self._of_rule(number, silent)
+            if found is not None:
+                yield found
+        for tell in (self._of_text, self._of_site, self._of_truth):
+            for number, site in enumerate(self._checkup.sites):
+                found = None if number in self._said else tell(number, site)
+                if found is not None:
+                    yield found
+
+    # -- rules ---------------------------------------------------------------------------------
+
+    def _silent(self) -> dict[int, int | None]:
+        """Return rules without rows, each with the site at which they failed."""
+        silent = {}
+        for number, rule in enumerate(self._checkup.rules):
+            count = self._tally.rules[number]
+            if rule.is_needed and not rule.is_function and count.looks and count.gave is None:
+                silent[number] = self._tally.stopped(number)
+        return silent
+
+    def _is_consequence(self, rule: int, silent: dict[int, int | None]) -> bool:
+        stop = silent[rule]
+        asked = self._checkup.sites[stop].predicate if stop is not None else ""
+        mine = {n for n, each in enumerate(self._checkup.rules) if each.predicate == asked}
+        return bool(mine) and mine <= silent.keys()
+
+    def _of_rule(self, number: int, silent: dict[int, int | None]) -> Finding | None:
+        rule, stop = self._checkup.rules[number], silent[number]
+        if stop is None:
+            return None
+        site, count = self._checkup.sites[stop], self._tally.sites[stop]
+        self._said.add(stop)
+        if self._is_consequence(number, silent):
+            return Finding(
+                "no rows",
+                "note",
+                rule.span,
+                self._tally.ticks[0],
+                f"This rule of {rule.predicate} never had a row; {site.predicate} has none.",
+                f"Look at {site.predicate} first.",
+                (site.span,),
+            )
+        reason = self._why_not(site, count)
+        return Finding(
+            "no rows",
+            self._severity,
+            site.span,
+            count.reached or self._tally.ticks[0],
+            f"The rule of {rule.predicate} in line {rule.span.line} never had a row: {reason}",
+            "If it should have, check this condition.",
+            (rule.span, *site.places),
+        )
+
+    # -- sites ---------------------------------------------------------------------------------
+
+    def _of_text(self, number: int, site: Site) -> Finding | None:
+        count = self._tally.sites[number]
+        if site.literal is None or count.reached is None or count.true is not None:
+            return None
+        if not count.left:
+            return None
+        self._said.add(number)
+        close = _alike(site.literal, count.left)
+        hint = f"Did you mean {_value(close)}?" if close else f"It was {_listed(count.left)}."
+        message = f'{shortened(site.other)} was never "{site.literal}"{_in(site)}.'
+        severity: Severity = "warning" if close else self._severity
+        return self._finding("never true", severity, site, count, message, hint)
+
+    def _of_site(self, number: int, site: Site) -> Finding | None:
+        count = self._tally.sites[number]
+        if (
+            count.reached is None
+            or count.true is not None
+            or site.kind in ("leaf", "text", "value")
+        ):
+            return None
+        if site.kind == "part" and site.predicate in ("", *INPUTS):
+            return None
+        if site.kind == "part" and site.stands == "denied":
+            return None  # reported where it is negated
+        self._said.add(number)
+        if self._is_explained(site):
+            return None
+        is_null = site.kind in TESTS and count.false is None
+        what: FindingKind = "always null" if is_null else "never true"
+        reason = self._why_not(site, count)
+        hint = "Check what it compares."
+        if is_null:
+            hint = "Part of it has no value: a missing field, or an aggregate of nothing."
+        return self._finding(
+            what, self._severity, site, count, reason[0].upper() + reason[1:], hint
+        )
+
+    def _of_truth(self, number: int, site: Site) -> Finding | None:
+        """Return a finding about a condition that was never false."""
+        count = self._tally.sites[number]
+        if not is_always_true(site, count):
+            return None
+        message = f"{_quoted(site)} was never false{_in(site)}."
+        hint = "It never excluded anything; is it the right comparison?"
+        return self._finding("never false", "note", site, count, message, hint)
+
+    def _is_explained(self, whole: Site) -> bool:
+        """Return whether an operand of ``&&`` was never true, which explains the whole."""
+        if whole.operator != "&&":
+            return False
+        inner = [
+            (site.span, count)
+            for site, count in zip(self._checkup.sites, self._tally.sites, strict=True)
+            if site.kind == "operand" and site.within == whole.within
+            if _holds_in(whole.span, site.span) and count.reached is not None
+        ]
+        return any(
+            count.true is None
+            and not any(_holds_in(around, span) and c.true is not None for around, c in inner)
+            for span, count in inner
+        )
+
+    def _why_not(self, site: Site, count: Count) -> str:
+        quoted, where = _quoted(site), _in(site)
+        if site.kind == "part":
+            return f"{quoted} had no rows{where}."
+        if site.kind in TESTS and count.false is None and count.null is not None:
+            return f"{quoted} was always null{where}."
+        if count.left and count.right:
+            left, right = _listed(count.left), _listed(count.right)
+            return f"{quoted} was never true{where}: {left} on the left, {right} on the right."
+        if count.left:
+            other = shortened(site.other)
+            return f"{quoted} was never true{where}: {other} was {_listed(count.left)}."
+        missed = _missed(site, count)
+        return f"{quoted} was never true{where}{missed}."
+
+    def _finding(
+        self,
+        kind: FindingKind,
+        severity: Severity,
+        site: Site,
+        count: Count,
+        message: str,
+        hint: str,
+    ) -> Finding:
+        tick = count.reached if count.reached is not None else self._tally.ticks[0]
+        return Finding(kind, severity, site.span, tick, message, hint, site.places)
+
+
+def _holds_in(whole: Span, part: Span) -> bool:
+    """Return whether a place is a proper part of another one."""
+    return (
+        whole.start <= part.start
+        and part.stop <= whole.stop
+        and (whole.start, whole.stop) != (part.start, part.stop)
+    )
+
+
+def _quoted(site: Site) -> str:
+    return f"`{shortened(site.span.text)}`"
+
+
+def _in(site: Site) -> str:
+    return f" in {site.within}" if site.within else ""
+
+
+def _missed(site: Site, count: Count) -> str:
+    """Return by how much a comparison failed."""
+    lacks = None
+    if site.operator in ("<", "<="):
+        lacks, what = count.least, "too much"
+    elif site.operator in (">", ">="):
+        lacks, what = count.greatest, "too little"
+    if lacks is None:
+        return ""
+    if not lacks:
+        return f"; at best {shortened(site.other)} was exactly the limit"
+    return f"; at best {shortened(site.other)} was {abs(lacks):.4g} {what}"
+
+
+def _value(value: Value) -> str:
+    return f'"{value}"' if isinstance(value, str) else f"{value:.4g}"
+
+
+def _listed(values: Iterable[Value]) -> str:
+    known = sorted(values, key=str)
+    more = len(known) - _MOST_LISTED
+    listed = [_value(value) for value in known[:_MOST_LISTED]]
+    if more > 0:
+        return f"{', '.join(listed)} or one of {more} others"
+    return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} or {listed[-1]}"
+
+
+def _alike(text: str, values: Iterable[Value]) -> str:
+    """Return the text among some values that another one probably misspells, or ""."""
+    texts = [value for value in values if isinstance(value, str) and value]
+    by_case = (value for value in texts if value.lower() == text.lower())
+    near = (v for v in texts if distance(v.lower(), text.lower()) <= (2 if len(text) > 5 else 1))
+    return next(by_case, "") or next(near, "") or closest(text, texts)

@@ -1,0 +1,301 @@
+"""Collecting sites, and the predicates that query them. In the compile process."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from logical_robots_tui.explain.clauses.trees import as_part, count_rule, parameters, span_of
+from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
+from logical_robots_tui.language.definitions import called
+from logical_robots_tui.language.tree import (
+    Atom,
+    Rule,
+    equated,
+    variable_of,
+    variables,
+    walk,
+)
+from logical_robots_tui.schema import INPUTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.clauses.scopes import Scope
+    from logical_robots_tui.explain.why.probing import Span
+    from logical_robots_tui.language.functors import Expanded
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Expression, Node, Proposition, Tree
+
+_MOST = 6  # places
+_DEEPEST = 4
+
+
+class Sources:
+    """Finds where values come from."""
+
+    def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
+        self._source, self._own = source, own
+
+    def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
+        """Return where the values in an expression of a rule come from, the nearest places first.
+
+        These are the expressions equal to its variables, and the rules of the predicates that bind
+        them or that it calls; then recursively the places for the values in these.
+        """
+        found: dict[int, Span] = {}
+        seen: set[tuple[int, str]] = set()
+        waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
+        own_line = span_of(node, self._source).line
+        while waiting and len(found) < _MOST:
+            node, rule, depth = waiting.popleft()
+            for place, inner, where in self._next(node, rule, seen):
+                span = span_of(place, self._source)
+                if span.text and span.line != own_line:
+                    found.setdefault(span.line, span)
+                if depth + 1 < _DEEPEST:
+                    waiting.append((inner, where, depth + 1))
+        return tuple(found.values())[:_MOST]
+
+    def _next(
+        self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
+    ) -> Iterator[tuple[Node, Tree, Rule]]:
+        """Yield places one step away: what to show, what to continue with, and its rule."""
+        for name in dict.fromkeys(called(node)):
+            yield from self._rules(name, seen)
+        for variable in sorted(variables(node, inside=True)):
+            if (id(rule), variable) in seen:
+                continue
+            seen.add((id(rule), variable))
+            for part in walk(rule.body) if rule.body else ():
+                pair = equated(part)
+                if pair is not None:
+                    for side, value in (pair, pair[::-1]):
+                        if variable_of(side) == variable:
+                            yield part, value, rule
+                            break
+                elif isinstance(part, Atom) and variable in variables(part):
+                    yield from self._rules(part.name, seen)
+
+    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
+        """Yield the rules of a predicate except facts."""
+        if (0, name) in seen:
+            return
+        seen.add((0, name))
+        for rule in self._own.get(name, ()):
+            is_function = rule.value is not None and parameters(rule) is not None
+            if rule.body or is_function:
+                yield rule, rule.value or rule, rule
+
+
+PROBE = "DiagnosisProbe"
+"""The prefix of the generated predicates."""
+
+_MOST_COLUMNS = 90  # of a probe; SQLite allows 100
+
+_EXPLAINED = (*TESTS, "leaf")
+"""Kinds of sites that record where their values come from."""
+
+Stands: TypeAlias = Literal["body", "aggregate", "denied"]
+Guard: TypeAlias = tuple[tuple[int, bool], ...]
+
+
+@dataclass
+class Segment:
+    """A body up to a part with rows, and the tests there: the content of one query.
+
+    Attributes:
+        body: Conditions that all rows satisfy.
+        columns: The tests.
+        trees: The tests as conditions.
+        asked: For each column, its expression in the query.
+        differences: For each column, the difference of the two compared sides.
+        after: Number of the site of the part at its end, or -1.
+    """
+
+    body: list[Proposition]
+    after: int = -1
+    columns: list[Column] = field(default_factory=list)
+    trees: list[Expression | None] = field(default_factory=list)
+    asked: dict[int, Sequence[Expression]] = field(default_factory=dict)
+    differences: dict[int, Expression] = field(default_factory=dict)
+
+
+@dataclass
+class Trail:
+    """The progress of tracing a body; mutable.
+
+    Attributes:
+        segment: The current one.
+        filters: Its columns that must be true.
+        probes: Names of the generated probes.
+    """
+
+    segment: Segment
+    filters: tuple[int, ...] = ()
+    probes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class At:
+    """Where an expression is computed.
+
+    Attributes:
+        trail: The enclosing body.
+        rule: Number of the enclosing rule.
+        scope: Its variables.
+        known: The bound variables.
+        given: What each variable stands for in the query.
+        guard: What holds there besides the filters.
+        inside: Names of the enclosing functions.
+        stands: Whether it is in the body of a rule, in an aggregate or in a negation.
+    """
+
+    trail: Trail
+    rule: int
+    scope: Scope
+    known: frozenset[str]
+    given: Mapping[str, Expression]
+    guard: Guard = ()
+    inside: tuple[str, ...] = ()
+    stands: Stands = "body"
+
+    def when(self, column: int, *, holds: bool) -> At:
+        """Return the same place where a column is true, or is not."""
+        return replace(self, guard=(*self.guard, (column, holds)))
+
+
+class Watching:
+    """Collects the sites of rules and the predicates to be compiled for them.
+
+    Attributes:
+        sites: The watched places.
+        probes: For each generated predicate its rule, and the meaning of its rows.
+        reads: Memory fields that are read.
+        reads_all: Whether a memory is used as a whole.
+        left_out: The number of probes beyond the limits.
+        copies: For each predicate whose rules ``:=`` copies, the original and the made predicate.
+    """
+
+    def __init__(
+        self,
+        source: Prepared,
+        expanded: Expanded,
+        functions: frozenset[str],
+        rules: Sequence[Rule],
+    ) -> None:
+        self.sites: list[Site] = []
+        self.probes: dict[str, tuple[Rule, Probe]] = {}
+        self.reads: dict[tuple[str, int], Field] = {}
+        self.reads_all = False
+        self.left_out = 0
+        made = {name: (base, name) for name, base in expanded.bases.items()}
+        self.copies = {**expanded.origins, **made}
+        self._within = ""
+        self._source = source
+        self._own, self._functions, self._rules = expanded.rules, functions, rules
+        self._numbers = {id(rule): number for number, rule in enumerate(rules)}
+        for copy, (original, _) in self.copies.items():
+            for rule, first in zip(self._own[copy], self._own[original], strict=True):
+                self._numbers[id(rule)] = self._numbers[id(first)]
+        self._sources = Sources(source, expanded.rules)
+        self._known_sites: dict[tuple[Any, ...], int] = {}
+        self._memories: set[str] = set()
+        self._leaves: set[str] = set()
+        self._fresh = 0
+
+    def _all_of(self, at: At) -> list[Proposition]:
+        """Return everything that holds at a place, as parts of a body."""
+        segment = at.trail.segment
+        conditions = ((segment.trees[column], holds) for column, holds in at.guard)
+        return [*segment.body, *(as_part(c, holds=holds) for c, holds in conditions if c)]
+
+    def _tells(self, probe: Probe) -> bool:
+        return any(
+            at >= 0 and self.sites[at].predicate not in ("", *INPUTS)
+            for at in (probe.after, probe.before)
+        )
+
+    def _called(self, name: str, at: At) -> str:
+        """Return a variable's name in the query, or ""."""
+        value = at.given.get(name)
+        return name if value is None else variable_of(value)
+
+    def _new(self, name: str) -> str:
+        self._fresh += 1
+        return f"d{self._fresh}_{name}"
+
+    def _span(self, tree: Tree) -> Span:
+        return span_of(tree, self._source)
+
+    def _site(self, kind: Any, node: Tree, at: At, **details: Any) -> int:
+        """Return the number of a site, the same for the same place."""
+        span = self._span(node)
+        key = (kind, span.start, span.stop, self._within)
+        if key not in self._known_sites:
+            self._known_sites[key] = len(self.sites)
+            rule = self._rules[at.rule]
+            places = self._sources.of(node, rule) if kind in _EXPLAINED else ()
+            details = {"within": self._within, "places": places, "stands": at.stands, **details}
+            self.sites.append(Site(kind, span, at.rule, **details))
+        return self._known_sites[key]
+
+    def _add(
+        self,
+        at: At,
+        site: int,
+        asked: Sequence[Expression],
+        kind: Any,
+        condition: Expression | None = None,
+    ) -> int:
+        """Add a column to the query at a place; return -1 if there are too many."""
+        segment = at.trail.segment
+        number = len(segment.columns)
+        if self._width(segment) + 4 > _MOST_COLUMNS:
+            self.left_out += 1
+            return -1
+        segment.columns.append(Column(site, at.guard, kind))
+        segment.trees.append(condition)
+        if asked:
+            segment.asked[number] = asked
+        return number
+
+    def _width(self, segment: Segment) -> int:
+        """Return the number of columns of a segment's query."""
+        return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
+
+    def _emit(
+        self, trail: Trail, before: int = -1, gives: int = -1, who: Expression | None = None
+    ) -> None:
+        """Generate the predicate that queries a segment."""
+        segment = trail.segment
+        if not segment.body and not segment.columns and gives < 0:
+            return
+        every = tuple(segment.columns)
+        values = {n for n, column in enumerate(every) if self.sites[column.site].kind == "value"}
+        for closer in (False, True) if values else (False,):
+            name = f"{PROBE}{self._fresh}"
+            self._fresh += 1
+            left_out = frozenset[int]() if closer else values
+            columns = {
+                f"{'cd'[place]}{number}": tree
+                for number, asked in segment.asked.items()
+                for place, tree in enumerate(asked)
+                if number not in left_out
+            }
+            if who is not None:
+                columns["who"] = who
+            probe = Probe(
+                name,
+                tuple(replace(c, kind="skip") if n in left_out else c for n, c in enumerate(every)),
+                segment.after,
+                before,
+                trail.filters,
+                gives,
+                robot=who is not None,
+                closeness=("closer" if closer else "wider") if values else "both",
+            )
+            rule = count_rule(name, columns, segment.differences, segment.body)
+            self.probes[name] = (rule, probe)
+            trail.probes.append(name)

@@ -1,0 +1,318 @@
+"""The rows of predicates, and derivations of a row, for one robot at one moment.
+
+Rows of a recursion are derived from rows that arose before, so that no row is proved by itself.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, shown, value_of
+from logical_robots_tui.language.diagnostics import QueryError
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.relations import ALIKE, same
+from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.schema import VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
+    from logical_robots_tui.mind.relations import Relations, Way
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.values import Value
+
+MOST_ROWS = 1_000
+"""Where counting rows ends."""
+
+Row: TypeAlias = "Mapping[str, Value]"
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """A row and its derivations.
+
+    Attributes:
+        probing: The predicate.
+        row: The row.
+        ways: For each derivation its rule, its clause, and its row of the clause's query. There is
+            one, or where the head aggregates all that contribute.
+    """
+
+    probing: Probing
+    row: Row
+    ways: tuple[tuple[Span, Clause, Way], ...]
+
+
+class Derivations:
+    """Finds rows of predicates and derivations of them.
+
+    Args:
+        relations: The rows of predicates at the moment in question.
+        robot: In whose reasoning.
+        decompose: Returns a decomposed predicate, by its name and the made predicate in whose copy
+            it is.
+    """
+
+    def __init__(
+        self, relations: Relations, robot: str, decompose: Callable[[str, str], Probing]
+    ) -> None:
+        self.relations, self.robot, self.decompose = relations, robot, decompose
+        self._stages: dict[tuple[str, ...], Stages] = {}
+
+    def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
+        """Return the rows of a predicate with given values.
+
+        Raises:
+            FailureError: They can't be computed.
+        """
+        if probing.given:
+            self.prepare(probing)
+            sql = probing.queries.get(probing.rows)
+            if sql is None:
+                raise FailureError("it can't be asked for its rows")
+            arguments = [to_sql(given[column]) for column in probing.given]
+            ways = self.relations.ways(sql, arguments, most=MOST_ROWS + 1)
+            found: Sequence[Row] = [
+                {c: value_of(way, f"c{i}") for i, c in enumerate(probing.columns)} for way in ways
+            ]
+        else:
+            name = probing.name
+            found = self.relations.rows(name, probing.sources.get(name, ""))
+        return [row for row in found if all(same(row[c], v) for c, v in given.items())]
+
+    def first(self, predicate: str, within: str, given: Row) -> Derived:
+        """Return the first row with given values and a derivation of it; all, for aggregates.
+
+        Raises:
+            QueryError: There is none, or how it came about can't be told.
+            FailureError: A query failed.
+        """
+        probing = self.decompose(predicate, within)
+        given = checked(given, probing)
+        self.prepare(probing)
+        rows = self.rows(probing, given)
+        if not rows:
+            raise QueryError(f"{predicate} has no such row.")
+        row = self.stage(probing).first(probing, rows)
+        arguments = [to_sql(given[column]) for column in probing.given]
+        self.prepare(probing, row)
+        ways: list[tuple[Span, Clause, Way]] = []
+        for rule in probing.rules:
+            most = MOST_ELEMENTS if is_aggregated(rule) else 1
+            found = self.ways(rule, probing, row, arguments, most)
+            ways += [(rule.span, clause, way) for clause, way in found]
+            if ways and not is_aggregated(rule):
+                break
+        if not ways:
+            raise QueryError(f"How {predicate} has this row can't be told.")
+        return Derived(probing, row, tuple(ways))
+
+    def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
+        """Return derivations of what an aggregate goes over, in one derivation."""
+        self.prepare(probing)
+        given = [way.get(place) for place in body.given.values()]
+        return [
+            (clause, inner)
+            for clause in body.clauses
+            for inner in self.relations.ways(self.sql(clause, probing), given, most=MOST_ELEMENTS)
+        ]
+
+    def ways(
+        self,
+        rule: RuleParts,
+        probing: Probing,
+        row: Row,
+        arguments: Sequence[Scalar],
+        most: int = 1,
+    ) -> Iterator[tuple[Clause, Way]]:
+        """Yield derivations of a row by a rule; of one with aggregates, what contributes to it."""
+        for clause in rule.clauses:
+            alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
+            sql = self.sql(clause, probing)
+            found = self.relations.ways(sql, arguments, alike, most=most)
+            if not found and any(isinstance(value, dict | list) for _, value in alike):
+                found = self.relations.ways(sql, arguments, alike, most=most, compared=ALIKE)
+            for way in found:
+                yield clause, way
+
+    @staticmethod
+    def sql(clause: Clause, probing: Probing) -> str:
+        """Return the query for the derivations of a clause."""
+        sql = probing.queries.get(clause.query)
+        if sql is None:
+            raise FailureError("it is put together from too many parts")
+        return sql
+
+    def prepare(self, probing: Probing, row: Row | None = None) -> None:
+        """Fill the tables that the queries of a predicate read.
+
+        Args:
+            probing: The predicate.
+            row: A row of a recursion, so that only what was there before counts.
+        """
+        for name, table in probing.tables.items():
+            rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
+            if name in probing.recursive and row is not None:
+                rows = self.stage(probing).before(name, probing, row, rows)
+            self.relations.fill(table, name, rows)
+
+    def stage(self, probing: Probing) -> Stages:
+        """Which rows of a recursion were there before which."""
+        key = tuple(probing.recursive)
+        if key not in self._stages:
+            members = {}
+            if probing.founded:
+                members = {
+                    name: self.decompose(*called) for name, called in probing.recursive.items()
+                }
+            self._stages[key] = Stages(self.relations, members)
+        return self._stages[key]
+
+
+def checked(given: Row, probing: Probing) -> Row:
+    """Return the given values, by columns that there are.
+
+    Raises:
+        QueryError: One is not there, or an argument is missing.
+    """
+    if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
+        given = {(VALUE if c == "value" else c): v for c, v in given.items()}
+    columns = ", ".join(map(shown, probing.columns))
+    for column in given:
+        if column not in probing.columns:
+            raise QueryError(f"{probing.predicate} has no column {column}; it has {columns}.")
+    if missing := [name for name in probing.given if name not in given]:
+        names = ", ".join(missing)
+        raise QueryError(f"{probing.predicate} is a function of {names}: give a value for it.")
+    return given
+
+
+def is_aggregated(rule: RuleParts) -> bool:
+    """Return whether the head of a rule aggregates."""
+    return any(clause.collected for clause in rule.clauses)
+
+
+_MOST_STAGES = 250
+_MOST_ROWS = 20_000
+_NEVER = 10**9
+
+
+class Stages:
+    """The stage at which each row of predicates that call each other was there first.
+
+    A row is of stage n if rows of stages below n suffice for it.
+
+    Args:
+        relations: The rows of predicates.
+        members: The decomposed predicates, by name; none if there is no recursion.
+    """
+
+    def __init__(self, relations: Relations, members: Mapping[str, Probing]) -> None:
+        self._relations, self._members = relations, members
+        self._stages: dict[tuple[str, str], int] | None = None
+
+    def first(self, probing: Probing, rows: Sequence[Mapping[str, Value]]) -> Mapping[str, Value]:
+        """Return the one of some rows that was there first."""
+        if not self._members:
+            return rows[0]
+        return min(rows, key=lambda row: self._stage(probing.name, row))
+
+    def before(
+        self,
+        name: str,
+        probing: Probing,
+        row: Mapping[str, Value],
+        rows: Sequence[Mapping[str, Value]],
+    ) -> Sequence[Mapping[str, Value]]:
+        """Return the rows of a predicate that were there before a row of another one."""
+        if not self._members:
+            return rows
+        stage = self._stage(probing.name, row)
+        return [each for each in rows if self._stage(name, each) < stage]
+
+    # -- inside ----------------------------------------------------------------------------------
+
+    def _stage(self, name: str, row: Mapping[str, Value]) -> int:
+        if self._stages is None:
+            self._stages = self._found()
+        return self._stages.get((name, _key(row)), _NEVER)
+
+    def _found(self) -> dict[tuple[str, str], int]:
+        rows = {
+            name: {
+                _key(row): row for row in self._relations.rows(name, probing.sources.get(name, ""))
+            }
+            for name, probing in self._members.items()
+        }
+        stages: dict[tuple[str, str], int] = {}
+        for stage in range(1, _MOST_STAGES):
+            for probing in self._members.values():
+                for name, table in probing.tables.items():
+                    if name in self._members:
+                        known = [row for key, row in rows[name].items() if (name, key) in stages]
+                        self._relations.fill(table, name, known)
+                    else:
+                        others = self._relations.rows(name, probing.sources.get(name, ""))
+                        self._relations.fill(table, name, others)
+            new = {
+                (name, key): stage
+                for name, probing in self._members.items()
+                for key in self._derivable(probing, rows[name])
+                if (name, key) not in stages
+            }
+            if not new:
+                break
+            stages |= new
+        return stages
+
+    def _derivable(
+        self, probing: Probing, rows: Mapping[str, Mapping[str, Value]]
+    ) -> Iterator[str]:
+        """Yield keys of the rows that follow from what the tables hold now."""
+        aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.collected}
+        if not aggregated:
+            found = {
+                _key({c: value_of(way, place) for c, place in clause.head.items()})
+                for clause, way in self._ways(probing)
+            }
+            yield from (key for key in rows if key in found)
+            return
+        elements = {
+            (
+                _key({c: value_of(way, place) for c, place in clause.head.items()}),
+                collected.column,
+                _key({"": value_of(way, collected.value)}),
+            )
+            for clause, way in self._ways(probing)
+            for collected in clause.collected
+        }
+        for key, row in rows.items():
+            group = _key({c: v for c, v in row.items() if c not in aggregated})
+            if all((group, c, _key({"": row[c]})) in elements for c in aggregated):
+                yield key
+
+    def _ways(self, probing: Probing) -> Iterator[tuple[Clause, dict[str, Any]]]:
+        for rule in probing.rules:
+            for clause in rule.clauses:
+                sql = probing.queries.get(clause.query)
+                if sql is not None:
+                    for way in self._relations.ways(sql, (), most=_MOST_ROWS):
+                        yield clause, way
+
+
+def _key(row: Mapping[str, Value]) -> str:
+    """Return a key that is equal for rows that differ at most in last digits of numbers."""
+    return json.dumps(_rounded(dict(row)), sort_keys=True)
+
+
+def _rounded(value: Value) -> Value:
+    if isinstance(value, dict):
+        return {name: _rounded(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_rounded(each) for each in value]
+    if isinstance(value, bool | int | float):
+        return f"{float(value):.11g}"
+    return value

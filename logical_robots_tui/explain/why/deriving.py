@@ -1,0 +1,323 @@
+"""What one derivation says: a row of a clause's query as nodes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.explain.why.explanation import Ask, Node
+from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
+from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.mind.sqlite.stored import from_sql
+from logical_robots_tui.schema import INPUTS, VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.why.probing import (
+        Body,
+        Call,
+        Clause,
+        Collected,
+        Span,
+        Step,
+        Term,
+    )
+    from logical_robots_tui.mind.relations import Relations, Way
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.values import Value
+
+MOST_ELEMENTS = 1_000
+_SHOWN_ELEMENTS = 100
+_TOLD_ELEMENTS = 40  # with where they come from
+
+
+class Telling:
+    """Tells derivations."""
+
+    def __init__(
+        self,
+        relations: Relations,
+        queries: Mapping[str, str],
+        refute: Callable[[Sequence[Clause], Sequence[Scalar]], tuple[Node, ...]],
+    ) -> None:
+        self._relations, self._queries, self._refute = relations, queries, refute
+
+    def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
+        """Return the nodes of a derivation.
+
+        Args:
+            clause: The clause.
+            way: A row of one of its queries.
+            until: The first step that is left out, with all behind it.
+        """
+        nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
+        for span in reversed(clause.taken if until is None else ()):
+            inside = [n for n in nodes if n.span is not None and _is_within(n.span, span)]
+            if inside:
+                first = nodes.index(inside[0])
+                nodes = [node for node in nodes if node not in inside]
+                chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
+                nodes.insert(first, replace(chosen, children=tuple(inside)))
+        return tuple(nodes)
+
+    def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
+        """Return the nodes of a row's columns that are not aggregated, and their sources."""
+        return tuple(
+            self._column(column, clause.terms[column], way, row[column])
+            for column in clause.head
+            if column in row
+        )
+
+    def step(self, step: Step, way: Way) -> Iterator[Node]:
+        """Yield the node of a step that holds; none for a call that its expression tells about."""
+        span, text = step.span, step.span.text
+        given = tuple(
+            Node("value", name, values=(value_of(way, place),))
+            for name, place in step.gives.items()
+            if place in way
+        )
+        if step.kind == "call" and step.call is not None:
+            reads = tuple(node for term in step.reads for node in self._read(term, way))
+            robot = value_of(way, step.call.arguments.get("robot_name", ""))
+            is_input = step.call.predicate in INPUTS
+            yield Node(
+                "call",
+                text,
+                holds=True,
+                span=span,
+                robot=robot if isinstance(robot, str) else "",
+                asked=None if is_input else self.ask(step.call, way),
+                children=reads if is_input else given,
+            )
+        elif step.kind == "element":
+            yield Node("element", text, holds=True, span=span, children=given)
+        elif step.kind == "value":
+            terms = [term for term in step.terms if not _is_among(term, step)]
+            values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
+            children = tuple(node for term in terms for node in self.reason(term, way))
+            if len(step.gives) != 1:
+                children = (*given, *children)
+                values = ()
+            yield Node("value", text, holds=True, values=values, span=span, children=children)
+        elif step.kind == "condition":
+            children = tuple(node for term in step.terms for node in self.term(term, way))
+            yield Node("condition", text, holds=True, span=span, children=children)
+        elif step.kind == "denial":
+            inside: tuple[Node, ...] = ()
+            if step.denied is not None:
+                inside = self.refuted(step.denied, way)
+            text, said = denied(text, holds=True)
+            yield Node("denial", text, said, True, span=span, children=inside)
+
+    def refuted(self, body: Body, way: Way) -> tuple[Node, ...]:
+        """Return why a body within this one has no derivation, or a derivation if it has one."""
+        return self._refute(body.clauses, [way.get(place) for place in body.given.values()])
+
+    def ask(self, call: Call, way: Way) -> Ask:
+        """Return the question about what a step calls."""
+        places = {column: place for column, place in call.arguments.items() if place in way}
+        given = {column: value_of(way, place) for column, place in places.items()}
+        return Ask(call.predicate, given, call.within)
+
+    def term(self, term: Term, way: Way) -> Iterator[Node]:
+        """Yield what is to be told of an expression: its value, and where that comes from."""
+        if term.kind == "literal" or term.column not in way:
+            return
+        value = value_of(way, term.column)
+        span, text = term.span, term.span.text
+        if term.kind == "call" and term.call is not None:
+            asked = self.ask(term.call, way)
+            inner = tuple(node for part in term.parts for node in self.term(part, way))
+            yield Node("call", text, values=(value,), span=span, asked=asked, children=inner)
+            return
+        kind = term.kind if term.kind in ("if", "coalesce", "aggregate") else "value"
+        children = tuple(self.reason(term, way))
+        is_truth = term.kind == "truth"
+        holds = bool(value) if is_truth else None
+        yield Node(
+            kind,
+            text,
+            holds=holds,
+            values=() if is_truth and value is not None else (value,),
+            is_truth=is_truth,
+            span=span,
+            children=children,
+        )
+
+    def reason(self, term: Term, way: Way) -> Iterator[Node]:
+        """Yield where the value of an expression comes from."""
+        if term.kind == "if":
+            yield from self._branch(term, way)
+        elif term.kind == "coalesce":
+            for part in term.parts:
+                value = value_of(way, part.column)
+                if value is not None:
+                    said = "is the first that is not null"
+                    span, inner = part.span, tuple(self.reason(part, way))
+                    yield Node("value", span.text, said, None, (value,), span=span, children=inner)
+                    break
+                yield from self.term(part, way)
+        elif term.kind == "aggregate" and term.body is not None:
+            yield from self._aggregate(term.body, value_of(way, term.column), way)
+        elif term.kind == "call":
+            yield from self.term(term, way)
+        elif term.kind == "record":
+            for name, part in zip(term.names, term.parts, strict=True):
+                for node in self.term(part, way):
+                    is_named = part.kind == "variable" and part.span.text == name
+                    yield node if is_named else replace(node, text=f"{name}: {node.text}")
+        elif term.kind != "field" or term.parts[0].kind != "variable":
+            for part in term.parts:
+                yield from self.term(part, way)
+
+    def contributors(
+        self,
+        found: Sequence[tuple[Clause, Collected, Way]],
+        result: Value,
+        is_all: bool,
+    ) -> tuple[Node, ...]:
+        """Return what contributed to an aggregate."""
+        if not found:
+            return (Node("note", "goes over nothing"),)
+        operator = found[0][1].operator
+        number = counted(len(found), "row", is_all=is_all)
+        if operator in DECIDED_BY_ONE:
+            best = decided(found, result)
+            if best is not None:
+                clause, collected, way = best
+                children = self.derivation(clause, way)
+                said = f"decides, of {number}" if len(found) > 1 else "is the only one"
+                return (replace(self._element(collected, way, said), children=children),)
+        nodes = tuple(
+            replace(
+                self._element(one, way, ""),
+                children=self.derivation(clause, way) if place < _TOLD_ELEMENTS else (),
+            )
+            for place, (clause, one, way) in enumerate(found[:_SHOWN_ELEMENTS])
+        )
+        more = len(found) - len(nodes)
+        rest = (Node("note", f"and {more:,} more"),) if more else ()
+        return (Node("note", f"goes over {number}", children=(*nodes, *rest)),)
+
+    # -- inside ----------------------------------------------------------------------------------
+
+    def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
+        label = shown(name)
+        if term.kind in ("literal", "variable"):
+            return Node("column", label, values=(value,))
+        if term.kind == "call":
+            (node,) = self.term(term, way)
+            return replace(node, kind="column", text=f"{label}: {node.text}", values=(value,))
+        children = tuple(self.reason(term, way))
+        text = f"{label}: {term.span.text}"
+        return Node("column", text, values=(value,), span=term.span, children=children)
+
+    def _read(self, term: Term, way: Way) -> Iterator[Node]:
+        if term.column in way:
+            value = value_of(way, term.column)
+            yield Node("read", term.span.text, values=(value,), span=term.span)
+
+    def _branch(self, term: Term, way: Way) -> Iterator[Node]:
+        *branches, otherwise = term.parts
+        for condition, value in zip(branches[::2], branches[1::2], strict=True):
+            is_taken = bool(value_of(way, condition.column))
+            yield from self.term(condition, way)
+            if is_taken:
+                yield self._taken(value, way)
+                return
+        yield self._taken(otherwise, way)
+
+    def _taken(self, term: Term, way: Way) -> Node:
+        values = (value_of(way, term.column),)
+        if term.kind == "call":
+            return next(self.term(term, way))
+        children = tuple(self.reason(term, way))
+        text = term.span.text or "null"
+        said = "this branch is taken"
+        return Node("value", text, said, values=values, span=term.span, children=children)
+
+    def _aggregate(self, body: Body, result: Value, way: Way) -> Iterator[Node]:
+        found: list[tuple[Clause, Collected, Way]] = []
+        given = [way.get(place) for place in body.given.values()]
+        most = MOST_ELEMENTS + 1
+        for clause in body.clauses:
+            sql = self._queries.get(clause.query)
+            if sql is None or not clause.collected:
+                yield Node("note", "what it goes over could not be asked")
+                return
+            ways = self._relations.ways(sql, given, most=most - len(found))
+            found += [(clause, clause.collected[0], inner) for inner in ways]
+        is_all = len(found) < most
+        if not found:
+            yield Node("note", "goes over nothing", children=self.refuted(body, way))
+            return
+        yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
+
+    def _element(self, collected: Collected, way: Way, said: str) -> Node:
+        value = value_of(way, collected.value)
+        by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
+        span = collected.term.span if collected.term is not None else None
+        text = span.text if span is not None else collected.operator
+        return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
+
+
+def decided(
+    found: Sequence[tuple[Clause, Collected, Way]], result: Value
+) -> tuple[Clause, Collected, Way] | None:
+    """Return the element whose value is the result of an aggregate, the best of them."""
+    equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
+    if not equal or not equal[0][1].by:
+        return equal[0] if equal else None
+    keys = [value_of(way, one.by) for _, one, way in equal]
+    numbers = [key for key in keys if isinstance(key, int | float)]
+    if len(numbers) < len(keys):
+        return equal[0]
+    best = min if equal[0][1].operator == "ArgMin" else max
+    return equal[numbers.index(best(numbers))]
+
+
+def value_of(way: Way, place: str) -> Value:
+    """Return a value of a derivation."""
+    return from_sql(way.get(place))
+
+
+def denied(text: str, *, holds: bool) -> tuple[str, str]:
+    """Return how a denial is written, and what is said of it.
+
+    Args:
+        text: As it stands in the program. The compiler makes ``a => b`` the denial of a
+            counterexample: of ``a`` without ``b``.
+        holds: Whether there is nothing of what is denied.
+    """
+    if text.startswith("~"):
+        return text, "there is no such thing" if holds else "there is such a thing"
+    if "=>" in text:
+        return text, "there is no counterexample" if holds else "there is a counterexample"
+    return f"not: {text}", ""
+
+
+def shown(column: str) -> str:
+    """Return what a column is called on the screen."""
+    return "value" if column == VALUE else column
+
+
+def counted(number: int, what: str, *, is_all: bool) -> str:
+    """Return a number of things, in words."""
+    more = "" if is_all else " or more"
+    return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
+
+
+def _short(value: Value) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _is_within(one: Span, other: Span) -> bool:
+    return other.start <= one.start and one.stop <= other.stop
+
+
+def _is_among(term: Term, step: Step) -> bool:
+    """Return whether a term is just a variable that the step gives a value."""
+    return term.kind == "literal" or (
+        term.kind == "variable" and term.column in step.gives.values()
+    )

@@ -1,0 +1,270 @@
+"""What one robot thinks at one moment, explained: rows, proofs, calls, sources of values."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.explain.why.derivations import Derivations
+from logical_robots_tui.explain.why.deriving import shown, value_of
+from logical_robots_tui.explain.why.nearest import Nearest
+from logical_robots_tui.explain.why.probing import decompose
+from logical_robots_tui.explain.why.proving import Prover, unfold
+from logical_robots_tui.explain.why.sourcing import source_of
+from logical_robots_tui.language.diagnostics import QueryError
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.table import Table
+
+if TYPE_CHECKING:
+    import threading
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.why.explanation import Explanation, Proof
+    from logical_robots_tui.explain.why.nearest import Suggestion
+    from logical_robots_tui.explain.why.probing import Body, Call, Clause, Probing, Span, Term
+    from logical_robots_tui.explain.why.sourcing import Made, Path
+    from logical_robots_tui.mind.mind import Memories, Mind
+    from logical_robots_tui.mind.relations import Way
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.values import SensorRow, Value
+
+
+class Explainer:
+    """Explains what one robot thinks at one moment.
+
+    Every question may raise `Stopped`.
+
+    Args:
+        mind: Thinks for the robot; explanations are valid until it is asked again.
+        robot: Name of the robot.
+        rows: The sensors of all robots at that moment.
+        memories: Their memories.
+        stop: Ends a question.
+
+    Raises:
+        QueryError: There is no such robot.
+    """
+
+    def __init__(
+        self,
+        mind: Mind,
+        robot: str,
+        rows: Sequence[SensorRow],
+        memories: Memories,
+        *,
+        stop: threading.Event | None = None,
+    ) -> None:
+        relations = mind.relations(robot, rows, memories, stop=stop)
+        self._program, self._robot = mind.program, robot
+        self._limits, self._within = mind.limits, relations.within
+        self._derivations = Derivations(relations, robot, self._decompose)
+        self._prover = Prover(self._derivations)
+
+    def why(
+        self,
+        predicate: str = "Robot",
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+    ) -> Explanation:
+        """Return why a predicate has the rows that it has, or none.
+
+        Args:
+            predicate: One of the program's own.
+            given: Values of some of its columns, where only rows with these are meant; by default
+                the robot's name where there is a column ``robot_name``.
+            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
+
+        Raises:
+            QueryError: There is no such predicate or column, a function was asked without its
+                arguments, or it failed.
+        """
+        return self._prover.explain(predicate, self._about(predicate, given, within), within)
+
+    def proof(
+        self,
+        predicate: str = "Robot",
+        given: Mapping[str, Value] | None = None,
+        within: str = "",
+        *,
+        depth: int = 100,
+        nodes: int = 10_000,
+    ) -> Proof:
+        """Return the whole proof of a row, down to what was sensed and remembered.
+
+        Args:
+            predicate: As for `why`.
+            given: Values of some of its columns; the first row with these is proved.
+            within: As for `why`.
+            depth: How many predicates deep.
+            nodes: Where unfolding ends.
+
+        Raises:
+            QueryError: As `why` does.
+        """
+        given = self._about(predicate, given, within)
+        return unfold(self._prover, predicate, given, within, depth=depth, nodes=nodes)
+
+    def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
+        """Return the single changes that would have given a rule a row.
+
+        Returns:
+            Pairs of a rule without a row and a change; the smallest change of a rule first.
+
+        Raises:
+            QueryError: As `why` does.
+        """
+        given = self._about(predicate, None, "")
+        nearest = Nearest(self._program, self._derivations, given, self._limits)
+        probing = self._decompose(predicate, "")
+        return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
+
+    def calls(self, function: str) -> Table:
+        """Return the calls of a function: arguments and results, each once.
+
+        Raises:
+            QueryError: There is no such function, or a rule that calls it failed.
+        """
+        known = self._program.predicate(function)
+        if known is None or not known.is_function:
+            raise QueryError(f"{function} is not a function of this program.")
+        self._within.renew()
+        uses = self._program.uses
+        callers = {
+            name: [p for p, used in uses.items() if name in used and p != name] for name in uses
+        }
+        most = self._limits.rows
+        try:
+            columns, found = _calls_of(function, callers, self._derivations, most + 1)
+        except FailureError as failure:
+            raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
+        return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
+
+    def source(self, path: Path) -> Made:
+        """Return where a part of the memory comes from that the robot has afterwards.
+
+        Args:
+            path: The part: names of fields and places in lists; () for the whole memory.
+
+        Raises:
+            QueryError: There is no such part, or how it came about can't be told.
+        """
+        self._within.renew()
+        return source_of(self._derivations, path)
+
+    def _decompose(self, predicate: str, within: str) -> Probing:
+        stop = self._within.stop
+        return decompose(self._program, predicate, within, stop=stop, limits=self._limits)
+
+    def _about(
+        self, predicate: str, given: Mapping[str, Value] | None, within: str
+    ) -> Mapping[str, Value]:
+        """Return the given values, with the robot's name unless another one is given."""
+        self._within.renew()
+        probing = self._decompose(predicate, within)
+        given = {} if given is None else given
+        if "robot_name" in probing.columns and "robot_name" not in probing.given:
+            return {"robot_name": self._robot, **given}
+        return given
+
+
+_MOST_WAYS = 1_000
+_DEEPEST = 20  # functions that call functions
+
+
+def _calls_of(
+    name: str,
+    callers: Mapping[str, Sequence[str]],
+    derivations: Derivations,
+    most: int,
+) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
+    """Return the different calls of a function: columns, and a row for each call and result."""
+    search = _Search(callers, derivations, most)
+    found = search.arguments(name, 0)
+    probing = derivations.decompose(name, "")
+    rows: list[tuple[Value, ...]] = []
+    for given in found:
+        arguments = {column: given.get(column) for column in probing.given}
+        rows += [tuple(row.values()) for row in derivations.rows(probing, arguments)]
+        if len(rows) >= most:
+            break
+    return probing.columns, rows[:most]
+
+
+class _Search:
+    def __init__(
+        self,
+        callers: Mapping[str, Sequence[str]],
+        derivations: Derivations,
+        most: int,
+    ) -> None:
+        self._callers, self._derivations = callers, derivations
+        self._most = most
+        self._known: dict[str, list[Mapping[str, Value]]] = {}
+
+    def arguments(self, name: str, depth: int) -> list[Mapping[str, Value]]:
+        """Return the different arguments that a function is called with."""
+        if name in self._known or depth > _DEEPEST:
+            return self._known.get(name, [])
+        self._known[name] = []
+        needed = self._derivations.decompose(name, "").given
+        found: dict[str, Mapping[str, Value]] = {}
+        for caller in self._callers.get(name, ()):
+            probing = self._derivations.decompose(caller, "")
+            contexts: Iterable[Mapping[str, Value]] = ({},)
+            if probing.given:
+                contexts = self.arguments(caller, depth + 1)
+            for context in contexts:
+                given = [to_sql(context.get(column)) for column in probing.given]
+                self._derivations.prepare(probing)
+                for call, way in self._calls(probing, given, name):
+                    values = {c: value_of(way, p) for c, p in call.arguments.items() if p in way}
+                    values = {c: v for c, v in values.items() if c in needed}
+                    found.setdefault(json.dumps(values, sort_keys=True), values)
+                if len(found) >= self._most:
+                    break
+        self._known[name] = list(found.values())
+        return self._known[name]
+
+    def _calls(
+        self, probing: Probing, given: Sequence[Scalar], name: str
+    ) -> Iterator[tuple[Call, Way]]:
+        for rule in probing.rules:
+            yield from self._in_clauses(rule.clauses, probing, given, name)
+
+    def _in_clauses(
+        self, clauses: Sequence[Clause], probing: Probing, given: Sequence[Scalar], name: str
+    ) -> Iterator[tuple[Call, Way]]:
+        for clause in clauses:
+            calls = [s.call for s in clause.steps if s.call and s.call.predicate == name]
+            bodies = [*_bodies(clause)]
+            sql = probing.queries.get(clause.query)
+            if sql is None or not (calls or bodies):
+                continue
+            try:
+                ways = self._derivations.relations.ways(sql, given, most=_MOST_WAYS)
+            except FailureError as failure:
+                if failure.slow:
+                    raise
+                continue
+            for way in ways:
+                yield from ((call, way) for call in calls)
+                for body in bodies:
+                    inner = [way.get(place) for place in body.given.values()]
+                    yield from self._in_clauses(body.clauses, probing, inner, name)
+
+
+def _bodies(clause: Clause) -> Iterator[Body]:
+    """Yield the aggregates and denials of a clause."""
+    for step in clause.steps:
+        if step.denied is not None:
+            yield step.denied
+        yield from _in_terms(step.terms)
+    yield from _in_terms(clause.terms.values())
+
+
+def _in_terms(terms: Iterable[Term]) -> Iterator[Body]:
+    for term in terms:
+        if term.body is not None:
+            yield term.body
+        yield from _in_terms(term.parts)

@@ -1,0 +1,302 @@
+"""Why a predicate has a row, or none: one derivation of the row, or where each rule ends.
+
+A row is fixed first; then a derivation of just this row is looked for, and all that is told of it
+is read off that one derivation.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.explain.why.derivations import MOST_ROWS, checked, is_aggregated
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, counted, shown
+from logical_robots_tui.explain.why.explanation import Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.refuting import Refuting
+from logical_robots_tui.language.diagnostics import QueryError
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.relations import same
+from logical_robots_tui.mind.sqlite.stored import to_sql
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.why.derivations import Derivations, Row
+    from logical_robots_tui.explain.why.deriving import Telling
+    from logical_robots_tui.explain.why.explanation import Ask
+    from logical_robots_tui.explain.why.probing import (
+        Clause,
+        Collected,
+        Probing,
+        RuleParts,
+    )
+    from logical_robots_tui.mind.relations import Way
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.values import Value
+
+
+class Prover:
+    """Explains rows of predicates for one robot at one moment."""
+
+    def __init__(self, derivations: Derivations) -> None:
+        self.derivations = derivations
+
+    def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
+        """Return why a predicate has the rows with given values, or none.
+
+        Raises:
+            QueryError: It has no such column, lacks an argument, or its rows can't be computed.
+            Stopped: The work was stopped.
+        """
+        probing = self.derivations.decompose(predicate, within)
+        given = checked(given, probing)
+        try:
+            rows = self.derivations.rows(probing, given)
+            self.derivations.prepare(probing)
+        except FailureError as failure:
+            raise QueryError(f"{predicate} failed: {failure}.") from None
+        row = self.derivations.stage(probing).first(probing, rows) if rows else None
+        rules = tuple(self._rule(rule, probing, given, rows, row) for rule in probing.rules)
+        if row is not None and all(found.row is None for found in rules):
+            if _is_over_nothing(probing, row):
+                rules = (_over_nothing(rules[0], row), *rules[1:])
+            else:
+                rules = (*rules, _unexplained(rules[0], probing))
+        return Explanation(
+            predicate,
+            self.derivations.robot,
+            probing.made_from,
+            within,
+            given,
+            min(len(rows), MOST_ROWS),
+            row,
+            rules,
+        )
+
+    # -- rules -----------------------------------------------------------------------------------
+
+    def _rule(
+        self,
+        rule: RuleParts,
+        probing: Probing,
+        given: Row,
+        rows: Sequence[Row],
+        row: Row | None,
+    ) -> RuleFound:
+        arguments = [to_sql(given[column]) for column in probing.given]
+        wanted = {c: v for c, v in given.items() if c not in probing.given}
+        refuting = Refuting(self.derivations.relations, probing.queries, arguments, wanted)
+        try:
+            number = self._number(rule, probing, given, arguments, rows)
+            if row is not None:
+                self.derivations.prepare(probing, row)
+                nodes = self._derived(rule, probing, row, arguments, refuting.telling)
+                self.derivations.prepare(probing)
+                if nodes is not None:
+                    said = _gives(number, len(rows))
+                    return RuleFound(
+                        rule.span, number, row, None, _heading(rule, said, True, nodes)
+                    )
+            if number:
+                said = f"gives {_counted(number)}, but not the first"
+                return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
+            others, stopped, children = refuting.rule(rule)
+            if row is None and stopped is None and is_aggregated(rule):
+                unlike = self._unlike(rule, probing, given)
+                children, stopped = (*children, *unlike), next(iter(unlike), None)
+            said = "is about something else" if others else "gives no row"
+            node = _heading(rule, said, None if others else False, children)
+            return RuleFound(rule.span, 0, None, stopped, node)
+        except FailureError as failure:
+            note = Node("note", "This could not be asked", str(failure))
+            return RuleFound(
+                rule.span, None, None, None, _heading(rule, "could not be asked", None, (note,))
+            )
+
+    def _unlike(self, rule: RuleParts, probing: Probing, given: Row) -> tuple[Node, ...]:
+        """Return what came out of the aggregates, where that is not what was asked for."""
+        keys = _keys(rule, given)
+        rows = self.derivations.rows(probing, keys)
+        return tuple(
+            Node("column", column, "came out", False, (row[column],))
+            for row in rows[:1]
+            for column, value in given.items()
+            if column not in keys and not same(row[column], value)
+        )
+
+    def _number(
+        self,
+        rule: RuleParts,
+        probing: Probing,
+        given: Row,
+        arguments: Sequence[Scalar],
+        rows: Sequence[Row],
+    ) -> int:
+        """Return how many of the rows come from a rule."""
+        if not rows:
+            return 0
+        if probing.recursive or is_aggregated(rule):
+            ways = self.derivations.ways
+            return sum(any(True for _ in ways(rule, probing, r, arguments)) for r in rows[:100])
+        found: set[str] = set()
+        number = 0
+        for clause in rule.clauses:
+            sql = self.derivations.sql(clause, probing)
+            places = [(place, given[c]) for c, place in clause.head.items() if c in given]
+            if probing.distinct:
+                what = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
+                rest = self.derivations.relations.ways(sql, arguments, places, what, MOST_ROWS)
+                found |= {repr(tuple(way.values())) for way in rest}
+            else:
+                number += self.derivations.relations.count(sql, arguments, places, MOST_ROWS)
+        return min(number + len(found), MOST_ROWS)
+
+    def _derived(
+        self,
+        rule: RuleParts,
+        probing: Probing,
+        row: Row,
+        arguments: Sequence[Scalar],
+        telling: Telling,
+    ) -> tuple[Node, ...] | None:
+        """Return the nodes of a derivation of a row by a rule, or None if there is none."""
+        if not is_aggregated(rule):
+            for clause, way in self.derivations.ways(rule, probing, row, arguments):
+                return (*telling.row(clause, way, row), *telling.derivation(clause, way))
+            return None
+        ways = list(self.derivations.ways(rule, probing, row, arguments, MOST_ELEMENTS + 1))
+        if not ways:
+            return None
+        return tuple(self._aggregated(probing, ways, row, telling))
+
+    def _aggregated(
+        self,
+        probing: Probing,
+        ways: list[tuple[Clause, Way]],
+        row: Row,
+        telling: Telling,
+    ) -> Iterator[Node]:
+        is_all = len(ways) <= MOST_ELEMENTS
+        yield from telling.row(*ways[0], row)
+        for column in (each.column for each in ways[0][0].collected):
+            found: list[tuple[Clause, Collected, Way]] = [
+                (clause, next(c for c in clause.collected if c.column == column), way)
+                for clause, way in ways[:MOST_ELEMENTS]
+            ]
+            children = telling.contributors(found, row[column], is_all)
+            operator = found[0][1].operator
+            said = f"{operator} over {counted(len(found), 'row', is_all=is_all)}"
+            if len(probing.rules) > 1:
+                said += " of this rule"
+            yield Node("aggregate", shown(column), said, values=(row[column],), children=children)
+
+
+def _keys(rule: RuleParts, row: Row) -> Row:
+    """Return the values of a row in the columns that are not aggregated."""
+    return {c: v for c, v in row.items() if any(c in clause.head for clause in rule.clauses)}
+
+
+def _heading(
+    rule: RuleParts, said: str, holds: bool | None, children: tuple[Node, ...] = ()
+) -> Node:
+    return Node("rule", rule.span.text, said, holds, span=rule.span, children=children)
+
+
+def _counted(number: int) -> str:
+    return counted(number, "row", is_all=number < MOST_ROWS)
+
+
+def _gives(number: int, of: int) -> str:
+    if of <= 1:
+        return "gives this row"
+    return f"gives {_counted(number)}; this is the first"
+
+
+def _is_over_nothing(probing: Probing, row: Row) -> bool:
+    """Return whether a row is what aggregates without a key give where there is nothing."""
+    is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
+    return is_keyless and all(value in (None, 0) for value in row.values())
+
+
+def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
+    """Return a rule whose aggregates are over no rows, like those of all rules."""
+    columns = tuple(
+        Node("column", shown(c), "goes over nothing", None, (v,)) for c, v in row.items()
+    )
+    children = (*columns, *found.node.children)
+    node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
+    return replace(found, rows=1, row=row, node=node)
+
+
+def _unexplained(like: RuleFound, probing: Probing) -> RuleFound:
+    if probing.recursive:
+        text = "This row is from a recursion that was cut off, or that goes through a sum."
+    else:
+        text = "How this row came about could not be told."
+    return RuleFound(like.span, None, None, None, Node("note", text))
+
+
+def unfold(
+    prover: Prover,
+    predicate: str,
+    given: Mapping[str, Value],
+    within: str = "",
+    *,
+    depth: int,
+    nodes: int,
+) -> Proof:
+    """Return the proof of the first row with given values, as `Explainer.proof` does."""
+    explanation = prover.explain(predicate, given, within)
+    unfolding = _Unfolding(prover, nodes)
+    roots = tuple(unfolding.node(node, depth, ()) for node in _proving(explanation))
+    return Proof(explanation, roots, unfolding.complete)
+
+
+class _Unfolding:
+    def __init__(self, prover: Prover, most: int) -> None:
+        self._prover, self._left = prover, most
+        self._known: dict[str, tuple[Node, ...] | str] = {}
+        self.complete = True
+
+    def node(self, node: Node, depth: int, above: tuple[str, ...]) -> Node:
+        """Return a node with the calls in it unfolded."""
+        self._left -= 1
+        children = tuple(self.node(child, depth, above) for child in node.children)
+        if node.asked is not None:
+            children = (*children, *self._called(node.asked, depth, above))
+        return replace(node, children=children)
+
+    def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
+        key = json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
+        if depth <= 1 or self._left <= 0 or key in above:
+            self.complete = False
+            return ()
+        try:
+            self._prover.derivations.relations.spend(len(key))
+        except FailureError as failure:
+            self.complete = False
+            return (Node("note", f"The proof ends here: {failure}."),)
+        found = self._known.get(key)
+        if found is None:
+            try:
+                explained = self._prover.explain(asked.predicate, asked.given, asked.within)
+                found = _proving(explained)
+            except QueryError as error:
+                found = str(error)
+            self._known[key] = found
+        if isinstance(found, str):
+            return (Node("note", found),)
+        return tuple(self.node(each, depth - 1, (*above, key)) for each in found)
+
+
+def _proving(explanation: Explanation) -> tuple[Node, ...]:
+    """Return the rules that give the row; all of them, if there is none."""
+    if explanation.row is None:
+        return explanation.nodes
+    giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)
+    if not giving:
+        return (explanation.rules[-1].node,)
+    # Several rules may contribute to what is aggregated; else one of them is enough.
+    is_aggregated = any(child.kind == "aggregate" for child in giving[0].children)
+    return giving if is_aggregated else giving[:1]

@@ -1,0 +1,287 @@
+"""Why a rule gives nothing: the first of its steps that no way gets past."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.explain.why.deriving import Telling, counted, denied, value_of
+from logical_robots_tui.explain.why.explanation import Node
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.relations import same
+from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
+from logical_robots_tui.schema import INPUTS, VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
+    from logical_robots_tui.mind.relations import Relations, Way
+    from logical_robots_tui.mind.sqlite.database import Scalar
+    from logical_robots_tui.values import Value
+
+_MOST_WAYS = 1_000
+_EXAMPLES = 100
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A step that nothing gets past.
+
+    Attributes:
+        clause: The clause.
+        step: The step.
+        ways: The ways in which all steps before it hold, up to a limit.
+    """
+
+    clause: Clause
+    step: Step
+    ways: Sequence[Way]
+
+
+class Refuting:
+    """Tells why bodies have no derivation.
+
+    Args:
+        relations: The rows of predicates at the moment in question.
+        queries: SQL by name of a query.
+        given: The given values that the bodies read.
+        alike: Values that columns of a head are to have.
+
+    Attributes:
+        telling: Tells derivations with the same queries.
+    """
+
+    def __init__(
+        self,
+        relations: Relations,
+        queries: Mapping[str, str],
+        given: Sequence[Scalar],
+        alike: Mapping[str, Value],
+    ) -> None:
+        self._relations, self._queries = relations, queries
+        self._given, self._alike = given, alike
+
+        def refuted(clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
+            return Refuting(relations, queries, given, {}).of(clauses)
+
+        self.telling = Telling(relations, queries, refuted)
+
+    def rule(self, rule: RuleParts) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
+        """Return why a rule has no row.
+
+        Returns:
+            The values of its head that are never those asked for; what stopped it; its nodes.
+        """
+        others = self._others(rule)
+        if others:
+            return others, None, tuple(Node("column", c, values=(v,)) for c, v in others.items())
+        found = [self._clause(clause) for clause in rule.clauses]
+        nodes = _joined(rule.clauses, [nodes for _, nodes in found])
+        return {}, _stopped(found), nodes
+
+    def stop(self, rule: RuleParts) -> Stop | None:
+        """Return what stops the clause that comes furthest, or None if nothing does."""
+        if self._others(rule):
+            return None
+        reached = [(clause, *self._reached(clause)) for clause in rule.clauses]
+        clause, number, query, now, _ = max(reached, key=lambda each: each[1])
+        sql = self._queries.get(query)
+        if number == len(clause.steps) or sql is None:
+            return None
+        ways = self._relations.ways(sql, self._given, now, most=_MOST_WAYS)
+        return Stop(clause, clause.steps[number], ways)
+
+    def of(self, clauses: Sequence[Clause]) -> tuple[Node, ...]:
+        """Return why none of some clauses has a derivation, or a derivation of one that has."""
+        for clause in clauses:
+            way = self._first(clause.query)
+            if way is not None:
+                return self.telling.derivation(clause, way)
+        return _joined(clauses, [self._clause(clause)[1] for clause in clauses])
+
+    # -- inside ----------------------------------------------------------------------------------
+
+    def _others(self, rule: RuleParts) -> dict[str, Value]:
+        """Fixed values of the head that are not those asked for."""
+        clause = rule.clauses[0]
+        way = self._first(clause.before)
+        return {
+            column: value_of(way, place)
+            for column, place in clause.head.items()
+            if way is not None and column in self._alike and place in way and column != VALUE
+            if not same(value_of(way, place), self._alike[column])
+        }
+
+    def _reached(self, clause: Clause) -> tuple[int, str, list[tuple[str, Value]], int]:
+        """Return how many steps hold.
+
+        Also the query for the ways in which they do, the conditions on it, and the number of ways.
+        """
+        reached: tuple[str, list[tuple[str, Value]], int] = (clause.before, [], 1)
+        for number, step in enumerate(clause.steps):
+            sql = self._queries.get(step.query)
+            if sql is None:
+                continue  # the next step answers for this one, too
+            now = self._conditions(clause, step.query)
+            found = self._relations.count(sql, self._given, now, _MOST_WAYS)
+            if not found:
+                return number, *reached
+            reached = step.query, now, found
+        return len(clause.steps), *reached
+
+    def _clause(self, clause: Clause) -> tuple[int, tuple[Node, ...]]:
+        """Return how many steps hold, and the nodes up to the first that does not."""
+        number, query, now, ways = self._reached(clause)
+        before = self._first(query, now)
+        held = self._held(clause, number, before, ways)
+        if number == len(clause.steps):
+            return number, (*held, *self._unlike(clause, query))
+        return number, (*held, self._failed(clause, clause.steps[number], query, before, ways))
+
+    def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
+        """Return the nodes of the steps that hold, as they are in one way."""
+        nodes = self.telling.derivation(clause, way or {}, until)
+        if ways > 1 and nodes:
+            said = f"one of {counted(ways, 'way', is_all=ways < _MOST_WAYS)}"
+            nodes = (*nodes[:-1], replace(nodes[-1], said=said))
+        return nodes
+
+    def _failed(
+        self,
+        clause: Clause,
+        step: Step,
+        before: str,
+        way: Way | None,
+        ways: int,
+    ) -> Node:
+        """Return the node of a step that nothing gets past."""
+        span, text = step.span, step.span.text
+        sql = self._queries[step.query]
+        elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
+        said = "in no way"
+        if elsewhere:
+            number = counted(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
+            said = f"not here, but in {number} elsewhere"
+        children: tuple[Node, ...] = ()
+        asked = None
+        is_one = ways == 1
+        if way is not None and step.denied is not None:
+            children = self.telling.refuted(step.denied, way)
+            text, found = denied(text, holds=False)
+            said = said if elsewhere else found
+        elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
+            asked = self.telling.ask(step.call, way | self._known(clause))
+        terms = [term for term in step.terms if term.kind != "literal"]
+        if way is not None and is_one:
+            children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
+        elif before:
+            columns = self._conditions(clause, before)
+            children = (*children, *self._examples(terms, before, columns))
+        if asked is not None:
+            arguments = (Node("value", c, values=(v,)) for c, v in asked.given.items())
+            children = (*children, *arguments)
+        return Node(
+            "call" if step.kind == "function" else step.kind,
+            text,
+            said,
+            False,
+            span=span,
+            asked=asked,
+            children=children,
+        )
+
+    def _examples(
+        self,
+        terms: Sequence[Term],
+        query: str,
+        alike: Sequence[tuple[str, Value]],
+    ) -> Iterator[Node]:
+        """Yield the different values that expressions have over all ways."""
+        for term in _flat(terms):
+            sql = self._queries.get(query)
+            if sql is None or not term.column or term.kind == "literal":
+                continue
+            try:
+                found = self._relations.ways(
+                    sql, self._given, alike, f"DISTINCT {term.column}", _MOST_WAYS
+                )
+            except FailureError:
+                continue
+            values = tuple(from_sql(way[term.column]) for way in found)
+            yield Node(
+                "value",
+                term.span.text,
+                values=values[:_EXAMPLES],
+                more=max(0, len(values) - _EXAMPLES),
+                is_truth=term.kind == "truth",
+                span=term.span,
+            )
+
+    def _unlike(self, clause: Clause, query: str) -> Iterator[Node]:
+        """Yield what the rule gives where all its steps hold, but not with the values asked for."""
+        way = self._first(query, self._conditions(clause, query))
+        for column, place in clause.head.items() if way is not None else ():
+            if column in self._alike and not same(value_of(way or {}, place), self._alike[column]):
+                value = value_of(way or {}, place)
+                yield Node("column", column, "is another", False, (value,))
+
+    def _known(self, clause: Clause) -> Way:
+        """Return the values that follow from those that the head is to have."""
+        head, alike = clause.head, self._alike
+        return {place: to_sql(alike[c]) for c, place in head.items() if c in alike}
+
+    def _first(self, query: str, alike: Sequence[tuple[str, Value]] = ()) -> Way | None:
+        sql = self._queries.get(query)
+        if sql is None:
+            return None
+        return next(iter(self._relations.ways(sql, self._given, alike)), None)
+
+    def _conditions(self, clause: Clause, query: str) -> list[tuple[str, Value]]:
+        """Return the conditions on a query for columns of the head that are known by then."""
+        sql = self._queries[query]
+        return [
+            (place, self._alike[column])
+            for column, place in clause.head.items()
+            if column in self._alike and column != VALUE and re.search(rf"\bAS {place}\b", sql)
+        ]
+
+
+def _flat(terms: Sequence[Term]) -> Iterator[Term]:
+    """Yield terms, each followed by what it compares."""
+    for term in terms:
+        yield term
+        if term.kind in ("truth", "if"):
+            yield from _flat(term.parts)
+
+
+def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
+    """Return the nodes of clauses: what they have in common, then each alternative."""
+    if len(clauses) == 1:
+        return found[0]
+    common = 0
+    while (
+        all(len(nodes) > common for nodes in found)
+        and len({repr(nodes[common]) for nodes in found}) == 1
+    ):
+        common += 1
+    branches = tuple(
+        Node(
+            "alternative",
+            " and ".join(span.text for span in clause.taken),
+            "this alternative does not hold",
+            False,
+            span=clause.taken[-1] if clause.taken else None,
+            children=nodes[common:],
+        )
+        for clause, nodes in zip(clauses, found, strict=True)
+        if nodes[common:]
+    )
+    return (*found[0][:common], *branches)
+
+
+def _stopped(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
+    """Return what stopped the clause that came furthest."""
+    _, nodes = max(found, key=lambda each: each[0])
+    return nodes[-1] if nodes and nodes[-1].holds is False else None

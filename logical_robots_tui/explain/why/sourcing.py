@@ -1,0 +1,318 @@
+"""Where a value comes from: the expression that made it, and what was read for that.
+
+A value is traced through one derivation: variables, fields of records, branches that were taken,
+calls, and the element that decided an aggregate. The trace ends where a value is computed, or read
+from a sensor or a memory.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from logical_robots_tui.explain.why.deriving import decided, value_of
+from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
+from logical_robots_tui.language.diagnostics import QueryError
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.schema import INPUTS, VALUE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.explain.why.derivations import Derivations
+    from logical_robots_tui.explain.why.probing import (
+        Body,
+        Call,
+        Clause,
+        Collected,
+        Probing,
+        Span,
+        Step,
+        Term,
+    )
+    from logical_robots_tui.mind.relations import Way
+    from logical_robots_tui.values import Value
+
+Path: TypeAlias = "tuple[str | int, ...]"
+"""The way to a part of a value: names of fields and places in lists."""
+
+_DEEPEST = 60
+_MOST_ELEMENTS = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """Something that was read of a robot's sensor or memory."""
+
+    what: Literal["sensor", "memory"]
+    robot: str
+    path: Path
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """How a value came about at one moment.
+
+    Attributes:
+        value: The value.
+        span: The expression that made it; None where it was only passed on.
+        rule: The rule in which that stands, or that read it.
+        reads: What was read for it, each once. Of what was only passed on there is one.
+    """
+
+    value: Value
+    span: Span | None
+    rule: Span | None
+    reads: tuple[Read, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """A derivation, and from where it was called."""
+
+    probing: Probing
+    rule: Span
+    clause: Clause
+    way: Way
+    given: dict[str, tuple[_Frame, str, Term | None]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Where a value leads: to an expression, and to what was read."""
+
+    span: Span | None
+    rule: Span | None
+    reads: tuple[Read, ...]
+
+
+def source_of(derivations: Derivations, path: Path) -> Made:
+    """Return where a part of the robot's new memory comes from.
+
+    Raises:
+        QueryError: There is no such part, or how it came about can't be told.
+    """
+    given = {"robot_name": derivations.robot}
+    try:
+        whole, found = _Sourcing(derivations).in_row("Robot", "", given, "memory", path, None)
+    except FailureError as failure:
+        raise QueryError(f"Robot failed: {failure}.") from None
+    value = part_of(whole, path)
+    reads = tuple({repr(read): read for read in found.reads}.values())
+    return Made(value, found.span, found.rule, reads)
+
+
+def part_of(value: Value, path: Path) -> Value:
+    """Return a part of a value.
+
+    Raises:
+        QueryError: It has no such part.
+    """
+    for place, name in enumerate(path):
+        if isinstance(value, dict) and name in value:
+            value = value[str(name)]
+        elif isinstance(value, list) and isinstance(name, int) and -len(value) <= name < len(value):
+            value = value[name]
+        else:
+            here = ".".join(map(str, path[:place])) or "this value"
+            raise QueryError(f"{here} has no part {name}.")
+    return value
+
+
+class _Sourcing:
+    def __init__(self, derivations: Derivations) -> None:
+        self._derivations = derivations
+        self._depth = 0
+
+    def in_row(
+        self,
+        predicate: str,
+        within: str,
+        given: Mapping[str, Value],
+        column: str,
+        path: Path,
+        caller: tuple[_Frame, Call] | None,
+    ) -> tuple[Value, _Found]:
+        """Return a column of the first row with given values, and where a part of it comes from."""
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise QueryError("This goes through too many predicates to be followed.")
+        derived = self._derivations.first(predicate, within, given)
+        value = derived.row[column]
+        clause = derived.ways[0][1]
+        collected = next((c for c in clause.collected if c.column == column), None)
+        if collected is None:
+            frame = _frame(derived.probing, *derived.ways[0], caller)
+            return value, self._head(frame, column, path)
+        found = [
+            (clause, next(c for c in clause.collected if c.column == column), way)
+            for _, clause, way in derived.ways
+        ]
+        rules = [rule for rule, _, _ in derived.ways]
+        frames = [
+            _frame(derived.probing, rule, clause, way, caller)
+            for rule, (clause, _, way) in zip(rules, found, strict=True)
+        ]
+        return value, self._aggregate(found, frames, value, path, rules[0])
+
+    def _head(self, frame: _Frame, column: str, path: Path) -> _Found:
+        term = frame.clause.terms.get(column)
+        if term is None:
+            return _Found(frame.rule, frame.rule, ())
+        return self._term(frame, term, path)
+
+    def _term(self, frame: _Frame, term: Term, path: Path) -> _Found:
+        """Return where a part of the value of an expression comes from."""
+        if term.kind == "variable":
+            return self._variable(frame, term.column, path)
+        if term.kind == "field":
+            return self._term(frame, term.parts[0], (*term.names, *path))
+        if term.kind == "cast":
+            return self._term(frame, term.parts[0], path)
+        if term.kind == "record" and path:
+            parts = dict(zip(term.names, term.parts, strict=True))
+            if path[0] in parts:
+                return self._term(frame, parts[str(path[0])], path[1:])
+        if term.kind == "if":
+            return self._branch(frame, term, path)
+        if term.kind == "coalesce":
+            for part in term.parts:
+                if value_of(frame.way, part.column) is not None:
+                    return self._term(frame, part, path)
+        if term.kind == "call" and term.call is not None:
+            return self._called(frame, term.call, VALUE, path)
+        if term.kind == "aggregate" and term.body is not None:
+            return self._collected(frame, term, term.body, path)
+        return self._computed(frame, term)
+
+    def _computed(self, frame: _Frame, term: Term) -> _Found:
+        """Return a value that is computed here, from what its parts are."""
+        reads = [read for part in term.parts for read in self._term(frame, part, ()).reads]
+        return _Found(term.span, frame.rule, tuple(reads))
+
+    def _branch(self, frame: _Frame, term: Term, path: Path) -> _Found:
+        *branches, otherwise = term.parts
+        for condition, value in zip(branches[::2], branches[1::2], strict=True):
+            if value_of(frame.way, condition.column):
+                return self._term(frame, value, path)
+        return self._term(frame, otherwise, path)
+
+    def _variable(self, frame: _Frame, place: str, path: Path) -> _Found:
+        """Return where a part of the value of a variable comes from."""
+        for step in frame.clause.steps:
+            if step.kind in ("call", "function") and step.call is not None:
+                columns = [c for c, p in step.call.arguments.items() if p == place]
+                if columns and (step.kind == "function" or place in step.gives.values()):
+                    return self._called(frame, step.call, columns[-1], path)
+            elif place in step.gives.values() and step.terms:
+                return self._step(frame, step, place, path)
+        if place in frame.given:
+            outer, outer_place, term = frame.given[place]
+            if term is not None:
+                return self._term(outer, term, path)
+            return self._variable(outer, outer_place, path)
+        return _Found(frame.rule, frame.rule, ())
+
+    def _step(self, frame: _Frame, step: Step, place: str, path: Path) -> _Found:
+        if step.kind == "element":
+            value = value_of(frame.way, place)
+            items = value_of(frame.way, step.terms[0].column)
+            number = _index(items, value)
+            return self._term(frame, step.terms[0], (number, *path))
+        terms = [term for term in step.terms if term.kind != "literal"]
+        others = [term for term in terms if term.column != place]
+        if len(others) == 1 and len(step.gives) == 1:
+            return self._term(frame, others[0], path)
+        return _Found(step.span, frame.rule, ())
+
+    def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> _Found:
+        """Return where a part of a column of a row comes from that was called."""
+        given = {c: value_of(frame.way, p) for c, p in call.arguments.items() if p in frame.way}
+        if call.predicate in INPUTS:
+            robot = str(given.get("robot_name", self._derivations.robot))
+            if column == "robot_name":
+                return _Found(None, frame.rule, ())
+            what: Literal["sensor", "memory"] = "sensor" if call.predicate == "Sensor" else "memory"
+            try:
+                value = part_of(given[column], path)
+            except QueryError:
+                value = None
+            return _Found(None, frame.rule, (Read(what, robot, path, value),))
+        _, found = self.in_row(call.predicate, call.within, given, column, path, (frame, call))
+        return found
+
+    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> _Found:
+        ways = self._derivations.elements(frame.probing, body, frame.way)
+        found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
+        frames = [_inner(frame, body, clause, way) for clause, _, way in found]
+        value = value_of(frame.way, term.column)
+        return self._aggregate(found, frames, value, path, term.span)
+
+    def _aggregate(
+        self,
+        found: Sequence[tuple[Clause, Collected, Way]],
+        frames: Sequence[_Frame],
+        value: Value,
+        path: Path,
+        span: Span,
+    ) -> _Found:
+        """Return where a part of the result of an aggregate comes from."""
+        rule = frames[0].rule if frames else None
+        if not found:
+            return _Found(span, rule, ())
+        operator = found[0][1].operator
+        chosen = None
+        if operator in DECIDED_BY_ONE:
+            best = decided(found, value)
+            chosen = next((n for n, each in enumerate(found) if each is best), None)
+        elif path and isinstance(value, list) and isinstance(path[0], int):
+            wanted = part_of(value, path[:1])
+            values = [value_of(way, one.value) for _, one, way in found]
+            chosen = next((n for n, each in enumerate(values) if alike(each, wanted)), None)
+            path = path[1:]
+        if chosen is not None:
+            term = found[chosen][1].term
+            if term is not None:
+                return self._term(frames[chosen], term, path)
+        reads = [
+            read
+            for (_, one, _), frame in zip(found[:_MOST_ELEMENTS], frames, strict=False)
+            if one.term is not None
+            for read in self._term(frame, one.term, ()).reads
+        ]
+        return _Found(span, rule, tuple(reads))
+
+
+def _frame(
+    probing: Probing,
+    rule: Span,
+    clause: Clause,
+    way: Way,
+    caller: tuple[_Frame, Call] | None,
+) -> _Frame:
+    """Return a derivation of a predicate that was called."""
+    frame = _Frame(probing, rule, clause, way)
+    if caller is not None:
+        outer, call = caller
+        columns = {f"g{number}": column for number, column in enumerate(probing.given)}
+        for place, name in clause.given.items():
+            column = columns[name]
+            if column in call.arguments:
+                frame.given[place] = outer, call.arguments[column], call.terms.get(column)
+    return frame
+
+
+def _inner(outer: _Frame, body: Body, clause: Clause, way: Way) -> _Frame:
+    """Return a derivation in a body within another one."""
+    frame = _Frame(outer.probing, outer.rule, clause, way)
+    for place, name in clause.given.items():
+        frame.given[place] = outer, body.given[name], None
+    return frame
+
+
+def _index(items: Value, value: Value) -> int:
+    """Return the place of a value in a list."""
+    places = enumerate(items if isinstance(items, list) else ())
+    return next((number for number, item in places if alike(item, value)), 0)

@@ -1,0 +1,50 @@
+"""The compile process of the game: compiles programs, and decomposes them for explanations."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import asdict, replace
+from functools import partial
+from typing import Any
+
+from logical_robots_tui.explain.clauses.decomposition import decompose
+from logical_robots_tui.explain.diagnosis.checkup import check_up
+from logical_robots_tui.mind.compiling.worker import SAMPLES, is_prepared_soon, prepared, serve
+from logical_robots_tui.mind.sqlite.database import Database
+from logical_robots_tui.mind.tuning import tune_all
+
+
+def main() -> None:
+    """Serve requests until standard input ends."""
+    text = SAMPLES[0]
+    samples = (
+        {"text": text, "predicate": "Robot", "within": "", "with_rows": ["Robot"]},
+        {"text": text, "checkup": []},
+    )
+    serve(JOBS, samples)
+
+
+def _decompose(request: dict[str, Any]) -> dict[str, object]:
+    """Decompose a predicate's rules, as far as SQLite can prepare them in time."""
+    with closing(Database()) as database:
+        probing = decompose(
+            request["text"],
+            request["predicate"],
+            request["within"],
+            request["with_rows"],
+            partial(is_prepared_soon, database),
+            partial(database.define, rows=()),
+        )
+    return {"probing": asdict(probing)}
+
+
+def _check_up(request: dict[str, Any]) -> dict[str, object]:
+    """Prepare a program to be watched, as far as SQLite can prepare it in time."""
+    functions = frozenset(request["checkup"])
+    with closing(Database()) as database:
+        found = check_up(request["text"], functions, partial(is_prepared_soon, database))
+    tuned = prepared(tune_all(found.program.statements))
+    return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
+
+
+JOBS = {"predicate": _decompose, "checkup": _check_up}

@@ -1,0 +1,244 @@
+"""The rows of predicates at a moment, and queries over them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.language.diagnostics import Stopped
+from logical_robots_tui.mind.failures import failures_in_words
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
+from logical_robots_tui.mind.sqlite.database import TooSlowError
+from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.program import Program
+    from logical_robots_tui.mind.sqlite.database import Answer, Scalar
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+    from logical_robots_tui.values import Value
+
+GIVEN = "WhyGiven"
+"""The table of the values that are given, one row."""
+
+SAME = "why_same"
+"""The function for whether two values are the same, in queries."""
+
+ALIKE = "why_alike"
+"""That for whether they are the same but for the order of lists."""
+
+Way = dict[str, "Scalar"]
+"""A derivation: a row of a clause's query, as SQLite has it, by the names of the columns."""
+
+_CLOSE = 1e-12
+
+
+def with_given(sql: str, number: int) -> str:
+    """Return a query with the table of so many given values, which are its first parameters."""
+    if not number:
+        return sql
+    names = ", ".join(f"g{i}" for i in range(number))
+    places = ", ".join("?" * number)
+    return f"WITH {GIVEN}({names}) AS (VALUES ({places})) SELECT * FROM ({sql})"  # noqa: S608 - ours
+
+
+class Relations:
+    """The rows that predicates have in one view of a moment, and queries over them."""
+
+    def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
+        self._asking, self._plain = asking, asking.plain_tables
+        self._moment, self._view, self.within = moment, view, within
+        self._plain.offer(SAME, _same_in_sql, 2)
+        self._plain.offer(ALIKE, _alike_in_sql, 2)
+        self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
+        self._columns: dict[str, Sequence[str]] = {}
+        self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
+
+    def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
+        """Return the rows of a predicate, by the names of the columns.
+
+        Args:
+            predicate: Its name.
+            sql: A query for them, or "" for that of the program.
+
+        Raises:
+            FailureError: It failed, or has too many rows.
+        """
+        if predicate not in self._rows:
+            if sql:
+                columns, rows = self._asking.plainly(sql, *self._where)
+            else:
+                columns, rows = self._asking.rows(predicate, *self._where)
+            self._columns[predicate] = columns
+            self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
+        found = self._rows[predicate]
+        self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
+        return found
+
+    def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
+        """Return the rows of a question about a program, by the names of the columns.
+
+        It may be another program than that of the mind.
+
+        Raises:
+            ProgramError: The question has errors.
+            FailureError: It failed.
+        """
+        self.renew()
+        question = program.question(query, stop=self.within.stop, limits=limits)
+        columns, rows = self._asking.plainly(question.sql, *self._where)
+        return [dict(zip(columns, row, strict=True)) for row in rows]
+
+    def renew(self) -> None:
+        """Start again with an unused budget."""
+        self.within.renew()
+
+    @property
+    def _where(self) -> tuple[Moment, View, Within]:
+        return self._moment, self._view, self.within
+
+    def spend(self, steps: int) -> None:
+        """Count work outside of queries, in steps.
+
+        Raises:
+            FailureError: It was too much.
+            Stopped: It was stopped.
+        """
+        within = self.within
+        within.budget.steps -= steps
+        if within.stop is not None and within.stop.is_set():
+            raise Stopped("The explanation was stopped.")
+        with failures_in_words(within):
+            if within.budget.steps < 0:
+                raise TooSlowError
+
+    def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
+        """Fill a table with some of a predicate's rows, unless it holds just these.
+
+        Raises:
+            FailureError: It takes too much memory.
+        """
+        if self._loaded.get(table) is not rows:
+            self._loaded.pop(table, None)
+            stored = [tuple(map(to_sql, row.values())) for row in rows]
+            self.spend(_steps_of(stored))
+            with failures_in_words(self.within):
+                columns = self._columns[predicate]
+                self._plain.define(table, columns, stored, self._moment, self._view)
+            self._loaded[table] = rows
+
+    def ways(
+        self,
+        sql: str,
+        given: Sequence[Scalar],
+        alike: Sequence[tuple[str, Value]] = (),
+        what: str = "*",
+        most: int = 1,
+        compared: str = SAME,
+    ) -> list[Way]:
+        """Return rows of a query.
+
+        Args:
+            sql: The query.
+            given: The given values that it reads.
+            alike: Columns and the values that they are to have.
+            what: What to select.
+            most: Most rows.
+            compared: The function that compares these.
+
+        Raises:
+            FailureError: It failed.
+        """
+        query, parameters = _limited(sql, given, alike, what, most, compared)
+        columns, rows = self._ask(query, parameters)
+        self.spend(_steps_of(rows))
+        return [dict(zip(columns, row, strict=True)) for row in rows]
+
+    def count(
+        self,
+        sql: str,
+        given: Sequence[Scalar],
+        alike: Sequence[tuple[str, Value]] = (),
+        most: int = 1,
+    ) -> int:
+        """Return how many rows a query has, at most so many.
+
+        Raises:
+            FailureError: It failed.
+        """
+        query, parameters = _limited(sql, given, alike, "1", most, SAME)
+        _, rows = self._ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
+        return int(rows[0][0])
+
+    def _ask(self, sql: str, parameters: Sequence[Scalar]) -> Answer:
+        """Return columns and rows of a query, as SQLite has them."""
+        with failures_in_words(self.within):
+            return self._plain.ask(sql, *self._where, parameters)
+
+
+def _limited(
+    sql: str,
+    given: Sequence[Scalar],
+    alike: Sequence[tuple[str, Value]],
+    what: str,
+    most: int,
+    compared: str,
+) -> tuple[str, list[Scalar]]:
+    """Return a query for at most so many rows, and its parameters."""
+    where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
+    query = f"SELECT {what} FROM ({with_given(sql, len(given))})"  # noqa: S608 - the compiler's own SQL
+    query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
+    return query, [*given, *(to_sql(value) for _, value in alike)]
+
+
+def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
+    """Return what the work on rows counts for: a call for each value, and its characters."""
+    texts = sum(len(value) for row in rows for value in row if value.__class__ is str)
+    return texts + STEPS_OF_A_CALL * sum(map(len, rows))
+
+
+def same(one: Value, other: Value) -> bool:
+    """Return whether two values are the same, but for the last digits of a number.
+
+    A number loses these where it passes through text.
+    """
+    if isinstance(one, dict):
+        return (
+            isinstance(other, dict)
+            and one.keys() == other.keys()
+            and all(same(value, other[key]) for key, value in one.items())
+        )
+    if isinstance(one, list):
+        return isinstance(other, list) and len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return one == other or abs(one - other) <= _CLOSE * max(abs(one), abs(other))
+    return type(one) is type(other) and one == other
+
+
+def alike(one: Value, other: Value) -> bool:
+    """Return whether two values are the same, but for the order of lists.
+
+    In which order an aggregate lists its elements is not said by a program, and a list may be in
+    another order where the same is computed in another query.
+    """
+    return same(one, other) or same(_sorted(one), _sorted(other))
+
+
+def _sorted(value: Value) -> Value:
+    if isinstance(value, dict):
+        return {name: _sorted(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return sorted(map(_sorted, value), key=repr)
+    return value
+
+
+def _alike_in_sql(one: Scalar, other: Scalar) -> bool:
+    return alike(from_sql(one), from_sql(other))
+
+
+def _same_in_sql(one: Scalar, other: Scalar) -> bool:
+    if one.__class__ is other.__class__ and one == other:
+        return True
+    return same(from_sql(one), from_sql(other))

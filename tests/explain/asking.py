@@ -1,0 +1,68 @@
+"""Asking why, for tests."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui.explain import Explainer
+from logical_robots_tui.mind import Mind, Program
+from tests.mind.rows import row
+
+if TYPE_CHECKING:
+    from logical_robots_tui.explain import Explanation, Node, Proof
+
+__all__ = ["REST", "below", "find", "proof", "texts", "why"]
+
+REST = """
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:);
+"""
+"""A rule that makes a program of any rules."""
+
+
+def why(
+    text: str,
+    predicate: str = "Robot",
+    robot: str = "Ada",
+    *,
+    rows: list[Any] | None = None,
+    memories: dict[str, Any] | None = None,
+    given: dict[str, Any] | None = None,
+    within: str = "",
+    **visibility: Any,
+) -> Explanation:
+    """Why a predicate of a program has its rows."""
+    with closing(Mind(Program.compile(text), **visibility)) as mind:
+        explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
+        return explainer.why(predicate, given, within)
+
+
+def proof(
+    text: str,
+    predicate: str = "Robot",
+    robot: str = "Ada",
+    *,
+    rows: list[Any] | None = None,
+    memories: dict[str, Any] | None = None,
+    given: dict[str, Any] | None = None,
+    depth: int = 100,
+) -> Proof:
+    """The whole proof of a row of a predicate."""
+    with closing(Mind(Program.compile(text))) as mind:
+        explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
+        return explainer.proof(predicate, given, depth=depth)
+
+
+def find(node: Node, text: str) -> Node:
+    """The first node below another one whose text begins so."""
+    return next(each for _, each in node.walk() if each.text.startswith(text))
+
+
+def texts(nodes: tuple[Node, ...]) -> list[str]:
+    """The texts of nodes."""
+    return [node.text for node in nodes]
+
+
+def below(node: Node, kind: str) -> list[Node]:
+    """The nodes of a kind below another one."""
+    return [each for _, each in node.walk() if each.kind == kind]
