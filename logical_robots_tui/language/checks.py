@@ -8,17 +8,20 @@ from typing import TYPE_CHECKING, TypeGuard
 
 from logica.compiler import universe
 
-from logical_robots_tui.language import builtins
 from logical_robots_tui.language.definitions import (
+    MAIN,
+    built_in_names,
     called,
     calls,
     definitions,
+    is_built_in,
     lacking,
     parameters,
     prelude,
+    rules_of,
 )
 from logical_robots_tui.language.inference import Inference
-from logical_robots_tui.language.robot_rule import MAIN, engines, main_predicate
+from logical_robots_tui.language.inference import Record as KnownRecord
 from logical_robots_tui.language.signatures import (
     collisions,
     given_twice,
@@ -26,28 +29,30 @@ from logical_robots_tui.language.signatures import (
     wrong_calls,
 )
 from logical_robots_tui.language.similar_names import closest, distance
-from logical_robots_tui.language.source_text import diagnostic_for
+from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.spelling import TYPES
 from logical_robots_tui.language.tree import (
+    REST,
     Annotation,
     Argument,
     Functor,
     Number,
     PredicateName,
+    Record,
     Rule,
     Text,
     Variable,
+    text_of,
     walk,
 )
-from logical_robots_tui.language.verbatim import verbatim
-from logical_robots_tui.schema import INPUTS
+from logical_robots_tui.schema import DESIRE, INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.language.adapter import Parsed
     from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.signatures import Runs
+    from logical_robots_tui.language.signatures import Runs, Signature
     from logical_robots_tui.language.tree import Expression, Node, Statement
 
 _CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
@@ -194,7 +199,7 @@ def _names(
         elif name in _OUTSIDE:
             message = f"{name} is not available to robots"
             yield diagnostic_for(text, name, message, "Robots can only think.")
-        elif builtins.is_built_in(name):
+        elif is_built_in(name):
             if name.isidentifier() and not runs(name) and name != _FLAG:
                 hint = _instead(name, known, runs)
                 yield diagnostic_for(text, name, f"{name} is not available here", hint)
@@ -212,7 +217,7 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
         if not isinstance(node, PredicateName):
             continue
         name = node.name
-        if name in known or (builtins.is_built_in(name) and name.upper() not in TYPES):
+        if name in known or (is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} is named without its arguments, so it has no value"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
@@ -248,13 +253,13 @@ def _instead(name: str, known: set[str], runs: Runs) -> str:
     """Return a hint about what a name may have meant, or ""."""
     if name in _INSTEAD:
         return f"Use {_INSTEAD[name]}."
-    working = {n for n in builtins.names() if n.isidentifier() and n[:1].isupper()}
+    working = {n for n in built_in_names() if n.isidentifier() and n[:1].isupper()}
     close = closest(name, known | {n for n in working if len(n) > 1})
     if not close and len(name) > 2:  # in short names one typo is a large part
         close = next((n for n in sorted(working) if distance(name, n) == 1), "")
     if close and (close in known or runs(close)):
         return f"Did you mean {close}?"
-    return "`logical-robots help` lists all functions." if builtins.is_built_in(name) else ""
+    return "`logical-robots help` lists all functions." if is_built_in(name) else ""
 
 
 _SHORTEST = 4  # letters in a word that can be recognised as misspelt
@@ -303,3 +308,152 @@ def _looks_like(name: str, other: str) -> bool:
         return False
     allowed = 2 if min(len(one), len(two)) >= _LONG else 1
     return distance(one, two) <= allowed and one[0] == two[0]
+
+
+# -- the rule for Robot -------------------------------------------------------------------------
+
+_ENGINES = DESIRE.names
+_COLUMNS = ("robot_name", "desire", "memory")
+_EXAMPLE = (
+    'Add Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") '
+    ":- Sensor(robot_name:);"
+)
+
+
+def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+    """Find what is missing in the heads of `Robot`, or report that there is none."""
+    found = definitions(program).get(MAIN, [])
+    if not found:
+        message = "there is no Robot predicate"
+        close = next((n for n in definitions(program) if n.lower() == MAIN.lower()), "")
+        if close:
+            yield diagnostic_for(text, close, message, f"Write {MAIN} instead of {close}.")
+        else:
+            yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
+    for rule in rules_of(found):
+        columns = [each.field for each in rule.head.columns]
+        if REST in columns:
+            continue
+        others = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
+        for column in _COLUMNS:
+            if column not in columns:
+                yield _missing(rule.name, column, others, text)
+
+
+def engines(program: Sequence[Statement], inference: Inference, text: str) -> Iterator[Diagnostic]:
+    """Find misspelt or missing engines in a desire."""
+    literals = [
+        [each.field for each in node.arguments if isinstance(each.field, str)]
+        for node in walk(program)
+        if isinstance(node, Record)
+    ]
+    desires = [
+        shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, KnownRecord)
+    ]
+    problems: dict[tuple[int, int], Diagnostic] = {}
+    for names in literals:
+        if set(names) & set(_ENGINES) and REST not in names:
+            problems |= _by_place(_misspelt(names, text))
+    for desire in desires:
+        names = list(desire)
+        if found := _by_place(_misspelt(names, text, 0.5)):
+            problems |= found
+        elif names:
+            for engine in sorted(set(_ENGINES) - set(names)):
+                message = f"this desire has no {engine}; that engine will stand still"
+                hint = f"Add {engine}: with a number from -1 to 1."
+                problem = diagnostic_for(text, names[0], message, hint, "warning")
+                problems.setdefault((problem.line, problem.column), problem)
+    yield from problems.values()
+
+
+def _by_place(problems: Iterable[Diagnostic]) -> dict[tuple[int, int], Diagnostic]:
+    return {(p.line, p.column): p for p in problems}
+
+
+def _misspelt(names: Iterable[str], text: str, cutoff: float = 0.76) -> Iterator[Diagnostic]:
+    missing = set(_ENGINES) - set(names)
+    for name in names:
+        meant = closest(name, missing, cutoff)
+        if meant and name not in _ENGINES:
+            message = f"there is no engine {name}; this would be ignored"
+            yield diagnostic_for(text, name, message, f"Did you mean {meant}?")
+
+
+def _missing(robot: str, column: str, others: list[str], text: str) -> Diagnostic:
+    close = next((other for other in others if closest(other, [column], 0.5)), "")
+    if close:
+        message = f"Robot has no {column}"
+        return diagnostic_for(text, close, message, f"Write {column} instead of {close}.")
+    if column == "memory":
+        message = "Robot has no memory; it will never change"
+        hint = 'Add memory: with a value to remember, or memory: "".'
+        return diagnostic_for(text, robot, message, hint, "warning")
+    hint = "Its columns are robot_name:, desire: and memory:."
+    return diagnostic_for(text, robot, f"Robot has no {column}", hint)
+
+
+# -- text that the compiler inserts into SQL unchanged ------------------------------------------
+
+_CAST_TYPES = (
+    *("BIGINT", "BOOL", "BOOLEAN", "DOUBLE", "FLOAT", "FLOAT64", "INT", "INT64", "INTEGER"),
+    *("NUMERIC", "REAL", "STRING", "TEXT", "VARCHAR"),
+)
+_PLAIN = re.compile(r"[^'\"`$\\\n]*")  # can't end an SQL text
+_ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IGNORECASE)
+
+
+def verbatim(
+    program: Sequence[Statement], known: Mapping[str, Signature], text: str
+) -> Iterator[Diagnostic]:
+    """Find invalid types and columns, and flags that would end an SQL text."""
+    for call in calls(program):
+        for argument in call.arguments[1:2] if call.name == "Cast" else ():
+            name = text_of(argument.expression)
+            if name is None or name.strip().upper() not in _CAST_TYPES:
+                shown = "this" if name is None else name[:40]
+                message = f"{shown} is not a type that Cast knows"
+                hint = f"Write one of these in quotes: {', '.join(_CAST_TYPES)}."
+                yield diagnostic_for(text, call.name, message, hint)
+    is_within_a_text = any("${" in n.value for n in walk(program) if isinstance(n, Text))
+    for each in program:
+        if isinstance(each, Functor) and any(map(_is_cast, walk(each))):
+            yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
+        if not isinstance(each, Annotation):
+            continue
+        if each.name == "@DefineFlag" and is_within_a_text:
+            for value in each.values[:1]:
+                if _PLAIN.fullmatch(text_of(value) or "") is None:
+                    message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
+                    hint = 'Write FlagValue("name") instead of ${name}.'
+                    yield diagnostic_for(text, each.name, message, hint)
+        if each.name == "@OrderBy":
+            for value in each.values:
+                ordered = text_of(value)  # other types are reported elsewhere
+                signature = known.get(each.subject)
+                if ordered is not None and (wrong := _wrong_column(ordered, signature)):
+                    hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
+                    yield diagnostic_for(text, each.name, wrong, hint)
+
+
+def _wrong_column(columns: str, signature: Signature | None) -> str:
+    if columns in ("ASC", "DESC"):
+        return ""
+    for part in columns.split(","):
+        found = _ORDER_COLUMNS.fullmatch(part)
+        if found is None:
+            return "@OrderBy takes names of columns"
+        if signature is not None and found[1] not in _columns_of(signature):
+            return f"there is no column {found[1]} to order by"
+    return ""
+
+
+def _columns_of(signature: Signature) -> set[str]:
+    numbered = {f"col{number}" for number in range(signature.count)}
+    return {*numbered, *signature.named, *([VALUE] if signature.has_value else [])}
+
+
+def _is_cast(node: Node) -> bool:
+    if isinstance(node, Functor):
+        return node.base == "Cast"
+    return isinstance(node, PredicateName) and node.name == "Cast"

@@ -1,4 +1,4 @@
-"""What statements define, call and substitute; and the prelude.
+"""What statements define, call and substitute; the prelude, and what the package has built in.
 
 A parameter is a predicate that ``New := Old(Parameter: Given)`` substitutes.
 """
@@ -6,7 +6,10 @@ A parameter is a predicate that ``New := Old(Parameter: Given)`` substitutes.
 from __future__ import annotations
 
 import functools
+import math
 from typing import TYPE_CHECKING
+
+from logica.compiler import expr_translate
 
 from logical_robots_tui.language.adapter import operator_name, parse_trusted
 from logical_robots_tui.language.tree import (
@@ -56,6 +59,9 @@ Str(x) = x;
 A program can define its own instead, so none of them may use another.
 Aggregates take ``argument -> value`` pairs, which the compiler sees as ``{arg:, value:}``.
 """
+
+MAIN = "Robot"
+"""The predicate that decides what robots do."""
 
 _AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it makes itself
 
@@ -142,3 +148,36 @@ def made_from_functors(program: Iterable[Statement]) -> set[str]:
     """Return the predicates that functors make, copy, substitute or put in."""
     functors = [each for each in program if isinstance(each, Functor)]
     return {name for each in functors for name in (*called(each), *each.parameters)}
+
+
+_QL = expr_translate.QL
+_TWO_ARGUMENTS = frozenset(
+    {"Concat", "DateAddDay", "DateDiffDay", "Element", "Join", "Like", "MagicalEntangle", "Split"}
+)
+
+
+@functools.cache
+def built_in_names() -> frozenset[str]:
+    """Return the names of all functions, operators and aggregates that the package has built in."""
+    return frozenset(_QL.BasisFunctions())
+
+
+def is_built_in(name: str) -> bool:
+    """Return whether the package treats a call of this name as a built-in function."""
+    return name in built_in_names()
+
+
+@functools.cache
+def arity(name: str) -> tuple[int, float]:
+    """Return the fewest and most arguments of a built-in function."""
+    if name in _QL.ANALYTIC_FUNCTIONS:
+        count = 4 if name.startswith("Window") else 3
+        return count, count
+    if name == "If":
+        return 3, 3
+    if name == "Cast":
+        return 2, 2
+    if name in _QL.BUILT_IN_FUNCTIONS:
+        return (2, 2) if name in _TWO_ARGUMENTS else (1, 1)
+    least, most = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
+    return least, most

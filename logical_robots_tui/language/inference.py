@@ -8,11 +8,12 @@ unknown, and nothing is reported about them.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from logical_robots_tui import schema
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import definitions, made_from_functors, rules_of
-from logical_robots_tui.language.shapes import SENSOR, ListOf, Record, Scalar, Shape
 from logical_robots_tui.language.similar_names import closest
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import REST, Name
@@ -23,6 +24,53 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.tree import Argument, Expression, Proposition, Rule, Statement
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A number, text or boolean of the sensor."""
+
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list."""
+
+    element: Shape | None
+    title: str = field(default="this list", compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A record whose fields are all known.
+
+    Attributes:
+        fields: Shapes by name; None if unknown.
+        title: Its name in messages.
+        names: The names as in the program's text, with their places.
+    """
+
+    fields: Mapping[str, Shape | None]
+    title: str = field(default="this record", compare=False)
+    names: tuple[str, ...] = field(default=(), compare=False)
+
+
+Shape: TypeAlias = Scalar | ListOf | Record
+
+
+def _shape_of(name: str, field: schema.FieldType) -> Shape:
+    if isinstance(field, schema.Type):
+        return Scalar(name)
+    if isinstance(field, schema.ListOf):
+        return ListOf(_shape_of("", field.element), field.title)
+    return Record(
+        {each.name: _shape_of(each.name, each.type) for each in field.fields}, field.title
+    )
+
+
+SENSOR = _shape_of("sensor", schema.SENSOR)
+"""What a robot perceives in a tick."""
 
 _ROUNDS = 6  # how far a shape is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly

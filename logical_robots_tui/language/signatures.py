@@ -6,15 +6,16 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.language import builtins
 from logical_robots_tui.language.definitions import (
+    MAIN,
+    arity,
     calls,
     definitions,
+    is_built_in,
     prelude,
     reached,
     rules_of,
 )
-from logical_robots_tui.language.robot_rule import MAIN
 from logical_robots_tui.language.similar_names import closest
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.language.tree import (
@@ -94,7 +95,7 @@ def wrong_calls(
     for rule in rules_of(program):
         for call in calls(rule):
             name, for_value = call.name, isinstance(call, Call)
-            if name in known and not (for_value and builtins.is_built_in(name)):
+            if name in known and not (for_value and is_built_in(name)):
                 yield from _wrong_call(call, known[name], text)
                 if for_value and known[name].has_value and rule.name in used:
                     yield from _left_out(call, known[name], text)
@@ -102,7 +103,7 @@ def wrong_calls(
                 for_value
                 and name not in own
                 and name[:1].isupper()  # not an operator
-                and builtins.is_built_in(name)
+                and is_built_in(name)
                 and runs(name)
             ):
                 yield from _wrong_built_in(call, text)
@@ -166,7 +167,7 @@ def _difference(first: Rule | Functor, other: Rule | Functor) -> tuple[str, str]
 
 
 def _hides_built_in(name: str, first: Rule | Functor, program: Sequence[Statement]) -> str:
-    if not builtins.is_built_in(name):
+    if not is_built_in(name):
         return ""
     used = any(isinstance(call, Call) and call.name == name for call in calls(program))
     if used or (isinstance(first, Rule) and first.head.column(VALUE)):
@@ -226,7 +227,7 @@ def _shape(signature: Signature) -> str:
 def _wrong_built_in(call: Call | Atom, text: str) -> Iterator[Diagnostic]:
     name = call.name
     given = [each.field for each in call.arguments]
-    least, most = builtins.arity(name)
+    least, most = arity(name)
     named = [field for field in given if isinstance(field, str)]
     if named:
         hint = f"Write {name}(...) with plain values in order."

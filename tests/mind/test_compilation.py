@@ -122,7 +122,7 @@ def children(parent: int) -> list[int]:
     return [
         int(line.split()[0])
         for line in listed.stdout.splitlines()
-        if "mind.compiling.worker" in line
+        if "explain.worker" in line
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.language import builtins
+from logical_robots_tui.language.definitions import is_built_in
 from logical_robots_tui.language.tree import (
     Aggregate,
     Atom,
@@ -65,7 +65,7 @@ class Scope:
         if pair is not None:
             return self._equal(*pair, known)
         name = part.name if isinstance(part, Atom) else ""
-        if name not in self.functions and (builtins.is_built_in(name) or not name[:1].isalpha()):
+        if name not in self.functions and (is_built_in(name) or not name[:1].isalpha()):
             return known if self.mentioned(part) <= known else None
         assert isinstance(part, Atom)
         needed = self.functions.get(name, ())
@@ -92,8 +92,9 @@ class Scope:
     ) -> frozenset[str] | None:
         for pattern, value in ((left, right), (right, left)):
             if self.mentioned(value) <= known:
-                is_record = isinstance(pattern, Record) and pattern.arguments
-                patterns = operands(pattern.arguments) if is_record else (pattern,)  # type: ignore[attr-defined]
+                patterns: tuple[Expression, ...] = (pattern,)
+                if isinstance(pattern, Record) and pattern.arguments:
+                    patterns = operands(pattern.arguments)
                 found: frozenset[str] | None = known
                 for each in patterns:
                     found = None if found is None else self._matched(each, found)

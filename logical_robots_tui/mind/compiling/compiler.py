@@ -16,6 +16,7 @@ from logical_robots_tui.language import error_messages, package_patches
 from logical_robots_tui.language.adapter import parse, to_package
 from logical_robots_tui.language.checks import IGNORED, check
 from logical_robots_tui.language.definitions import (
+    MAIN,
     called,
     definitions,
     lacking,
@@ -24,7 +25,6 @@ from logical_robots_tui.language.definitions import (
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.functors import expand_recursions
-from logical_robots_tui.language.robot_rule import MAIN
 from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.language.spelling import expand_rows, spell_out
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables

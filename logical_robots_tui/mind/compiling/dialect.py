@@ -10,8 +10,8 @@ from typing import Any
 
 from logica.compiler import dialects, expr_translate
 
-from logical_robots_tui.language import builtins
 from logical_robots_tui.language.adapter import tie_pair
+from logical_robots_tui.language.definitions import arity, built_in_names
 from logical_robots_tui.mind.sqlite.database import Database
 
 _COLUMN = re.compile(r"\w+\.\w+")
@@ -113,7 +113,7 @@ def runs(name: str) -> bool:
     template = _templates().get(name)
     if not template:
         return False
-    least, most = builtins.arity(name)
+    least, most = arity(name)
     counts = range(least, min(int(most), least + 2) + 1) if most < math.inf else range(2, 3)
     return any(_compiles(_filled(template, count)) for count in counts)
 
@@ -128,7 +128,7 @@ def _filled(template: str, count: int) -> str:
 
 @functools.cache
 def _templates() -> dict[str, str | None]:
-    builtins.names()  # reads the package's own table
+    built_in_names()  # reads the package's own table
     return {
         **_QL.BULK_FUNCTIONS,
         **_QL.BUILT_IN_FUNCTIONS,
