@@ -114,7 +114,7 @@ class Coordinator:
         self._outcomes = ledger.outcomes()
         self._failures = {job: len(reasons) for job, reasons in ledger.failures().items()}
         self._waiting: deque[_Group] = deque()
-        self._planned: set[tuple[str, str, int]] = set()
+        self._planned: set[str] = set()
         self._twins: dict[str, list[Cell]] = {}
         for cell in manifest.cells:
             if cell.own:
@@ -153,7 +153,7 @@ class Coordinator:
     def _plan(self, cell: Cell) -> None:
         """Put what is left of a cell into the queue, unless an earlier cell is the same."""
         program = text_of(self._manifest, cell, self._outcomes)
-        key = cell.level, program, cell.ticks
+        key = self._manifest.job(cell, 0, program)
         if key in self._planned:
             return
         self._planned.add(key)
@@ -183,11 +183,12 @@ class Coordinator:
         return group._replace(starts=handed), handed
 
     def _task(self, group: _Group, starts: tuple[int, ...]) -> Task:
-        manifest = self._manifest
+        manifest, cell = self._manifest, group.cell
+        programs = dict(zip(manifest.teams, cell.parts, strict=True)) or {"": group.program}
         return Task(
-            self._folder.text(group.cell.level),
-            self._folder.text(group.program),
-            group.cell.ticks,
+            self._folder.text(cell.level),
+            {team: self._folder.text(name) for team, name in programs.items()},
+            cell.ticks,
             starts,
             manifest.asked,
             manifest.steps,

@@ -40,7 +40,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
     Attributes:
         level: Digest of the level's text.
         program: Digest of the program's text; of several that are the same but for space and
-            comments, of the first.
+            comments, of the first. Of a match, "".
         level_name: What the level is called.
         program_name: What the program is called.
         ticks: The last tick of a run.
@@ -144,7 +144,8 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
         `program` is the digest of the text to run, by default the cell's.
         """
         asked = [(each.name, each.query, each.every) for each in self.asked]
-        what = (cell.level, program or cell.program, start, cell.ticks, asked, self.steps)
+        ran = program or cell.program or cell.parts
+        what = (cell.level, ran, start, cell.ticks, asked, self.steps)
         return digest(repr(what))
 
     def run(self, job: str) -> str:
@@ -231,6 +232,8 @@ class Folder:
                 hint = "Use the version of Logical Robots that wrote it."
                 raise InputError("a newer version wrote this manifest", place=str(file), hint=hint)
             manifest = msgspec.json.decode(content, type=Manifest)
+            if any(len(cell.parts) != len(manifest.teams) for cell in manifest.cells):
+                raise ValueError("there is no such team")
             players = range(len(manifest.players))
             if any(not {*pair} <= {*players} for pairs in manifest.rounds for pair in pairs):
                 raise ValueError("there is no such player")
