@@ -14,7 +14,7 @@ import lzma
 from bisect import bisect_left
 from dataclasses import replace
 from functools import cached_property
-from itertools import chain, islice
+from itertools import islice
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
@@ -286,15 +286,13 @@ def _read(content: bytes) -> Replay:
         raise ValueError("its robots don't act in every tick")
     replay = msgspec.msgpack.decode(told, type=Replay)
     if number == b"1":
-        texts = islice(chain.from_iterable(map(_by_team, replay.texts)), _MOST_STAGES)
-        replay = msgspec.structs.replace(replay, texts=tuple(texts))
+        texts = (
+            Text(each.tick, each.name, text or None, team)
+            for each in replay.texts
+            for team, text in texts_of(each.text or "").items()
+        )
+        replay = msgspec.structs.replace(replay, texts=tuple(islice(texts, _MOST_STAGES)))
     return replay
-
-
-def _by_team(text: Text) -> Iterator[Text]:
-    """Yield the program of each team in a text of the first format."""
-    for team, part in texts_of(text.text).items() if text.text is not None else (("", None),):
-        yield Text(text.tick, text.name, part, team)
 
 
 class _StageParts(msgspec.Struct):

@@ -138,14 +138,11 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     engine: dict[str, str] = {}
     format: int = _FORMAT
 
-    def job(self, cell: Cell, start: int, program: str = "") -> str:
-        """Return the digest of what a run depends on, except the engine.
-
-        `program` is the digest of the text to run, by default the cell's.
-        """
+    def job(self, cell: Cell, start: int) -> str:
+        """Return the digest of what a run depends on, except the engine."""
         asked = [(each.name, each.query, each.every) for each in self.asked]
-        ran = program or cell.program or cell.parts
-        what = (cell.level, ran, start, cell.ticks, asked, self.steps)
+        program = cell.program or cell.parts
+        what = (cell.level, program, start, cell.ticks, asked, self.steps)
         return digest(repr(what))
 
     def run(self, job: str) -> str:
