@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
@@ -152,13 +152,15 @@ class Place:
                 [begin, texts_of(texts) if isinstance(texts, str) else texts]
                 for begin, texts in found["programs"]
             ]
+            if found.get("speed") not in SPEEDS:
+                del found["speed"]
             place = record(cls, found)
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError("this is not a place in a game") from error
-        begins = [begin for begin, texts in place.programs if texts]
+        begins = [begin if texts else 0 for begin, texts in place.programs]
         if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
             raise ValueError("the programs of this place are out of order")
-        return place if place.speed in SPEEDS else replace(place, speed=None)
+        return place
 
     def stretches(self) -> list[tuple[Mapping[str, str], int]]:
         """Return the programs' texts, each with the last tick that it decided."""

@@ -42,10 +42,27 @@ def test_nonsense_is_no_place(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "programs", ["[]", '[[2, ""]]', '[[1, ""], [1, ""]]', '[[1, ""], [9, ""]]', "[[1, {}]]"]
+    "programs",
+    [
+        "[]",
+        '[[2, ""]]',
+        '[[1, ""], [1, ""]]',
+        '[[1, ""], [9, ""]]',
+        "[[1, {}]]",
+        '[[1, ""], [2, {}]]',
+    ],
 )
 def test_programs_out_of_order_are_no_place(programs: str) -> None:
     with pytest.raises(ValueError, match="out of order"):
         Place.from_text(
             f'{{"level": "", "title": "", "program": "", "tick": 5, "programs": {programs}}}'
         )
+
+
+@pytest.mark.parametrize(("speed", "wanted"), [("160.0", 160.0), ("null", None), ("41.0", 40.0)])
+def test_a_speed_that_there_is_not_is_the_usual_one(speed: str, wanted: float | None) -> None:
+    place = Place.from_text(
+        '{"level": "", "title": "", "program": "", "tick": 5, "programs": [[1, ""]], '
+        f'"speed": {speed}}}'
+    )
+    assert place.speed == wanted
