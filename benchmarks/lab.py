@@ -62,7 +62,7 @@ def _overhead(name: str, effort: Effort) -> Iterator[Measurement]:
     program = Program.compile(text)
     source = Path(level.source).read_text("utf-8")
     ticks, starts = 2 * effort.ticks, tuple(range(STARTS))
-    task = Task(source, text, ticks, starts, (), 100_000_000, 600.0, False, fingerprint())
+    task = Task(source, {"": text}, ticks, starts, (), 100_000_000, 600.0, False, fingerprint())
     ratios = []
     for _ in range(effort.repeats + 1):
         began = process_time()
@@ -126,7 +126,8 @@ def _peak_after(runs: int) -> float:
         program = text + _REMARK.format(first, first, first)
         starts = tuple(range(first, min(first + 20, runs)))
         while starts:
-            task = Task(level, program, 5, starts, (), 100_000_000, 600.0, False, fingerprint())
+            programs = {"": program}
+            task = Task(level, programs, 5, starts, (), 100_000_000, 600.0, False, fingerprint())
             starts = starts[len(execute(task).results) :]
     status = Path("/proc/self/status").read_text()
     (line,) = (line for line in status.splitlines() if line.startswith("VmRSS"))

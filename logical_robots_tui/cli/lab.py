@@ -217,10 +217,10 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
                 while True:
                     with _progress(manifest, coordinator) as show:
                         coordinator.work(engine, is_stopped, show)
-                    further = _next_round(folder, manifest, ledger, coordinator)
+                    further = _next_round(manifest, ledger, coordinator)
                     if further is None or is_stopped():
                         break
-                    manifest = folder.write(*further)
+                    manifest = folder.write(further, {})
                     coordinator = Coordinator(folder, manifest, ledger)
             except InputError as error:  # such as a full disk
                 engine.close(at_once=True)
@@ -238,15 +238,13 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
         return status
 
 
-def _next_round(
-    folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator
-) -> tuple[Manifest, dict[str, str]] | None:
+def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
     """Return the next round of a tournament, if the rounds so far are over and one follows."""
     if manifest.kind != "tournament" or not coordinator.tally().is_complete:
         return None
     from logical_robots_tui.lab.tournament.planning import next_round
 
-    return next_round(manifest, ledger, folder.text)
+    return next_round(manifest, ledger)
 
 
 def _engine(options: argparse.Namespace) -> Engine:
@@ -278,7 +276,7 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
             "DEFECT: these runs gave different results when they were run twice. Please report it:"
         )
         print(*(f"  {run}" for run in ledger.differences()), sep="\n")
-    rounds = _next_round(folder, manifest, ledger, coordinator) is not None
+    rounds = _next_round(manifest, ledger, coordinator) is not None
     if rounds or not tally.is_complete:
         left = f"{tally.due:,} runs are left. " if tally.due else ""
         left += f"Round {len(manifest.rounds) + 1} is next. " * rounds

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.runs.common import compiled
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
@@ -30,7 +29,7 @@ from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.robustness import named_start_of
 from logical_robots_tui.game.source import hide_solutions, target
 from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
-from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Source
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
 MOST = 5000
@@ -90,7 +88,7 @@ def play_in_lines(
             sources[mine] = sources[mine]._replace(text=kept)
             _say("Loaded your last program for this level.")
         try:
-            program = compiled(sources)
+            program = Program.compile({team: each.text for team, each in sources.items()})
         except ProgramError as error:
             raise ProgramFileError(sources[error.team].name, error) from error
         game = _TextGame(level, sources, program, progress, own)
@@ -116,7 +114,7 @@ class _TextGame:
         self._game.listen(self._tell_events)
         self._past = self._game.frame
         note_level(progress, level)
-        keep_if_own(progress, self._key, program.own.text)
+        keep_if_own(progress, self._key, program.text)
         self._commands: dict[str, Callable[[int], object]] = {
             "back": self._back,
             "restart": lambda _: self._go(self._game.restart),
@@ -208,7 +206,7 @@ class _TextGame:
             return
         try:
             self._sources[self._mine] = load_program(self._source.path)
-            program = compiled(self._sources)
+            program = Program.compile({team: each.text for team, each in self._sources.items()})
         except InputError as error:
             _say(str(error))
         except ProgramError as error:
@@ -216,7 +214,7 @@ class _TextGame:
                 _say(f"Line {found.line}: {found.message} {found.hint}")
         else:
             self._game.use(program)
-            keep_if_own(self._progress, self._key, program.own.text)
+            keep_if_own(self._progress, self._key, program.text)
             _say("The robots will use it from the next tick.")
 
     def _tell_events(self, frame: Frame) -> None:

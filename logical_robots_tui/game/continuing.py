@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.pace import SPEEDS
-from logical_robots_tui.game.source import (
-    Source,
-    programs_for,
-    shipped_texts,
-)
+from logical_robots_tui.game.source import programs_for, shipped_texts
 from logical_robots_tui.game.victory import level_key
+from logical_robots_tui.older import texts_of
+from logical_robots_tui.records import record
 from logical_robots_tui.world import LevelError, list_levels, load_level
 
 if TYPE_CHECKING:
@@ -116,7 +115,8 @@ def keep_if_own(progress: Progress, key: str, text: str) -> None:
         progress.keep(key, text)
 
 
-class Place(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Place:
     """A tick, and how to get there: same level, same programs, same ticks.
 
     Attributes:
@@ -124,7 +124,7 @@ class Place(NamedTuple):
         title: The level's title.
         program: Name of the last program if it is a shipped one, otherwise the path of its file.
         tick: Number of the tick, at least 1.
-        programs: The first tick that each program decided, and its text, in order.
+        programs: The first tick that programs decided, and their texts, in order.
         speed: The speed in ticks per second; None is full speed.
     """
 
@@ -132,12 +132,12 @@ class Place(NamedTuple):
     title: str
     program: str
     tick: int
-    programs: tuple[tuple[int, str], ...]
+    programs: tuple[tuple[int, Mapping[str, str]], ...]
     speed: float | None = 40.0
 
     def as_text(self) -> str:
         """Serialise the place for `from_text`."""
-        return json.dumps(self._asdict(), ensure_ascii=False)
+        return json.dumps(asdict(self), ensure_ascii=False)
 
     @classmethod
     def from_text(cls, text: str) -> Place:
@@ -148,24 +148,25 @@ class Place(NamedTuple):
         """
         try:
             found = json.loads(text)
-            programs = tuple((int(begin), str(program)) for begin, program in found["programs"])
-            level, title, program = (str(found[name]) for name in ("level", "title", "program"))
-            place = cls(level, title, program, int(found["tick"]), programs)
-            if (speed := found.get("speed", place.speed)) in SPEEDS:
-                place = place._replace(speed=speed)
+            found["programs"] = [
+                [begin, texts_of(texts) if isinstance(texts, str) else texts]
+                for begin, texts in found["programs"]
+            ]
+            if found.get("speed") not in SPEEDS:
+                del found["speed"]
+            place = record(cls, found)
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError("this is not a place in a game") from error
-        begins = [begin for begin, _ in place.programs]
+        begins = [begin if texts else 0 for begin, texts in place.programs]
         if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
             raise ValueError("the programs of this place are out of order")
         return place
 
-    def stretches(self) -> list[tuple[str, int]]:
+    def stretches(self) -> list[tuple[Mapping[str, str], int]]:
         """Return the programs' texts, each with the last tick that it decided."""
         ends = [begin - 1 for begin, _ in self.programs[1:]]
-        return [
-            (text, end) for (_, text), end in zip(self.programs, [*ends, self.tick], strict=True)
-        ]
+        texts = (texts for _, texts in self.programs)
+        return list(zip(texts, [*ends, self.tick], strict=True))
 
 
 def place_of(game: Game, level: Level, source: Source) -> Place | None:
@@ -180,6 +181,6 @@ def place_of(game: Game, level: Level, source: Source) -> Place | None:
     history, tick = game.history, game.frame.tick
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
         return None
-    programs = tuple((begin, program.text) for begin, program in history.programs(tick))
+    programs = tuple((begin, program.texts) for begin, program in history.programs(tick))
     program = source.name if source.shipped else str(source.path)
     return Place(level_key(level), level.title, program, tick, programs)

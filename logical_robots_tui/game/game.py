@@ -317,10 +317,10 @@ class Game:
 
         Returns whether the condition was true or a breakpoint was hit.
         """
-        run, here, text = self.run_number, self._frame.tick, self.program.text
+        run, here, texts = self.run_number, self._frame.tick, self.program.texts
         together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
         leads_on = not self._is_program_wanted
-        known = self.history.known_ahead(here, together, text, is_course_wanted=leads_on)
+        known = self.history.known_ahead(here, together, texts, is_course_wanted=leads_on)
         for each in await self._ahead(most, known, seconds):
             self._take(each, run, is_known=bool(known))
             if each.hits or (condition and condition(each.frame)):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.mind import Mind
-from logical_robots_tui.mind.program import TeamProgram
 
 if TYPE_CHECKING:
     import threading
@@ -19,15 +18,13 @@ if TYPE_CHECKING:
 def mind_for(program: Program, level: Level, limits: Limits | None = None) -> Mind:
     """Return what thinks for all robots of a level; its input and output must not be changed.
 
-    In a level with teams, a program that is not made of the teams' programs plays every team, each
-    with a mind of its own.
+    In a level with teams, a program for all robots plays every team, each with a mind of its own.
     """
     if level.teams:
         names = [team.name for team in level.teams]
-        seen_as = program.team if isinstance(program, TeamProgram) else ""
-        return TeamMind(program, level, limits, seen_as if seen_as in names else names[0])
+        return TeamMind(program, level, limits, program.team if program.team in names else names[0])
     seen = level.visibility
-    return Mind(program.own, seen.memory, seen.sensor, limits, frozen=True)
+    return Mind(program, seen.memory, seen.sensor, limits, frozen=True)
 
 
 class TeamMind(Mind):
@@ -39,7 +36,7 @@ class TeamMind(Mind):
     def __init__(self, program: Program, level: Level, limits: Limits | None, team: str) -> None:
         seen = level.visibility
         super().__init__(
-            program.for_team(team).own,
+            program.for_team(team),
             seen.memory,
             seen.sensor,
             limits,

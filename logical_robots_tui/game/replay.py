@@ -14,6 +14,7 @@ import lzma
 from bisect import bisect_left
 from dataclasses import replace
 from functools import cached_property
+from itertools import islice
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
@@ -24,6 +25,7 @@ from logical_robots_tui.game.advancing import is_thought_alike
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.packing import is_state
 from logical_robots_tui.mind.limits import weight_of_text
+from logical_robots_tui.older import texts_of
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import LevelError, World, WorldState
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Decision, Program
+    from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.world import Level
 
 SUFFIX = ".replay"
@@ -52,7 +55,7 @@ Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: "") :-
 """
 """What stands for a program that was left out."""
 
-_FORMAT = 1
+_FORMAT = 2  # the first has the programs of all teams in one text
 _MAGIC = b"logical-robots replay "
 _MOST_BYTES = 64_000_000
 _MOST_UNPACKED = 48_000_000
@@ -73,18 +76,20 @@ Columns: TypeAlias = Annotated[tuple[bytes, ...], msgspec.Meta(max_length=_MOST_
 Hashes: TypeAlias = Annotated[dict[int, bytes], msgspec.Meta(max_length=MOST_TICKS // EVERY + 2)]
 
 
-class Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A program, and when it began to decide.
 
     Attributes:
         tick: The first tick that it decided, at least 1.
         name: Its name.
         text: Logica text, or None if it was left out.
+        team: The team that thinks with it, or "" for all robots.
     """
 
     tick: int
     name: str
     text: str | None
+    team: str = ""
 
 
 class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -135,9 +140,13 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         return all(each.text is not None for each in self.texts)
 
     @property
-    def program_texts(self) -> list[str]:
-        """The programs' texts, with something in place of those that were left out."""
-        return [NO_PROGRAM if each.text is None else each.text for each in self.texts]
+    def programs(self) -> dict[int, Texts]:
+        """What the robots think with from a tick on; `NO_PROGRAM` where that was left out."""
+        found: dict[int, Texts] = {}
+        for each in self.texts:
+            text = NO_PROGRAM if each.text is None else each.text
+            found[each.tick] = {**found.get(each.tick, {}), each.team: text}
+        return found
 
     def states(self) -> Iterator[WorldState]:
         """Yield the world after each tick, from the first state on; this needs no programs."""
@@ -209,11 +218,12 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         begins = [stage.state.tick for stage in self.stages]
         ends = [*begins[1:], self.last]
         texts = [each.tick for each in self.texts]
+        teams = {(each.tick, each.team) for each in self.texts}
         if not begins or not 0 <= begins[0] < self.last <= begins[0] + MOST_TICKS:
             raise ValueError("its ticks are out of bounds")
         if any(first >= end for first, end in zip(begins, ends[:-1], strict=False)):
             raise ValueError("its stages are out of order")
-        if texts != sorted(set(texts)) or texts[:1] != [begins[0] + 1]:
+        if texts != sorted(texts) or len(teams) < len(texts) or texts[:1] != [begins[0] + 1]:
             raise ValueError("its programs are out of order")
         hashed = {self.last, *range(begins[0] - begins[0] % EVERY + EVERY, self.last, EVERY)}
         if self.hashes.keys() != hashed or {*map(len, self.hashes.values())} != {_HASH_BYTES}:
@@ -259,7 +269,7 @@ def _read(content: bytes) -> Replay:
     if len(content) > _MOST_BYTES:
         raise ValueError(f"it has more than {_MOST_BYTES:,} bytes")
     number = line.removeprefix(_MAGIC)
-    if number != b"%d" % _FORMAT:
+    if number not in (b"1", b"%d" % _FORMAT):
         raise ValueError("another version of the game made it")
     body = rest[32:]
     if hashlib.sha256(body).digest() != rest[:32]:
@@ -274,7 +284,15 @@ def _read(content: bytes) -> Replay:
     columns = sum(_length_of(bytes(memoryview(stage.desires)[:5])) for stage in parts.stages)
     if columns * _DESIRE_BYTES > len(told) + _MOST_ROBOTS * _DESIRE_BYTES:
         raise ValueError("its robots don't act in every tick")
-    return msgspec.msgpack.decode(told, type=Replay)
+    replay = msgspec.msgpack.decode(told, type=Replay)
+    if number == b"1":
+        texts = (
+            Text(each.tick, each.name, text or None, team)
+            for each in replay.texts
+            for team, text in texts_of(each.text or "").items()
+        )
+        replay = msgspec.structs.replace(replay, texts=tuple(islice(texts, _MOST_STAGES)))
+    return replay
 
 
 class _StageParts(msgspec.Struct):
@@ -336,8 +354,9 @@ async def gather(
                     raise Superseded
         stages.append(Stage(write(level), moment.after, memories, is_decided, _packed(wanted)))
     texts = [
-        Text(max(tick, begin + 1), name(program), program.text if with_programs else None)
+        Text(max(tick, begin + 1), name(program), text if with_programs else None, team)
         for tick, program in history.programs(last)
+        for team, text in program.texts.items()
     ]
     return Replay(history.level_at(begin).name, last, tuple(stages), tuple(texts), hashes)
 
@@ -412,7 +431,7 @@ async def play_into(
     verifier = Verifier(replay)
     game.decide = verifier.decide
     changes = {stage.state.tick: at for at, stage in enumerate(replay.stages)}
-    uses = {text.tick - 1: program for text, program in zip(replay.texts, programs, strict=True)}
+    uses = {tick - 1: program for tick, program in zip(replay.programs, programs, strict=True)}
     try:
         for tick in sorted({*changes, *uses, *replay.hashes, replay.last}):
             while game.frame.tick < tick and tick > replay.first:

@@ -195,7 +195,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "teams": [asdict(team) for team in level.teams],
         "match": (level.match_ticks, [asdict(score) for score in level.scores]),
         "divided_charge": level.divided_charge,
-        "program": program.text,
+        "programs": program.texts,
         "limits": asdict(limits),
     }
     digest = hashlib.sha256(simulation_digest())

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from logical_robots_tui.mind import Program, Report
+    from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
 
@@ -314,8 +315,8 @@ def _from_root(path: Path) -> Path:
         ) from error
 
 
-async def compile_program(text: str, report: Report | None = None) -> Program:
-    """Compile Logica text without blocking the event loop.
+async def compile_program(text: str | Texts, report: Report | None = None) -> Program:
+    """Compile a program, or those of teams, without blocking the event loop.
 
     Cancelling the call ends the compilation. `report` is called on the event loop with the numbers
     of compiled predicates and of all.

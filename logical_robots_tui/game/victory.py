@@ -98,7 +98,7 @@ class Victory(NamedTuple):
 
     Attributes:
         level: The level as in its file.
-        program: The robots' program at the end.
+        program: The robots' program at the end, as that of the player's team.
         tick: The tick of victory.
         verdict: ``counts``; won by a ``reference`` program; or not saved, because a time limit
             (``clock``) ended a thought or the level was ``edited``.
@@ -122,7 +122,7 @@ def victory_of(game: Game, level: Level) -> Victory | None:
 
     The level is as in its file.
     """
-    tick, program, history = game.frame.tick, game.program, game.history
+    tick, program, history = game.frame.tick, game.program.first, game.history
     if game.won_at != tick:
         return None
     verdict: Verdict = "counts"
@@ -133,7 +133,7 @@ def victory_of(game: Game, level: Level) -> Victory | None:
     elif is_reference(level, program.text):
         verdict = "reference"
     measures = None
-    if history.is_all_by(program.text, tick):
+    if all(each.texts == program.texts for _, each in history.programs(tick)):
         is_blocked = history.is_blocked_up_to(tick)
         measures = measures_of(level, program, tick, history.driven(tick), is_blocked)
     return Victory(level, program, tick, verdict, measures)
@@ -146,7 +146,7 @@ def measures_of(
 
     The distance is in map units, of all robots together.
     """
-    rules = count_rules(program.own.text)
+    rules = count_rules(program.text)
     mentions = sum(used.count("Memory") for used in program.uses.values())
     found = {
         "tick": ticks,

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
+import msgspec
+
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.ledger import ATTEMPTS, Entry
 from logical_robots_tui.lab.running import Task, fingerprint
@@ -67,42 +69,37 @@ class _Group(NamedTuple):
 
     Attributes:
         cell: The program in the level.
-        program: Digest of the text to run.
         starts: The starts that are left.
         is_alone: Whether each is a task of its own, because one of them may end its worker.
     """
 
     cell: Cell
-    program: str
     starts: tuple[int, ...]
     is_alone: bool = False
 
 
-def text_of(manifest: Manifest, cell: Cell, outcomes: Mapping[str, str]) -> str:
-    """Return the digest of the text to run for a cell.
+def cell_to_run(manifest: Manifest, cell: Cell, outcomes: Mapping[str, str]) -> Cell:
+    """Return a cell with the text to run.
 
     Texts that are the same but for space and comments run once, except to say where each of them
     has its mistakes.
     """
     if cell.own and outcomes.get(manifest.job(cell, 0)) == "does not compile":
-        return cell.own
-    return cell.program
+        return msgspec.structs.replace(cell, program=cell.own)
+    return cell
 
 
 def starts_due(
-    manifest: Manifest, cell: Cell, program: str, outcomes: Mapping[str, str]
+    manifest: Manifest, cell: Cell, outcomes: Mapping[str, str]
 ) -> tuple[list[int], list[int]]:
-    """Return the starts of a cell that have a result, and those that are left to run.
-
-    `program` is the digest of the text to run.
-    """
-    first = outcomes.get(manifest.job(cell, 0, program))
+    """Return the starts of a cell that have a result, and those that are left to run."""
+    first = outcomes.get(manifest.job(cell, 0))
     if first == "does not compile" or (first not in (None, "won") and manifest.given_first):
         return [0], []
     done: list[int] = []
     left: list[int] = []
     for start in range(manifest.starts + 1):
-        (done if manifest.job(cell, start, program) in outcomes else left).append(start)
+        (done if manifest.job(cell, start) in outcomes else left).append(start)
     return done, left
 
 
@@ -114,7 +111,7 @@ class Coordinator:
         self._outcomes = ledger.outcomes()
         self._failures = {job: len(reasons) for job, reasons in ledger.failures().items()}
         self._waiting: deque[_Group] = deque()
-        self._planned: set[tuple[str, str, int]] = set()
+        self._planned: set[str] = set()
         self._twins: dict[str, list[Cell]] = {}
         for cell in manifest.cells:
             if cell.own:
@@ -152,22 +149,22 @@ class Coordinator:
 
     def _plan(self, cell: Cell) -> None:
         """Put what is left of a cell into the queue, unless an earlier cell is the same."""
-        program = text_of(self._manifest, cell, self._outcomes)
-        key = cell.level, program, cell.ticks
+        cell = cell_to_run(self._manifest, cell, self._outcomes)
+        key = self._manifest.job(cell, 0)
         if key in self._planned:
             return
         self._planned.add(key)
-        done, left = starts_due(self._manifest, cell, program, self._outcomes)
+        done, left = starts_due(self._manifest, cell, self._outcomes)
         self._done += len(done)
         self._left += len(left)
-        group = _Group(cell, program, tuple(left))
+        group = _Group(cell, tuple(left))
         given_up = [s for s in left if self._attempts(group, s) >= ATTEMPTS]
         if left and not (self._manifest.given_first and 0 in given_up):
             left = [start for start in left if start not in given_up]
             self._waiting.append(group._replace(starts=tuple(left)))
 
     def _attempts(self, group: _Group, start: int) -> int:
-        return self._failures.get(self._manifest.job(group.cell, start, group.program), 0)
+        return self._failures.get(self._manifest.job(group.cell, start), 0)
 
     def _next(self, engine: Engine) -> tuple[_Group, tuple[int, ...]]:
         """Take runs from the queue: a group, and those of its starts to hand out now."""
@@ -183,11 +180,12 @@ class Coordinator:
         return group._replace(starts=handed), handed
 
     def _task(self, group: _Group, starts: tuple[int, ...]) -> Task:
-        manifest = self._manifest
+        manifest, cell = self._manifest, group.cell
+        programs = dict(zip(manifest.teams, cell.parts, strict=True)) or {"": cell.program}
         return Task(
-            self._folder.text(group.cell.level),
-            self._folder.text(group.program),
-            group.cell.ticks,
+            self._folder.text(cell.level),
+            {team: self._folder.text(name) for team, name in programs.items()},
+            cell.ticks,
             starts,
             manifest.asked,
             manifest.steps,
@@ -204,12 +202,12 @@ class Coordinator:
         manifest = self._manifest
         entries = []
         for start, result, seconds in answer.results:
-            job = manifest.job(group.cell, start, group.program)
+            job = manifest.job(group.cell, start)
             entries.append(Entry(job, manifest.run(job), result, seconds, answer.worker))
             self._failures.pop(job, None)
         self._outcomes |= self._ledger.record(entries)
         finished = {start for start, _, _ in answer.results}
-        _, due = starts_due(manifest, group.cell, group.program, self._outcomes)
+        _, due = starts_due(manifest, group.cell, self._outcomes)
         left = tuple(start for start in group.starts if start in due)
         self._done += len(entries)
         self._left -= len(group.starts) - len(left)
@@ -223,12 +221,12 @@ class Coordinator:
         if group.starts:
             self._waiting.append(group)
         if 0 in finished:
-            for cell in self._twins.get(group.program, ()):
+            for cell in self._twins.get(group.cell.program, ()):
                 self._plan(cell)
 
     def _note_failure(self, group: _Group, start: int, answer: Answer) -> _Group:
         """Count a failed attempt at a run; return the group with what to try now."""
-        job = self._manifest.job(group.cell, start, group.program)
+        job = self._manifest.job(group.cell, start)
         self._ledger.fail(job, answer.failure, answer.worker)
         self._failures[job] = self._failures.get(job, 0) + 1
         if self._failures[job] < ATTEMPTS:

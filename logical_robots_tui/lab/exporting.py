@@ -8,7 +8,7 @@ import json
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.coordinating import starts_due, text_of
+from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
 from logical_robots_tui.lab.ledger import ATTEMPTS
 from logical_robots_tui.lab.running import Result
 from logical_robots_tui.language.diagnostics import printable
@@ -28,10 +28,16 @@ class Done(NamedTuple):
     """A run with its result."""
 
     cell: Cell
-    program: str
     start: int
     job: str
     result: Result
+
+    @property
+    def replay(self) -> str:
+        """The command that plays it on the screen, to be typed in the folder."""
+        programs = " ".join(f"inputs/{each}" for each in self.cell.parts or (self.cell.program,))
+        command = f"logical-robots play inputs/{self.cell.level} {programs}"
+        return command + (f" --start {self.start}" if self.start else "")
 
 
 class Table(NamedTuple):
@@ -46,11 +52,11 @@ def done_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
     results = ledger.results()
     outcomes = {job: result.outcome for job, result in results.items()}
     for cell in manifest.cells:
-        program = text_of(manifest, cell, outcomes)
-        done, _ = starts_due(manifest, cell, program, outcomes)
+        cell = cell_to_run(manifest, cell, outcomes)
+        done, _ = starts_due(manifest, cell, outcomes)
         for start in done:
-            job = manifest.job(cell, start, program)
-            yield Done(cell, program, start, job, results[job])
+            job = manifest.job(cell, start)
+            yield Done(cell, start, job, results[job])
 
 
 def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
@@ -60,24 +66,12 @@ def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
     }
     outcomes = ledger.outcomes() if failures else {}
     for cell in manifest.cells if failures else ():
-        program = text_of(manifest, cell, outcomes)
+        cell = cell_to_run(manifest, cell, outcomes)
         for start in range(manifest.starts + 1):
-            job = manifest.job(cell, start, program)
+            job = manifest.job(cell, start)
             if job in failures:
-                yield Done(
-                    cell,
-                    program,
-                    start,
-                    job,
-                    Result("infrastructure", first=(0, "", failures[job])),
-                )
-
-
-def replay(cell: Cell, program: str, start: int) -> str:
-    """Return the command that plays a run on the screen, to be typed in the folder."""
-    programs = " ".join(f"inputs/{each}" for each in cell.parts or (program,))
-    command = f"logical-robots play inputs/{cell.level} {programs}"
-    return command + (f" --start {start}" if start else "")
+                result = Result("infrastructure", first=(0, "", failures[job]))
+                yield Done(cell, start, job, result)
 
 
 def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
@@ -112,7 +106,8 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
     columns += ("forfeit",) * bool(manifest.teams)
     columns += ("last_tick", "notices", "first_notice", "engine", "replay")
     rows: list[Row] = []
-    for cell, program, start, job, result in done:
+    for each in done:
+        cell, start, job, result = each
         measured = {
             "won": result.outcome == "won",
             "ticks": result.ticks if result.outcome == "won" else None,
@@ -140,7 +135,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
                 sum(result.notices.values()),
                 first or "",
                 engines.get(job, ""),
-                replay(cell, program, start),
+                each.replay,
             )
         )
     return Table(columns, rows)

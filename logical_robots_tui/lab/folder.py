@@ -40,7 +40,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
     Attributes:
         level: Digest of the level's text.
         program: Digest of the program's text; of several that are the same but for space and
-            comments, of the first.
+            comments, of the first. Of a match, "".
         level_name: What the level is called.
         program_name: What the program is called.
         ticks: The last tick of a run.
@@ -138,13 +138,11 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     engine: dict[str, str] = {}
     format: int = _FORMAT
 
-    def job(self, cell: Cell, start: int, program: str = "") -> str:
-        """Return the digest of what a run depends on, except the engine.
-
-        `program` is the digest of the text to run, by default the cell's.
-        """
+    def job(self, cell: Cell, start: int) -> str:
+        """Return the digest of what a run depends on, except the engine."""
         asked = [(each.name, each.query, each.every) for each in self.asked]
-        what = (cell.level, program or cell.program, start, cell.ticks, asked, self.steps)
+        program = cell.program or cell.parts
+        what = (cell.level, program, start, cell.ticks, asked, self.steps)
         return digest(repr(what))
 
     def run(self, job: str) -> str:
@@ -231,6 +229,8 @@ class Folder:
                 hint = "Use the version of Logical Robots that wrote it."
                 raise InputError("a newer version wrote this manifest", place=str(file), hint=hint)
             manifest = msgspec.json.decode(content, type=Manifest)
+            if any(len(cell.parts) != len(manifest.teams) for cell in manifest.cells):
+                raise ValueError("there is no such team")
             players = range(len(manifest.players))
             if any(not {*pair} <= {*players} for pairs in manifest.rounds for pair in pairs):
                 raise ValueError("there is no such player")

@@ -8,7 +8,7 @@ import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.lab.exporting import check_extra, done_runs, harmless_text, replay
+from logical_robots_tui.lab.exporting import check_extra, done_runs, harmless_text
 from logical_robots_tui.lab.folder import digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS
@@ -172,7 +172,7 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
     rows: list[Sequence[Any]] = []
     for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
         first = runs[0]
-        rows.append((level, outcome, why, len(runs), as_code(replay(*first[:3]))))
+        rows.append((level, outcome, why, len(runs), as_code(first.replay)))
     infrastructure = Counter(
         found[-1] for found in ledger.failures().values() if len(found) >= ATTEMPTS
     )
@@ -198,7 +198,7 @@ def _cells(manifest: Manifest, done: list[Done]) -> str:
                 f"{share.won} of {share.tried}",
                 _interval(share),
                 share.ticks,
-                as_code(replay(*shown[:3])),
+                as_code(shown.replay),
             )
         )
     head = ("", "level", "program", "given start", "won", "95 % interval", "median ticks", "replay")

@@ -65,11 +65,11 @@ class Asked(msgspec.Struct, frozen=True):
 
 
 class Task(msgspec.Struct, frozen=True):
-    """Runs of one program in one level.
+    """Runs of one program, or of those of teams, in one level.
 
     Attributes:
         level: The text of the level.
-        program: The text of the program.
+        programs: The texts of the programs by team; of "" if all robots think alike.
         ticks: The last tick of each run.
         starts: The numbers of the starts; 0 is the given one.
         asked: What to measure beside what is always measured.
@@ -80,7 +80,7 @@ class Task(msgspec.Struct, frozen=True):
     """
 
     level: str
-    program: str
+    programs: dict[str, str]
     ticks: int
     starts: tuple[int, ...]
     asked: tuple[Asked, ...]
@@ -208,8 +208,8 @@ class _Prepared:
         self.mistakes: tuple[Diagnostic, ...] = ()
         self.questions: dict[Asked, Question] = {}
         try:
-            self.program = Program.compile(task.program)
-            self.rules = count_rules(task.program)
+            self.program = Program.compile(task.programs)
+            self.rules = sum(map(count_rules, task.programs.values()))
             for asked in task.asked:
                 self.questions[asked] = self.program.question(asked.query)
         except ProgramError as error:

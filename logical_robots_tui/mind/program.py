@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Literal
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 
@@ -14,6 +13,9 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.limits import Limits
+
+Texts: TypeAlias = "Mapping[str, str]"
+"""The programs of a run by team, as Logica texts; only that of "" if all robots think alike."""
 
 STEPS = "t_0_steps_of_"
 """The prefix of named queries with the steps of a recursion."""
@@ -129,6 +131,8 @@ class Program:
             another step would change anything.
         tuned: The queries that could be rewritten for tuned tables, by predicate name; those of
             `recursions` by ``name + " grows"``.
+        team: The team whose program it is, or "" if all robots think with it.
+        teams: The programs of all teams, in order; {} if all robots think with it.
     """
 
     text: str
@@ -141,11 +145,13 @@ class Program:
     uses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     tuned: Mapping[str, Tuned] = field(default_factory=dict)
+    team: str = ""
+    teams: Mapping[str, Program] = field(default_factory=dict)
 
     @classmethod
     def compile(
         cls,
-        text: str,
+        text: str | Texts,
         *,
         stop: threading.Event | None = None,
         limits: Limits | None = None,
@@ -154,7 +160,7 @@ class Program:
         """Compile Logica text in a separate process. Blocks.
 
         Args:
-            text: The program, or the programs of several teams as `join_teams` returns them.
+            text: The program, or the programs by team, of which it is the first.
             stop: Set it from another thread to cancel; takes effect within 0.1 s.
             limits: Limits for the text and for compiling it.
             report: Called with the number of compiled predicates and of all.
@@ -166,21 +172,17 @@ class Program:
         """
         from logical_robots_tui.mind.compilation import check_text, compiled
 
-        def of_one(text: str) -> Program:
-            check_text(text, limits)
-            return compiled({"text": text}, Program, stop=stop, limits=limits, report=report)
-
-        texts = split_teams(text)
-        if texts is None:
-            return of_one(text)
-        parts = {}
-        for team, part in texts.items():
+        teams: dict[str, Program] = {}
+        for team, each in ({"": text} if isinstance(text, str) else text).items():
             try:
-                parts[team] = of_one(part)
+                check_text(each, limits)
+                request = {"text": each}
+                teams[team] = compiled(request, Program, stop=stop, limits=limits, report=report)
             except ProgramError as error:
                 error.team = team
                 raise
-        return TeamProgram.of(parts)
+        first = next(iter(teams))
+        return replace(teams[first], team=first, teams=teams) if first else teams[first]
 
     @staticmethod
     def with_constants(text: str, values: Mapping[str, str], limits: Limits | None = None) -> str:
@@ -223,7 +225,7 @@ class Program:
             table: sorted({n for t in self.tuned.values() for n in t.columns.get(table, ())})
             for table in ("Memory", "Item")
         }
-        request = {"text": self.own.text, "query": query, "columns": columns}
+        request = {"text": self.text, "query": query, "columns": columns}
         return compiled(request, Question, stop=stop, limits=limits)
 
     def predicate(self, name: str) -> Predicate | None:
@@ -231,90 +233,17 @@ class Program:
         return next((p for p in self.predicates if p.name == name), None)
 
     @property
-    def own(self) -> Program:
-        """The program without those of other teams."""
-        return self
+    def texts(self) -> Texts:
+        """What the robots think with."""
+        return {team: each.text for team, each in self.teams.items()} or {"": self.text}
 
     @property
     def first(self) -> Program:
-        """The program of the first team, without those of others."""
-        return self
+        """The same as the program of the first team, which is the player's."""
+        return self.for_team(next(iter(self.teams), ""))
 
     def for_team(self, team: str) -> Program:
-        """Return the program as a team's robots think with it; the same if all think alike."""
-        return self
-
-
-@dataclass(frozen=True, slots=True)
-class TeamProgram(Program):
-    """The programs of several teams; seen as a program, it is that of one of them.
-
-    Attributes:
-        text: All texts, as `join_teams` returns them.
-        teams: The compiled programs by team, in the order of the teams.
-        team: The team whose program it is seen as.
-        views: The same for other teams, as far as they were needed.
-    """
-
-    teams: Mapping[str, Program] = field(default_factory=dict)
-    team: str = ""
-    views: dict[str, TeamProgram] = field(default_factory=dict, repr=False, compare=False)
-
-    @classmethod
-    def of(cls, teams: Mapping[str, Program]) -> TeamProgram:
-        """Return the programs of teams as one, seen as that of the first team."""
-        text = join_teams({team: program.text for team, program in teams.items()})
-        return cls(text, (), {}, teams=teams).for_team(next(iter(teams)))
-
-    @property
-    def own(self) -> Program:
-        """The program of the team alone."""
-        return self.teams[self.team]
-
-    @property
-    def first(self) -> Program:
-        """The program of the first team alone."""
-        return next(iter(self.teams.values()))
-
-    def for_team(self, team: str) -> TeamProgram:
-        """Return the program as a team's robots think with it; the same if it has no such team."""
-        if team not in self.teams:
+        """Return the same as the program of another team, if there is that team."""
+        if team == self.team or team not in self.teams:
             return self
-        if team not in self.views:
-            part = self.teams[team]
-            seen = {f.name: getattr(part, f.name) for f in fields(Program) if f.name != "text"}
-            self.views[team] = replace(self, team=team, views=self.views, **seen)
-        return self.views[team]
-
-
-_TEAMS = "# teams: "
-
-
-def join_teams(texts: Mapping[str, str]) -> str:
-    """Return the texts of the teams' programs as one text, from which none can get at another.
-
-    Args:
-        texts: Logica texts by team. The text of "", which is no team, is returned as it is.
-    """
-    if "" in texts:
-        return texts[""]
-    lines = {team: text.count("\n") + 1 for team, text in texts.items()}
-    return "\n".join([_TEAMS + json.dumps(lines), *texts.values()])
-
-
-def split_teams(text: str) -> dict[str, str] | None:
-    """Return the texts of the teams' programs by team, or None if the text is not that of teams."""
-    head, _, rest = text.partition("\n")
-    try:
-        counts = json.loads(head.removeprefix(_TEAMS)) if head.startswith(_TEAMS) else None
-    except ValueError:
-        return None
-    if not isinstance(counts, dict) or not counts:
-        return None
-    lines, texts = rest.split("\n"), {}
-    for team, count in counts.items():
-        if type(count) is not int or not 0 < count <= len(lines):
-            return None
-        texts[team] = "\n".join(lines[:count])
-        lines = lines[count:]
-    return None if lines else texts
+        return replace(self.teams[team], team=team, teams=self.teams)

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.older import texts_of
+
 if TYPE_CHECKING:
     import sqlite3
     from collections.abc import Sequence
@@ -53,6 +55,14 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         # goals: the second goals that it reaches, one a line.
         "ALTER TABLE version ADD COLUMN goals TEXT NOT NULL DEFAULT ''",
     ),
+    (
+        # Victories in levels with teams were kept with the programs of all of them in one text.
+        """
+        UPDATE OR REPLACE version
+        SET text = first_program(text), digest = sha256(first_program(text))
+        WHERE text LIKE '# teams: %'
+        """,
+    ),
 )
 
 _TABLES = {"level", "version", "fact"}
@@ -82,6 +92,10 @@ def prepare(
     version = _checked_version(connection, len(migrations))
     if version == len(migrations):
         return
+    from hashlib import sha256  # takes time that the first picture needs
+
+    connection.create_function("first_program", 1, lambda text: next(iter(texts_of(text).values())))
+    connection.create_function("sha256", 1, lambda text: sha256(text.encode()).hexdigest())
     connection.execute("BEGIN IMMEDIATE")
     try:
         # Another game may have migrated the file while this one waited for the lock.

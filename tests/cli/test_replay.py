@@ -103,7 +103,8 @@ def test_it_is_shown_in_words_as_json_and_as_a_drawing(
     assert words.startswith(f"A short way (short): {last} ticks, from tick 0\n")
     assert f"won       at tick {last}\n" in words
     data = command("replay", "show", recorded, "--json").data
-    assert data["programs"] == [{"tick": 1, "name": "ahead", "text": ahead.read_text()}]
+    program = {"tick": 1, "name": "ahead", "team": "", "text": ahead.read_text()}
+    assert data["programs"] == [program]
     assert data["desires"] == [{"Pip": [0.5, 0.5]}] * last
     drawing = tmp_path / "a.svg"
     assert command("replay", "show", recorded, "--svg", drawing).status == 0

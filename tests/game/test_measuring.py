@@ -81,12 +81,11 @@ async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back
         game.use(Program.compile(STILL))
         await game.step()
         assert history.driven(5) == history.driven(4) == pytest.approx(driven * 0.4)
-        assert history.is_all_by(AHEAD, 4)
-        assert not history.is_all_by(AHEAD, 5)
-        assert not history.is_all_by(STILL, 5)
+        assert [(tick, each.text) for tick, each in history.programs(4)] == [(1, AHEAD)]
+        assert [(tick, each.text) for tick, each in history.programs(5)] == [(1, AHEAD), (5, STILL)]
         game.restart()
         await game.step()
-        assert history.is_all_by(STILL, 1)
+        assert [(tick, each.text) for tick, each in history.programs(1)] == [(1, STILL)]
         assert history.driven(1) == 0
     finally:
         await game.close()

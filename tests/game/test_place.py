@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 from logical_robots_tui.game import Place
 
 texts = st.text(st.characters(codec="utf-8"))
+teams = st.dictionaries(texts, texts, min_size=1, max_size=3)
 
 
 @st.composite
 def places(draw: st.DrawFn) -> Place:
     later = draw(st.sets(st.integers(2, 20_000), max_size=4))
-    programs = tuple((begin, draw(texts)) for begin in (1, *sorted(later)))
+    programs = tuple((begin, draw(teams)) for begin in (1, *sorted(later)))
     last = programs[-1][0]
     return Place(
         draw(texts), draw(texts), draw(texts), draw(st.integers(last, last + 100)), programs
@@ -29,7 +30,7 @@ def test_a_place_is_read_as_it_was_written(place: Place) -> None:
 @given(places())
 def test_the_programs_follow_each_other_up_to_the_tick(place: Place) -> None:
     stretches = place.stretches()
-    assert [text for text, _ in stretches] == [text for _, text in place.programs]
+    assert [each for each, _ in stretches] == [each for _, each in place.programs]
     assert stretches[-1][1] == place.tick
     assert [end + 1 for _, end in stretches[:-1]] == [begin for begin, _ in place.programs[1:]]
 
@@ -41,10 +42,27 @@ def test_nonsense_is_no_place(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "programs", ["[]", '[[2, ""]]', '[[1, ""], [1, ""]]', '[[1, ""], [9, ""]]']
+    "programs",
+    [
+        "[]",
+        '[[2, ""]]',
+        '[[1, ""], [1, ""]]',
+        '[[1, ""], [9, ""]]',
+        "[[1, {}]]",
+        '[[1, ""], [2, {}]]',
+    ],
 )
 def test_programs_out_of_order_are_no_place(programs: str) -> None:
     with pytest.raises(ValueError, match="out of order"):
         Place.from_text(
             f'{{"level": "", "title": "", "program": "", "tick": 5, "programs": {programs}}}'
         )
+
+
+@pytest.mark.parametrize(("speed", "wanted"), [("160.0", 160.0), ("null", None), ("41.0", 40.0)])
+def test_a_speed_that_there_is_not_is_the_usual_one(speed: str, wanted: float | None) -> None:
+    place = Place.from_text(
+        '{"level": "", "title": "", "program": "", "tick": 5, "programs": [[1, ""]], '
+        f'"speed": {speed}}}'
+    )
+    assert place.speed == wanted

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import json
 import lzma
 from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
@@ -40,7 +41,7 @@ async def kept(played: Game, **options: bool) -> Replay:
 
 @asynccontextmanager
 async def again(replay: Replay) -> AsyncIterator[tuple[Game, Verifier]]:
-    programs = [Program.compile(text) for text in replay.program_texts]
+    programs = [Program.compile(texts) for texts in replay.programs.values()]
     other = Game(replay.levels[0], programs[0])
     try:
         yield other, await play_into(other, replay, programs, other.use)
@@ -169,21 +170,21 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Replay:
     return asyncio.run(play())
 
 
-def packed(body: bytes) -> bytes:
+def packed(body: bytes, number: int = 2) -> bytes:
     content = lzma.compress(body)
-    return b"logical-robots replay 1\n" + sha256(content).digest() + content
+    return b"logical-robots replay %d\n" % number + sha256(content).digest() + content
 
 
 FALSE = {
     "nothing": (b"", "does not begin like one"),
     "a text": (b"hello", "does not begin like one"),
-    "a newer one": (b"logical-robots replay 2\nabc", "another version"),
-    "no end": (b"logical-robots replay 1\n" + bytes(40), "damaged"),
+    "a newer one": (b"logical-robots replay 3\nabc", "another version"),
+    "no end": (b"logical-robots replay 2\n" + bytes(40), "damaged"),
     "not packed": (
-        b"logical-robots replay 1\n" + sha256(b"abc").digest() + b"abc",
+        b"logical-robots replay 2\n" + sha256(b"abc").digest() + b"abc",
         "is no replay",
     ),
-    "too long": (b"logical-robots replay 1\n" + bytes(64_000_000), "more than 64,000,000 bytes"),
+    "too long": (b"logical-robots replay 2\n" + bytes(64_000_000), "more than 64,000,000 bytes"),
     "of another kind": (packed(msgspec.msgpack.encode([1, 2])), "is no replay"),
     "deep": (packed(b"\x91" * 100_000), "is no replay"),
 }
@@ -205,9 +206,12 @@ STAGE = {"level": "", "state": STATE, "memories": "{}", "is_decided": False, "de
 ROBOT = dict.fromkeys(("x", "y", "angle", "battery_level", "left_engine", "right_engine"), 1)
 
 
-def bomb(**values: object) -> bytes:
+TEAMS = f"# teams: {json.dumps(dict.fromkeys(range(7_000), 0))}"
+
+
+def bomb(number: int = 2, **values: object) -> bytes:
     parts = {"name": "", "last": 1, "stages": [STAGE], "texts": [], "hashes": {}}
-    return packed(msgspec.msgpack.encode({**parts, **values}))
+    return packed(msgspec.msgpack.encode({**parts, **values}), number)
 
 
 BOMBS = {
@@ -226,6 +230,7 @@ BOMBS = {
     "desires of stages": lambda: bomb(stages=[{**STAGE, "desires": [b"ab"] * 1_000}] * 9_000),
     "hashes": lambda: bomb(hashes=dict.fromkeys(range(MANY), b"ab")),
     "texts": lambda: bomb(texts=[{"tick": 1, "name": "", "text": ""}] * MANY),
+    "teams": lambda: bomb(1, texts=[{"tick": 1, "name": "", "text": TEAMS}] * 450),
     "ticks": lambda: bomb(last=900_000, stages=[{**STAGE, "desires": [bytes(14_400_000)]}]),
     "memories": lambda: bomb(stages=[{**STAGE, "memories": f"[{'[],' * 9 * MANY}1]"}]),
 }

@@ -10,7 +10,6 @@ from logical_robots_tui.game import Game
 from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.robustness import play_through
 from logical_robots_tui.mind import Limits, Program
-from logical_robots_tui.mind.program import join_teams
 from logical_robots_tui.world import load_level
 from tests.game.playing import BACKWARDS, COUNTER, HALL, SLOW
 
@@ -45,7 +44,7 @@ def match(tmp_path: Path) -> Level:
 
 
 def teams(red: str, blue: str) -> Program:
-    return Program.compile(join_teams({"red": red, "blue": blue}))
+    return Program.compile({"red": red, "blue": blue})
 
 
 async def test_each_team_follows_its_own_program(match: Level) -> None:

@@ -140,6 +140,6 @@ def start(*arguments: object) -> Background:
 
 def deadly(task: Task) -> Answer:
     """Execute a task, but end the worker at a start of which the program says so."""
-    if any(f"# deadly from {start};" in task.program for start in task.starts):
+    if any(f"# deadly from {start};" in "".join(task.programs.values()) for start in task.starts):
         os._exit(9)
     return running.execute(task)

@@ -43,17 +43,17 @@ class Whimsical:
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
         self._chance.shuffle(self._tasks)
         key, task = self._tasks.pop()
-        fails = self.failures[task.program] < 2 and self._chance.random() < 0.6
+        fails = self.failures[task.programs[""]] < 2 and self._chance.random() < 0.6
         some = task.starts[: self._chance.randint(not fails, len(task.starts))]
         done = []
         for start in some:
-            self.executions[task.program, start] += 1
-            done.append((start, result(task.program, start), 0.1))
+            self.executions[task.programs[""], start] += 1
+            done.append((start, result(task.programs[""], start), 0.1))
             if start == 0 and task.given_first and '"won"' not in done[-1][1]:
                 yield key, Answer(tuple(done), "w")
                 return
         if fails and len(done) < len(task.starts):
-            self.failures[task.program] += 1
+            self.failures[task.programs[""]] += 1
             dies = self._chance.random() < 0.5
             yield key, Answer(() if dies else tuple(done), "" if dies else "w", "it failed")
             return

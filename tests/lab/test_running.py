@@ -24,7 +24,7 @@ SENSOR = "Sensor(robot_name:, sensor:)"
 
 def task(program: str, **changes: Any) -> Task:
     level = (shipped_folder("levels") / f"{LEVEL}.toml").read_text("utf-8")
-    plain = Task(level, program, 300, (0,), (), 100_000_000, 60.0, False, fingerprint())
+    plain = Task(level, {"": program}, 300, (0,), (), 100_000_000, 60.0, False, fingerprint())
     return msgspec.structs.replace(plain, **changes)
 
 

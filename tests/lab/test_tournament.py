@@ -284,7 +284,7 @@ def test_from_forty_players_on_it_is_swiss(tmp_path: Path) -> None:
     manifest, inputs = plan_tournament(arena, players)
     assert manifest.most_rounds == 1
     assert len(manifest.rounds[0]) == 39 * 38 / 2
-    assert len(inputs) == 3, "the level, the program, and the program against itself"
+    assert len(inputs) == 2, "the level and the program"
 
 
 def test_the_same_program_under_two_names_is_as_good_as_itself(

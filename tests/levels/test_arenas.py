@@ -15,7 +15,6 @@ from logical_robots_tui import Program, list_arenas, load_level
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.game.robustness import start_of
-from logical_robots_tui.mind.program import join_teams
 from logical_robots_tui.shipped import ARENAS, shipped_names
 from logical_robots_tui.world import Level, World
 from logical_robots_tui.world.scoring import points
@@ -41,7 +40,7 @@ def scores(level: Level, programs: list[str]) -> list[float]:
     """What each team has at the end of a match, rounded as the screen does."""
     names = [team.name for team in level.teams]
     texts = map(program_text, programs)
-    mind = mind_for(Program.compile(join_teams(dict(zip(names, texts, strict=True)))), level)
+    mind = mind_for(Program.compile(dict(zip(names, texts, strict=True))), level)
     world = World(level)
     memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
     while world.tick < level.match_ticks:

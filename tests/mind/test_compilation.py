@@ -119,11 +119,7 @@ def children(parent: int) -> list[int]:
         text=True,
         timeout=PATIENCE,
     )
-    return [
-        int(line.split()[0])
-        for line in listed.stdout.splitlines()
-        if "explain.worker" in line
-    ]
+    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "explain.worker" in line]
 
 
 @ONLY_LINUX

@@ -26,12 +26,12 @@ from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
+    from collections.abc import AsyncIterator, Callable, Iterable, Iterator
 
     from rich.progress import Progress
 
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.game import Frame, Run, Source
+    from logical_robots_tui.game import Frame, Run
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
@@ -101,7 +101,7 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     """
     from logical_robots_tui.game.robustness import named_start_of
     from logical_robots_tui.game.source import programs_for
-    from logical_robots_tui.mind import ProgramError
+    from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import load_level
 
     level = named_start_of(load_level(options.level), options.start_number)
@@ -111,7 +111,7 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     own = own_programs(options)
     sources = programs_for(level, options.programs, dict(options.teams), own, pipes=True)
     try:
-        program = compiled(sources)
+        program = Program.compile({team: each.text for team, each in sources.items()})
     except ProgramError as error:
         path, typed = str(sources[error.team].path), named_programs(options)
         raise ProgramFileError(
@@ -121,18 +121,6 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
     if robot is not None:
         check_name("robot", robot, (robot.name for robot in level.robots))
     return level, program.for_team(level.team_of(robot or ""))
-
-
-def compiled(sources: Mapping[str, Source]) -> Program:
-    """Compile the programs of all teams as one.
-
-    Raises:
-        ProgramError: One has errors; it says which.
-    """
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.mind.program import join_teams
-
-    return Program.compile(join_teams({team: each.text for team, each in sources.items()}))
 
 
 def show(options: argparse.Namespace, data: Any, lines: Iterable[str]) -> None:

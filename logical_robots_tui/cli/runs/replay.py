@@ -207,7 +207,7 @@ async def _computed(replay: Replay) -> Verifier:
     from logical_robots_tui.game import Game, compile_program
     from logical_robots_tui.game.replay import play_into
 
-    programs = [await compile_program(text) for text in replay.program_texts]
+    programs = [await compile_program(texts) for texts in replay.programs.values()]
     game: Game = Game(replay.levels[0], programs[0], history=replay.last)
     try:
         with progress_bar(replay.levels[0].title, replay.last) as show:
@@ -274,7 +274,8 @@ def _as_json(replay: Replay) -> dict[str, Any]:
         "last": replay.last,
         "levels": [{"tick": stage.state.tick, "text": stage.level} for stage in replay.stages],
         "programs": [
-            {"tick": each.tick, "name": each.name, "text": each.text} for each in replay.texts
+            {"tick": each.tick, "name": each.name, "team": each.team, "text": each.text}
+            for each in replay.texts
         ],
         "desires": [
             {
@@ -288,16 +289,13 @@ def _as_json(replay: Replay) -> dict[str, Any]:
 
 
 def _lines(replay: Replay) -> Iterator[str]:
-    from logical_robots_tui.mind.program import split_teams
-
     level = replay.levels[0]
     yield f"{level.title} ({replay.name}): {_ticks(replay)}, from tick {replay.first}"
     names = ", ".join(robot.name for robot in level.robots)
     yield f"robots    {names}"
     for text in replay.texts:
         size = "left out" if text.text is None else f"{len(text.text):,} characters"
-        teams = ", ".join(split_teams(text.text or "") or ())
-        whose = f" for {teams}" if teams else ""
+        whose = f" for {text.team}" if text.team else ""
         yield f"program   {text.name}{whose} from tick {text.tick}, {size}"
     for stage in replay.stages[1:]:
         yield f"change    the level or a robot, by hand, after tick {stage.state.tick}"

@@ -267,7 +267,7 @@ def decompose(
     if not (known.has_rows or known.is_function or within):
         raise QueryError(known.reason)
     request = {
-        "text": program.own.text,
+        "text": program.text,
         "predicate": predicate,
         "within": within,
         "with_rows": [p.name for p in program.predicates if p.kind == "program" and p.has_rows],

@@ -65,7 +65,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
     mine, other = ((program or game.program).for_team(team) for program in programs)
     try:
         proofs = await here.proof(mine), await there.proof(other)
-        found = first_difference(*proofs, mine.own.text, other.own.text)
+        found = first_difference(*proofs, mine.text, other.text)
         condition = None
         if found is not None and found.kind == "rule":
             asked = found.asked

@@ -88,7 +88,7 @@ class Course:
             self._unreliable_from = frame.tick
         if self._blocked_from is None and self._blocked:
             self._blocked_from = frame.tick
-        if not self._programs or self._programs[-1][1].text != program.text:
+        if not self._programs or self._programs[-1][1].texts != program.texts:
             self._use(frame.tick, program)
         is_packed = False
         while together := self._ready():
@@ -191,10 +191,6 @@ class Course:
     def program_at(self, tick: int) -> Program | None:
         """Return the program that decided a tick; None at the start."""
         return next((program for begin, program in reversed(self._programs) if begin <= tick), None)
-
-    def is_all_by(self, text: str, tick: int) -> bool:
-        """Return whether a single program text decided every tick up to this one."""
-        return all(program.text == text for begin, program in self._programs if begin <= tick)
 
     def is_reliable_up_to(self, tick: int) -> bool:
         """Return whether no thought was cut off by the clock up to this tick."""

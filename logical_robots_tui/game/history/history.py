@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.marks import Marks
     from logical_robots_tui.game.history.packing import Packed, TickState
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.world import Level
 
 DEFAULT_LENGTH = 20_000
@@ -177,23 +178,23 @@ class History:
         return self._course.replay(tick)
 
     def known_ahead(
-        self, tick: int, most: int, text: str, *, is_course_wanted: bool
+        self, tick: int, most: int, texts: Texts, *, is_course_wanted: bool
     ) -> list[RecordedTick]:
         """Return the stored next ticks that can be replayed under a program.
 
         Those are the ticks that it decided, unless the level was edited; and all of a course that
         ends with it, until the player asks for another future.
         """
-        leads_here = is_course_wanted and self._is_by(text, self.last)
+        leads_here = is_course_wanted and self._is_by(texts, self.last)
         same = takewhile(
-            lambda at: leads_here or (self._is_by(text, at) and not self.is_changed_in(at)),
+            lambda at: leads_here or (self._is_by(texts, at) and not self.is_changed_in(at)),
             range(tick + 1, min(tick + most, self.last) + 1),
         )
         return [self.known(at) for at in same]
 
-    def _is_by(self, text: str, tick: int) -> bool:
+    def _is_by(self, texts: Texts, tick: int) -> bool:
         program = self.program_at(tick)
-        return program is not None and program.text == text
+        return program is not None and program.texts == texts
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
         """Return the programs up to a tick, each with the first tick that it decided."""
@@ -225,15 +226,6 @@ class History:
     def is_changed_in(self, tick: int) -> bool:
         """Return whether the level was edited or a robot moved at the end of a tick."""
         return self._course.levels.is_changed_in(tick)
-
-    def is_by_another(self, text: str, tick: int) -> bool:
-        """Return whether a program with another text decided a tick."""
-        program = self.program_at(tick)
-        return program is not None and program.text != text
-
-    def is_all_by(self, text: str, tick: int) -> bool:
-        """Return whether a single program text decided every tick up to this one."""
-        return self._course.is_all_by(text, tick)
 
     def driven(self, tick: int) -> float:
         """Return the map units that all robots together have driven up to a tick."""

@@ -15,10 +15,9 @@ from logical_robots_tui.lab.submissions import entries_of, stems_of
 from logical_robots_tui.lab.sweeping import level_with_text
 from logical_robots_tui.lab.tournament.ranking import ranking_of
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.mind.program import join_teams
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from logical_robots_tui.lab.ledger import Ledger
@@ -70,7 +69,7 @@ def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]
     pairs = tuple(combinations(range(len(entered)), 2))
     if is_swiss:
         pairs = pair_off(manifest, {}) or ()
-    return _with_round(manifest, pairs, inputs.__getitem__, inputs), inputs
+    return _with_round(manifest, pairs), inputs
 
 
 _HINT = "Each has a program such as ada.l, or a folder with one that is named like the level."
@@ -104,35 +103,27 @@ def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) 
     inputs[digest(text)] = text
     lost = ""
     try:
-        Program.compile(join_teams({level.teams[0].name: text}))  # as a match will read it
+        Program.compile(text)
     except ProgramError as error:
         first = error.diagnostics[0]
         lost = f"line {first.line}: {first.message}"
     return Player(name, digest(text), lost)
 
 
-def _with_round(
-    manifest: Manifest,
-    pairs: Sequence[tuple[int, int]],
-    text: Callable[[str], str],
-    inputs: dict[str, str],
-) -> Manifest:
-    """Return the manifest with one more round, whose programs are added to the inputs."""
+def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifest:
+    """Return the manifest with one more round."""
     players, cells = manifest.players, list(manifest.cells)
     for pair in pairs:
         both = [players[index] for index in pair]
         if any(player.lost for player in both):
             continue
         for seated in _seatings(both, len(manifest.teams)):
-            at = dict(zip(manifest.teams, seated, strict=True))
-            joined = join_teams({team: text(player.program) for team, player in at.items()})
-            inputs[digest(joined)] = joined
+            names = (player.name for player in seated)
             cells.append(
                 msgspec.structs.replace(
                     manifest.match,
-                    program=digest(joined),
                     program_name=f"{seated[0].name} against {seated[1].name}",
-                    settings={team: player.name for team, player in at.items()},
+                    settings=dict(zip(manifest.teams, names, strict=True)),
                     parts=tuple(player.program for player in seated),
                 )
             )
@@ -150,10 +141,8 @@ def _rounds(players: int) -> int:
     return min(math.ceil(math.log2(players)) + _MORE_ROUNDS, players - 1 + players % 2)
 
 
-def next_round(
-    manifest: Manifest, ledger: Ledger, text: Callable[[str], str]
-) -> tuple[Manifest, dict[str, str]] | None:
-    """Return the manifest with the next round and its inputs; None if there is no other round.
+def next_round(manifest: Manifest, ledger: Ledger) -> Manifest | None:
+    """Return the manifest with the next round; None if there is no other round.
 
     All matches of the manifest must have been played.
     """
@@ -161,10 +150,7 @@ def next_round(
         return None
     shares = {s.player: s.share for s in ranking_of(manifest, ledger, resamples=1).standings}
     pairs = pair_off(manifest, shares)
-    if pairs is None:
-        return None
-    inputs: dict[str, str] = {}
-    return _with_round(manifest, pairs, text, inputs), inputs
+    return None if pairs is None else _with_round(manifest, pairs)
 
 
 def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int, int], ...] | None:

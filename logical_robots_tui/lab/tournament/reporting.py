@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.lab.exporting import Table, csv_of, harmless_text, replay
+from logical_robots_tui.lab.exporting import Table, csv_of, harmless_text
 from logical_robots_tui.lab.page import as_code, as_table, shaded
 from logical_robots_tui.lab.tournament.ranking import ranking_of
 
@@ -102,7 +102,7 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
         if each.start == 0:
             at = each.cell.settings
             points = ", ".join(f"{at[t]} ({t}) {n:,g}" for t, n in each.result.points.items())
-            rows.append((each.cell.program_name, points, as_code(replay(*each[:3]))))
+            rows.append((each.cell.program_name, points, as_code(each.replay)))
     said = (
         "<p>Each from the given start; runs.csv has all. The commands are typed in this folder; "
         "replay record instead of play keeps a match in a file.</p>"

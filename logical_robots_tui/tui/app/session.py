@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Game, Hit, Source
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program
+    from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.tui.app.session_state import SessionListener
     from logical_robots_tui.tui.app.ui import Spawn, Work
     from logical_robots_tui.world import Level
@@ -80,7 +81,7 @@ class Session:
         self._spawn = spawn
         self._changed = changed
         self._program: Program | None = None
-        self._won: tuple[str, int] | None = None
+        self._won: tuple[Texts, int] | None = None
 
     # -- queries -------------------------------------------------------------------------------
 
@@ -181,14 +182,14 @@ class Session:
 
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; cancels an older compilation."""
-        whole = self.sources.with_text(text)
-        if self._program is not None and self._program.text == whole:
+        texts = self.sources.with_text(text)
+        if self._program is not None and self._program.texts == texts:
             self._spawn(nothing, "compile", exclusive=True)
             self.use(self._program)
             return
         self.state = self.state.compiling(text)
         self._changed()
-        self._spawn(partial(self._compile, text, whole), "compile", exclusive=True)
+        self._spawn(partial(self._compile, text, texts), "compile", exclusive=True)
 
     def use(self, program: Program) -> None:
         """Use a compiled program from the next tick on."""
@@ -326,9 +327,9 @@ class Session:
 
     # -- inside --------------------------------------------------------------------------------
 
-    async def _compile(self, text: str, whole: str) -> None:
+    async def _compile(self, text: str, texts: Texts) -> None:
         try:
-            program = await compile_program(whole, partial(self._compiled, text))
+            program = await compile_program(texts, partial(self._compiled, text))
         except ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
@@ -345,7 +346,7 @@ class Session:
 
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
-        self.state = ProgramState.of_applied(program.own.text, program.warnings)
+        self.state = ProgramState.of_applied(program.text, program.warnings)
         return program
 
     def _show(self, game: Game, frame: Frame) -> None:
@@ -359,7 +360,7 @@ class Session:
         if is_changed:
             self._tell(lambda listener: listener.level_changed())
         if is_next and not game.decide and (victory := victory_of(game, self.opened)) is not None:
-            won = victory.program.text, victory.tick
+            won = victory.program.texts, victory.tick
             if won != self._won:
                 self._won = won
                 self._tell(lambda listener: listener.won(victory))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
 
 from logical_robots_tui.editing.edits import Edits
-from logical_robots_tui.mind.program import TeamProgram, join_teams
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Hit, Source
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
+    from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.world import Level
 
 
@@ -90,16 +90,14 @@ class TeamSources:
         """Return the program of a team, and its text as last applied."""
         return self._sources[team], self._texts[team]
 
-    def with_text(self, text: str) -> str:
-        """Return the texts of all teams as one, with a new one of the team that is looked at."""
-        return join_teams({**self._texts, self.team: text})
+    def with_text(self, text: str) -> Texts:
+        """Return the texts of all teams, with a new one of the team that is looked at."""
+        return {**self._texts, self.team: text}
 
     def seen(self, program: Program) -> Program:
         """Note what the robots think with, and return it as that of the team looked at."""
-        program = program.for_team(self.team)
-        if isinstance(program, TeamProgram):
-            self._texts |= {team: each.text for team, each in program.teams.items()}
-        return program
+        self._texts |= program.texts if program.teams else {}
+        return program.for_team(self.team)
 
     def mistakes(self, error: ProgramError) -> tuple[Diagnostic, ...]:
         """Return the mistakes in the text in the editor, or that another team's has one."""

@@ -255,6 +255,6 @@ def definition(program: Program | None, name: str) -> Placed | None:
     predicate = None if program is None else program.predicate(name)
     if program is None or predicate is None or predicate.line is None:
         return None
-    lines = program.own.text.split("\n")
+    lines = program.text.split("\n")
     start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
-    return Placed(program.own.text, (start, start + len(name)))
+    return Placed(program.text, (start, start + len(name)))

@@ -75,7 +75,8 @@ class Questions:
     def is_by_another_program(self, tick: int) -> bool:
         """Whether another program than the current one decided a tick."""
         history, program = self._session.history, self._session.program
-        return bool(history and program and history.is_by_another(program.text, tick))
+        decided = history.program_at(tick) if history else None
+        return bool(decided and program and decided.texts != program.texts)
 
     def is_function(self, name: str) -> bool:
         """Whether a predicate is a function of the program, which has calls instead of rows."""

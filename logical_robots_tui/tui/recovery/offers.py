@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -11,7 +12,6 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Place, compile_program, level_key, load_program, place_of
 from logical_robots_tui.game.drafts import Draft
-from logical_robots_tui.mind.program import split_teams
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.world import load_level
@@ -197,7 +197,7 @@ class Bookmark:
             return
         place = place_of(session.game, session.opened, session.sources.first)
         if place is not None:
-            place = place._replace(speed=session.pace.speed)
+            place = replace(place, speed=session.pace.speed)
             with contextlib.suppress(OSError):  # nobody is there to be told
                 self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
@@ -226,17 +226,15 @@ class Bookmark:
         if place.level != level_key(self._session.level):
             await self._open_level(await asyncio.to_thread(load_level, place.level))
         last, sources = place.programs[-1][1], self._session.sources
-        if parts := split_teams(last):
-            first = next(iter(parts))
-            if first != sources.team and first in sources.teams:
-                self._look_at(first)
-            last = parts.get(sources.team, last)
+        first = next(iter(last))
+        if first != sources.team and first in sources.teams:
+            self._look_at(first)
         source = await asyncio.to_thread(self._source_of, place)
         source = source._replace(team=sources.team)
         is_unsaved = self._drafts.get(("program", source.draft)) is not None
-        self._open_program(source, None if is_unsaved else last)
+        self._open_program(source, None if is_unsaved else last.get(sources.team, last[first]))
         self._session.pace.speed = place.speed
-        ends = [(await compile_program(text), end) for text, end in place.stretches()]
+        ends = [(await compile_program(texts), end) for texts, end in place.stretches()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))
 
     async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, Superseded, compile_program, load_program
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.mind.program import split_teams
 from logical_robots_tui.world import LevelError, load_level
 from logical_robots_tui.world.level import alike
 
@@ -43,9 +42,10 @@ def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
     Each is a player's or a shipped one if it is the same.
     """
     name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
-    text = replay.program_texts[-1]
-    teams = [team.name for team in replay.levels[-1].teams]
-    texts = split_teams(text) or dict.fromkeys(teams or [""], text)
+    texts = replay.programs[replay.texts[-1].tick]
+    if "" in texts:
+        teams = [team.name for team in replay.levels[-1].teams]
+        texts = dict.fromkeys(teams or [""], texts[""])
     return {
         team: _source_of(f"{name}-{team}" if team else name, part, own)
         for team, part in texts.items()
@@ -72,7 +72,7 @@ class Replays:
     async def open(self, replay: Replay) -> None:
         """Compute a replay in the game at hand, which is at its level, and stop at its end."""
         try:
-            programs = [await compile_program(text) for text in replay.program_texts]
+            programs = [await compile_program(texts) for texts in replay.programs.values()]
         except ProgramError as error:
             mistake = error.diagnostics[0]
             self._ui.warn(f"A program of this replay no longer compiles: {mistake.message}")

@@ -313,6 +313,16 @@ async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: P
     kept.close()
 
 
+async def test_a_program_whose_first_line_looks_like_teams_is_one_program(tmp_path: Path) -> None:
+    text = f'# teams: {{"red": 1, "blue": {AHEAD.count(chr(10)) + 1}}}\n\n{AHEAD}'
+    async with table(tmp_path, text) as t:
+        assert t.session.program is not None
+        assert t.session.program.texts == {"": text}
+        await t.win()
+        await t.until(lambda: t.recorder.record.state == "won")
+        assert [version.text for version in await t.recorder.versions()] == [text]
+
+
 async def test_a_step_is_taken_although_another_program_comes_into_use_meanwhile(
     tmp_path: Path,
 ) -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.game.source import Source
-from logical_robots_tui.mind.program import split_teams
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.inspector.predicate_list import DECISION
 from logical_robots_tui.world import load_level
@@ -93,7 +92,7 @@ async def test_a_change_reaches_one_team_only(data_dir: Path) -> None:
         await game.until(lambda: game.main.session.state.phase == "applied")
         program = game.main.session.program
         assert program is not None
-        assert split_teams(program.text) == {"red": RED, "blue": BLUE.replace("-1", "0")}
+        assert program.texts == {"red": RED, "blue": BLUE.replace("-1", "0")}
         await game.press("escape", "n")
         await game.until(lambda: game.tick == 1)
         ada, bo, _ = game.session.frame.after.robots

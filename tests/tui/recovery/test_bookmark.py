@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import json
+from pathlib import Path
 
-from logical_robots_tui.game import place_of
+from logical_robots_tui.game import Place, place_of
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.tui.layout.dialogs import Question
+from tests.game.playing import BACKWARDS, COUNTER
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
+from tests.tui.program.test_teams import match
 
-if TYPE_CHECKING:
-    from pathlib import Path
+OLD = Path(__file__).parents[2] / "old/place.json"
 
 
 async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
@@ -75,3 +77,24 @@ async def test_a_bookmark_that_cannot_be_read_is_passed_over(data_dir: Path, sho
         await game.ready()
         await game.until(lambda: not Drafts(drafts).adopt("place"))
         assert not isinstance(game.app.screen, Question)
+
+
+async def test_a_bookmark_of_an_older_version_leads_to_its_tick_with_the_programs_of_all_teams(
+    data_dir: Path,
+) -> None:
+    text = OLD.read_text("utf-8").replace("{level}", str(data_dir / "match.toml"))
+    both = {"red": COUNTER, "blue": COUNTER}
+    place = Place.from_text(json.loads(text)["text"])
+    assert place.programs == ((1, {"red": COUNTER, "blue": BACKWARDS}), (5, both))
+    (data_dir / "drafts").mkdir(parents=True)
+    (data_dir / "drafts/be3f4e68438a93fb-1bac1478a299539b.json").write_text(text, "utf-8")
+    async with match(data_dir) as game:
+        await game.sees("Cut off")
+        await game.press("n")
+        await game.sees("Yes, continue")
+        await game.press("enter")
+        await game.until(lambda: game.tick == 7 and not game.session.busy)
+        assert [robot.x for robot in game.session.frame.after.robots] == [47, 39, 67]
+        assert game.session.program is not None
+        assert game.session.program.texts == both
+        assert game.editor.text == COUNTER

@@ -126,7 +126,7 @@ class DiagnosisPage(Page):
         game = self._session.game
         if finding is not None and finding.span is not None and game is not None:
             place = (finding.span.start, finding.span.stop)
-            self.post_message(Placed(game.program.own.text, place))
+            self.post_message(Placed(game.program.text, place))
 
     def _finding(self, option: str | None) -> Finding | None:
         if self.found is None or option in (None, _START):

@@ -189,7 +189,7 @@ class OriginPage(Page):
         span, course = link.span or link.rule, self._course
         program = course[0].history.program_at(link.tick) if course is not None else None
         if span is not None and program is not None:
-            part = program.for_team(self._session.level.team_of(link.robot)).own
+            part = program.for_team(self._session.level.team_of(link.robot))
             self.post_message(Placed(part.text, (span.start, span.stop)))
 
     def _open(self, link: Link) -> None:

@@ -254,7 +254,7 @@ class WhyPage(Page):
         self.post_message(Sighted(highlight, question.frame))
         if event.moved and node.span is not None:
             place = node.span.start, node.span.stop
-            self.post_message(Placed(self._questions.program.own.text, place))
+            self.post_message(Placed(self._questions.program.text, place))
 
 
 def _parts(asked: Ask) -> dict[str, Any]:

@@ -1,0 +1,87 @@
+"""A program is a program, whatever its first line says."""
+
+from __future__ import annotations
+
+from io import StringIO
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui.game.replay import load_replay
+from tests.cli.running import Command
+from tests.game.playing import HALL
+from tests.lab.laboratory import exported
+
+PLAIN = """\
+Speed() = 1;
+Robot(robot_name:, desire: {left_engine: Speed(), right_engine: Speed()}, memory: "") :-
+  Sensor(robot_name:);
+"""
+LIKE_TEAMS = f'# teams: {{"red": 1, "blue": {PLAIN.count(chr(10))}}}\n{PLAIN}'
+EXPERIMENT = """
+[experiment]
+title = "speeds"
+level = "hall.toml"
+program = "{program}.l"
+ticks = 100
+starts = 1
+
+[[vary]]
+constant = "Speed"
+values = [0.5, 1]
+"""
+
+
+@pytest.fixture
+def command(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Command:
+    monkeypatch.chdir(tmp_path)
+    Path("hall.toml").write_text(HALL, "utf-8")
+    Path("plain.l").write_text(PLAIN, "utf-8")
+    Path("teams.l").write_text(LIKE_TEAMS, "utf-8")
+    return Command(capsys)
+
+
+def test_it_is_checked_as_one(command: Command) -> None:
+    assert command("check", "teams.l").status == 0
+    Path("teams.l").write_text(LIKE_TEAMS + "Wrong(x :- ;\n", "utf-8")
+    told = command("check", "teams.l", "--json")
+    (found,) = told.data["programs"][0]["diagnostics"]
+    assert (told.status, found["line"]) == (2, 5)
+
+
+def test_it_runs_as_one(command: Command) -> None:
+    plain = command("run", "hall.toml", "plain.l", "--json").data
+    told = command("run", "hall.toml", "teams.l", "--json").data
+    assert told["won"]
+    assert (told["ticks"], told["robots"]) == (plain["ticks"], plain["robots"])
+
+
+def test_it_is_recorded_verified_and_shown_as_one(command: Command) -> None:
+    assert command("replay", "record", "hall.toml", "teams.l", "-o", "a.replay").status == 0
+    assert load_replay(Path("a.replay")).programs == {1: {"": LIKE_TEAMS}}
+    assert "The same: " in command("replay", "verify", "a.replay").out
+    assert "program   teams from tick 1, " in command("replay", "show", "a.replay").out
+    (program,) = command("replay", "show", "a.replay", "--json").data["programs"]
+    assert (program["team"], program["text"]) == ("", LIKE_TEAMS)
+
+
+def test_it_is_swept_as_one(command: Command) -> None:
+    for program in ("plain", "teams"):
+        Path("speeds.toml").write_text(EXPERIMENT.format(program=program), "utf-8")
+        told = command("sweep", "speeds.toml", "-o", program, "--workers", 1)
+        assert told.status == 0, told.err
+    plain, teams = (exported(Path(each))["runs.csv"].decode() for each in ("plain", "teams"))
+    measured = [
+        [line.split(",")[2:10] for line in each.splitlines()[1:]] for each in (plain, teams)
+    ]
+    assert measured[0]
+    assert ",won," in teams
+    assert [each[1:] for each in measured[0]] == [each[1:] for each in measured[1]]
+
+
+def test_it_is_played_in_lines_as_one(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", StringIO("run\nquit\n"))
+    told = command("play", "hall.toml", "teams.l", "--plain", "--data-dir", "data")
+    assert "The victory is saved in your progress." in told.out
