@@ -113,12 +113,16 @@ def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
 
 
 _NUMBERED = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
+_INPUTS = frozenset({"memory", "sensor"})
 
 
 def found_by_number(tree: exp.Query) -> None:
-    """Keep SQLite from finding rays, or records of lists, by what they hold among those of all.
+    """Keep SQLite from finding rows by their content among those of all robots.
 
-    Those of one radar or list have numbers that follow each other, and come in this order.
+    Rays of one radar and records of one list have numbers that follow each other, and come in this
+    order. Visible memories are few, and found by number or name: an index of all those with
+    ``memory.settled == true`` costs more than testing them, and the joins that it leads to are
+    slower still.
     """
     for select in list(tree.find_all(exp.Select)):
         for equal in sql.conjuncts(select):
@@ -185,11 +189,13 @@ def _without_index(equal: exp.EQ) -> None:
 
 
 def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
-    """Return whether a condition could only serve to find rays or records."""
+    """Return whether a condition could only serve to find rays, records or inputs by content."""
     for side, other in ((equal.this, equal.expression), (equal.expression, equal.this)):
-        if _read_by(side, select) in _NUMBERED and side.name != "id":
-            table = _read_by(other, select)
-            return table is None or (table in ("sensor", "memory") and other.name != "robot_name")
+        found, table = _read_by(side, select), _read_by(other, select)
+        if found in _NUMBERED and side.name != "id":
+            return table is None or (table in _INPUTS and other.name != "robot_name")
+        if found in _INPUTS and side.name not in ("id", "robot_name"):
+            return other.find(exp.Column) is None
     return False
 
 
