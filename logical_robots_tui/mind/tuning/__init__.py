@@ -69,7 +69,6 @@ def tune(
     *,
     tree: exp.Query | None = None,
     for_all: bool = False,
-    by_name: bool = False,
     without: Collection[str] = (),
 ) -> Tuned | None:
     """Return the same query for the tables of the columns layout, or None if it can't be rewritten.
@@ -79,8 +78,6 @@ def tune(
         known: The columns of memory fields, shared by all queries of a program.
         tree: Its tree, if there is one already; it is changed.
         for_all: Whether to make, if possible, one for all viewers at once as well.
-        by_name: Whether many robots look up memories by name: faster, but sums are added in another
-            order, so a robot could drive differently because of a last digit.
         without: Names of passes to leave out.
     """
     if STEPS in statement:
@@ -89,7 +86,7 @@ def tune(
         tree = tree or sql.parse(statement)
         if not _can_be_moved(tree):
             return None
-        work = Rewriting(tree, known or MemoryColumns(), is_for_all=for_all, is_by_name=by_name)
+        work = Rewriting(tree, known or MemoryColumns(), is_for_all=for_all)
         for each in PASSES:
             if each.required or each.name not in without:
                 each.apply(work)

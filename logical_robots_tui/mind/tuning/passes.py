@@ -32,7 +32,6 @@ class Rewriting:
         tree: The query of one viewer.
         known: The columns of memory fields, shared by all queries of a program; mutable.
         is_for_all: Whether to make a query for all viewers at once, too.
-        is_by_name: Whether many robots may look up memories by name.
         result: As `records_as_columns` gives it.
         items: As `items_as_rows` gives it.
         together: The query for all viewers at once.
@@ -43,7 +42,6 @@ class Rewriting:
     tree: exp.Query
     known: MemoryColumns
     is_for_all: bool = False
-    is_by_name: bool = False
     result: tuple[tuple[str, tuple[str, ...]], ...] = ()
     items: tuple[str, ...] = ()
     together: exp.Query | None = None
@@ -54,12 +52,6 @@ class Rewriting:
     def queries(self) -> tuple[exp.Query | None, ...]:
         """The query of one viewer and those for all viewers."""
         return self.tree, self.together, self.alike
-
-    def keep_for_crowd(self) -> tuple[exp.Query | None, ...]:
-        """Return the queries for many robots, which are changed separately from now on."""
-        if not self.crowd:
-            self.crowd = tuple(None if query is None else query.copy() for query in self.queries)
-        return self.crowd
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,14 +106,8 @@ def _materialized_by_robot(work: Rewriting) -> None:
     planning.computed_once(work.tree, by_robots=True)
 
 
-def _memory_by_name(work: Rewriting) -> None:
-    if work.is_by_name:
-        for query in filter(None, work.keep_for_crowd()):
-            planning.memories_by_name(query)
-
-
 def _list_indexes(work: Rewriting) -> None:
-    work.keep_for_crowd()
+    work.crowd = tuple(None if query is None else query.copy() for query in work.queries)
     for query in filter(None, work.queries):
         planning.indexed_where_lists_are_joined(query)
 
@@ -157,7 +143,6 @@ PASSES = (
     Pass("late-rays", _on_each(columns.whole_rays_when_wanted), after=("ray-rows",)),
     Pass("lookups", _on_each(planning.looked_up), after=("materialized-by-robot",)),
     Pass("range-scans", _on_each(planning.found_by_number), after=("ray-rows", "item-rows")),
-    Pass("memory-by-name", _memory_by_name),
-    Pass("list-indexes", _list_indexes, after=("lookups", "range-scans", "memory-by-name")),
+    Pass("list-indexes", _list_indexes, after=("lookups", "range-scans")),
 )
 """Repeated expressions are looked for once all of them have their final form."""

@@ -130,39 +130,6 @@ def found_by_number(tree: exp.Query) -> None:
                 _without_index(equal)
 
 
-def memories_by_name(tree: exp.Query) -> None:
-    """Have SQLite look up a robot's memory by a name that rays or sensors gave before.
-
-    There is one at most, and an index for many robots. SQLite would rather begin with all memories
-    that some condition leaves, and look among the rays of everybody for each.
-    """
-    for select in list(tree.find_all(exp.Select)):
-        before: set[str] = set()
-        for name, source in sql.sources(select).items():
-            join = source.parent
-            if (
-                isinstance(join, exp.Join)
-                and not (join.side or join.kind or join.args.get("on") or join.args.get("using"))
-                and sql.table_name(source) == "memory"
-                and any(_names(each, name, before) for each in sql.conjuncts(select))
-            ):
-                join.set("kind", "CROSS")
-            before.add(name)
-
-
-def _names(condition: exp.Expr, memory: str, before: AbstractSet[str]) -> bool:
-    """Return whether a condition says whose memory it is, by a column of what is read before."""
-    if not isinstance(condition, exp.EQ):
-        return False
-    for side, other in (
-        (condition.this, condition.expression),
-        (condition.expression, condition.this),
-    ):
-        if isinstance(side, exp.Column) and (side.table, side.name) == (memory, "robot_name"):
-            return isinstance(other, exp.Column) and other.table in before
-    return False
-
-
 def indexed_where_lists_are_joined(tree: exp.Query) -> None:
     """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up."""
     queries = _queries_of_lists(tree)
