@@ -7,8 +7,6 @@ query of their own that SQLite keeps::
     WITH t_0_shared AS MATERIALIZED (SELECT s.id AS c0, (SELECT ...) AS c1 FROM Sensor AS s)
     SELECT ... t_0_shared.c1 ... t_0_shared.c1 ... FROM t_0_shared
 
-Where that query is read once, SQLite need not even keep its rows, but can take them as they come.
-
 A record or list that passes through such a query loses SQLite's mark that it is JSON; the mark is
 restored where it matters.
 """
@@ -45,27 +43,6 @@ def shared(tree: exp.Query) -> None:
         while (added := _share(tree, current, f"{_NAME}_{number}")) is not None:
             number += 1
             current = added
-
-
-def rows_as_they_come(tree: exp.Query) -> None:
-    """Let SQLite compute what is shared row by row, where it is for the result itself.
-
-    It would put the two queries into one again, and compute everything as often as it is
-    mentioned, but for a limit in the one and a condition in the other.
-    """
-    named = tree.args.get("with_")
-    queries = {query.alias: query for query in named.expressions} if named else {}
-    select: exp.Expr = tree
-    while isinstance(select, exp.Select):
-        (source, *others) = sql.sources(select).values() or (None,)
-        if others or not isinstance(source, exp.Table) or not is_shared(source.name):
-            return
-        query = queries[source.name]
-        query.set("materialized", False)
-        query.this.set("limit", exp.Limit(expression=exp.Neg(this=exp.Literal.number(1))))
-        if not select.args.get("where"):
-            select.set("where", exp.Where(this=exp.Literal.number(1)))
-        select = query.this
 
 
 def is_shared(name: str) -> bool:

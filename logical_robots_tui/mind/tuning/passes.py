@@ -134,11 +134,6 @@ PASSES = (
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
     Pass("materialized-by-robot", _materialized_by_robot, after=("all-viewers",)),
-    Pass(
-        "coroutines",
-        _on_each(common_subexpressions.rows_as_they_come),
-        after=("common-subexpressions", "all-viewers"),
-    ),
     Pass("choice", _on_each(aggregates.native_choice)),
     Pass("late-rays", _on_each(columns.whole_rays_when_wanted), after=("ray-rows",)),
     Pass("lookups", _on_each(planning.looked_up), after=("materialized-by-robot",)),
