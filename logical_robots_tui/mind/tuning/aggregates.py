@@ -37,44 +37,12 @@ def untangled(tree: exp.Expr) -> None:
 
 
 def native_arg_min(tree: exp.Expr) -> None:
-    """ArgMin and ArgMax, where they are all that a select computes, by SQLite's MIN and MAX.
+    """ArgMin and ArgMax by SQLite's MIN and MAX, beside which a bare column is of the best row.
 
-    A bare column beside MIN comes from the first row that has the least value.
-    """
-    for select in reversed(list(tree.find_all(exp.Select))):
-        if len(select.expressions) != 1 or _is_grouped(select):
-            continue
-        named = select.expressions[0]
-        call = named.this if isinstance(named, exp.Alias) else named
-        native = _NATIVE.get(sql.call_name(call))
-        if native is None or len(call.expressions) != 2:
-            continue
-        argument, value = call.expressions
-        if _aggregates_inside(argument) or _aggregates_inside(value):
-            continue
-        best = exp.Anonymous(this=native, expressions=[value])
-        inner = select.copy()
-        inner.set("expressions", [exp.alias_(argument.copy(), "a"), exp.alias_(best, "m")])
-        chosen = exp.Case(
-            ifs=[
-                exp.If(
-                    this=exp.Not(this=exp.Is(this=exp.column("m", "best"), expression=exp.Null())),
-                    true=exp.column("a", "best"),
-                )
-            ]
-        )
-        outer = exp.Select(expressions=[exp.alias_(chosen, named.alias or "a")])
-        outer.set("from_", exp.From(this=exp.Subquery(this=inner, alias=_alias("best"))))
-        select.replace(outer)
-
-
-def grouped_arg_min(tree: exp.Expr) -> None:
-    """ArgMin and ArgMax by SQLite's MIN and MAX also where a select computes more, in groups.
-
-    There must be no second MIN or MAX, as then it is not said which row a bare column comes from.
+    It is of the first of several. Beside a second MIN or MAX it is not said of which row.
     """
     for select in list(tree.find_all(exp.Select)):
-        if not select.args.get("group") or select.args.get("having") or select.args.get("order"):
+        if select.args.get("having") or select.args.get("order"):
             continue
         calls = [call for item in select.expressions for call in _own_calls(item)]
         best = [call for call in calls if sql.call_name(call) in _NATIVE]
@@ -102,10 +70,6 @@ def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
         yield node
     for child in node.iter_expressions():
         yield from _own_calls(child)
-
-
-def _alias(name: str) -> exp.TableAlias:
-    return exp.TableAlias(this=exp.to_identifier(name))
 
 
 def _is_zero(table: exp.Expr) -> bool:
@@ -137,11 +101,6 @@ def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
         return False
     own = sql.sources(select).keys() - zeros
     return not columns or any(column.table in own for column in columns)
-
-
-def _is_grouped(select: exp.Select) -> bool:
-    unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows", "with_")
-    return any(select.args.get(part) for part in unusual)
 
 
 def _aggregates_inside(node: exp.Expr) -> bool:

@@ -120,7 +120,6 @@ PASSES = (
     Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
     Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
     Pass("item-rows", _item_rows, after=("memory-columns",)),
-    Pass("grouped-arg-min", _on_tree(aggregates.grouped_arg_min)),
     Pass("untangled-aggregates", _on_tree(aggregates.untangled)),
     Pass("arg-min", _on_tree(aggregates.native_arg_min), after=("untangled-aggregates",)),
     Pass("result-columns", _result_columns),
