@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
+from logical_robots_tui.mind.sqlite.filling import spelled_item
 from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, ITEMS, MEMORY_FIELDS
-from logical_robots_tui.mind.sqlite.remembered import spelled_item
 from logical_robots_tui.mind.tuning import json, sql
 
 if TYPE_CHECKING:
