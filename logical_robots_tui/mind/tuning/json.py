@@ -11,7 +11,7 @@ from __future__ import annotations
 from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, MEMORY_FIELDS
-from logical_robots_tui.mind.tuning import columns, sql
+from logical_robots_tui.mind.tuning import sql
 
 _CHEAP = frozenset({"abs", "atan2", "cos", "sin", "sqrt"})
 _WRITTEN = frozenset({"real_as_json", "value_as_json"})
@@ -177,4 +177,4 @@ def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
 
 def is_stored(table: exp.Expr) -> bool:
     """Return whether a source is a table, in which no value has the note anyway."""
-    return sql.table_name(table) in columns.TABLES
+    return sql.table_name(table) in sql.TABLES

@@ -13,7 +13,7 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.tuning import json, sql
-from logical_robots_tui.mind.tuning.memories import guarded_field
+from logical_robots_tui.mind.tuning.columns import guarded_field
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

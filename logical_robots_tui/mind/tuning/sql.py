@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from sqlglot import exp
 from sqlglot.dialects.sqlite import SQLite
 
+from logical_robots_tui.mind.sqlite.layouts import KINDS
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
@@ -18,6 +20,9 @@ _NEED_NO_PARENTHESES = (
     *(exp.Anonymous, exp.Boolean, exp.Case, exp.Column, exp.Literal, exp.Null, exp.Paren),
     exp.Subquery,
 )
+
+TABLES = {table.lower(): table for table in ("Sensor", "Memory", "Ray", "Item", *KINDS)}
+"""The tables that a tuned query reads, by their names in lower case."""
 
 AGGREGATES = frozenset(
     {

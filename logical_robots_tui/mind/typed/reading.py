@@ -10,15 +10,18 @@ from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.typed import changes
 from logical_robots_tui.mind.typed.changes import conform
 from logical_robots_tui.mind.typed.kinds import (
+    SENSOR,
     Decimal,
     Kind,
     ListOf,
     Plain,
     common,
     is_nested,
+    product_of,
+    result_of,
+    sum_of,
     unspelled,
 )
-from logical_robots_tui.mind.typed.results import SENSOR, given_by, product_of, sum_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -221,7 +224,7 @@ class Reader:
             return changes.extracted(call, kinds)
         if name == "try_cast":
             return unspelled(arguments[1].name)
-        found = given_by(name, kinds)
+        found = result_of(name, kinds)
         return changes.called(call, name, kinds, found)
 
 
