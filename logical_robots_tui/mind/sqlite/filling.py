@@ -46,7 +46,7 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
         table: ``Sensor``, ``Memory``, ``Item`` or one of `KINDS`.
         moment: The moment.
         columns: The columns to fill besides ``id``, in alphabetical order; those of memory fields
-            with the field, as in ``field_0=seen``, and those of ``Item`` as `spelled_item` gives
+            with the field, as in ``field_0=seen``, and those of ``Item`` as `spell_item` gives
             them.
 
     Raises:
@@ -77,7 +77,7 @@ def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
 
 
 def _rays_of_kind(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
-    pick = _picked(columns)
+    pick = _picker(columns)
     rows: list[Sequence[Any]] = []
     for first, rays in enumerate(moment.rays_to(KINDS[table])):
         if rays and rays[-1][0] >= RAYS:
@@ -100,7 +100,9 @@ def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     if not fields:
         return (Filling(insert, moment.memories),)
     stored = {
-        name: [_stored(_found(field, memory)) if field else to_sql(memory) for field in fields]
+        name: [
+            _column_value(_field_of(field, memory)) if field else to_sql(memory) for field in fields
+        ]
         for name, memory in moment.remembered.items()
     }
     sizes = {
@@ -125,7 +127,7 @@ def _memory_columns(columns: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
     return insert_into("Memory", names), tuple(field for _, _, field in pairs)
 
 
-def _found(field: str, memory: Any) -> Any:
+def _field_of(field: str, memory: Any) -> Any:
     """Return a field of a memory.
 
     Raises:
@@ -142,7 +144,7 @@ def _found(field: str, memory: Any) -> Any:
 _NO_RECORDS = frozenset({type(None), bool, int, float, list})
 
 
-def _stored(value: Any) -> Any:
+def _column_value(value: Any) -> Any:
     """Return a part of a memory as SQLite would read it from text."""
     kind = value.__class__
     if kind is float:
@@ -153,7 +155,7 @@ def _stored(value: Any) -> Any:
 _NESTED = frozenset({dict, list})
 
 
-def spelled_item(column: str, place: int, field: str, key: str) -> str:
+def spell_item(column: str, place: int, field: str, key: str) -> str:
     """Return the name of a column of ``Item`` with its content."""
     return f"{column}={place}:{field}.{key}"
 
@@ -201,7 +203,7 @@ def _list_in(field: str, memory: Any) -> list[Any] | None:
     Raises:
         ValueError: It is not a list.
     """
-    found = _found(field, memory)
+    found = _field_of(field, memory)
     if found is not None and found.__class__ is not list:
         raise ValueError("not a list")
     return found
@@ -217,7 +219,7 @@ def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]
         raise ValueError("not a list of records")
     nothing = [None] * len(keys)
     return [
-        [_stored(item.get(key)) for key in keys] if item.__class__ is dict else nothing
+        [_column_value(item.get(key)) for key in keys] if item.__class__ is dict else nothing
         for item in found
     ]
 
@@ -231,10 +233,10 @@ _FILLINGS: dict[str, Callable[[Moment, tuple[str, ...]], Sequence[Filling]]] = {
 
 
 @cache
-def _picked(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
+def _picker(columns: tuple[str, ...]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
     """Return the function that reads the columns from a ray."""
     if columns and columns[-1] == "value":
-        pick = _picked(columns[:-1])
+        pick = _picker(columns[:-1])
         return lambda ray: (*pick(ray), to_input(ray))
     if len(columns) > 1:
         return itemgetter(*columns)

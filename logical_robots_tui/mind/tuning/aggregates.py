@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
 
-def untangled(tree: exp.Expr) -> None:
+def untie_aggregates(tree: exp.Expr) -> None:
     """Remove what ties an aggregated expression to its select, where one of its columns does.
 
     An aggregate belongs to the select that its columns come from. The compiler writes

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.filling import spelled_item
+from logical_robots_tui.mind.sqlite.filling import spell_item
 from logical_robots_tui.mind.sqlite.layouts import (
     ITEM_FIELDS,
     ITEMS,
@@ -39,7 +39,7 @@ RAY_FIELDS = RAY.names
 _BOUNDS = {"sensor": ("?1", "?2"), "memory": ("?3", "?4")}
 
 
-def one_alias_per_robot(tree: exp.Expr) -> None:
+def merge_self_joins(tree: exp.Expr) -> None:
     """Read an input once where a select joins it with itself on the robot's name.
 
     A robot has one row in each, so it is the same row.
@@ -73,7 +73,7 @@ def rays_as_rows(tree: exp.Expr) -> None:
             if any(column.name != "value" for column in columns):
                 continue
             for column in columns:
-                field = sql.extracted(column.parent)
+                field = sql.extract_path(column.parent)
                 if column.parent and field[:2] == "$." and field[2:] in RAY_FIELDS:
                     column.parent.replace(exp.column(field[2:], name))
             rays = exp.to_table(_of_one_kind(select, name) or "Ray")
@@ -95,14 +95,14 @@ def sensor_fields_as_columns(tree: exp.Expr) -> None:
             continue
         node: exp.Expr = column
         path = "$"
-        while (outer := node.parent) is not None and sql.extracted(outer).startswith("$."):
-            node, path = outer, path + sql.extracted(outer)[1:]
+        while (outer := node.parent) is not None and sql.extract_path(outer).startswith("$."):
+            node, path = outer, path + sql.extract_path(outer)[1:]
             if path in SENSOR_FIELDS:
                 node.replace(exp.column(SENSOR_FIELDS[path], column.table))
                 break
 
 
-def bound_to_viewer(tree: exp.Expr) -> None:
+def bind_viewers(tree: exp.Expr) -> None:
     """Let every mention of an input see only the rows between the bounds of a viewer."""
     for table in list(tree.find_all(exp.Table)):
         bounds = _BOUNDS.get(sql.table_name(table))
@@ -160,7 +160,7 @@ def _radar_of(table: exp.Expr) -> str | None:
     if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_extract":
         return None
     column = arguments[0].expressions[0]
-    if not isinstance(column, exp.Column) or sql.extracted(arguments[0]) != "$.radar":
+    if not isinstance(column, exp.Column) or sql.extract_path(arguments[0]) != "$.radar":
         return None
     return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
 
@@ -197,7 +197,7 @@ _TABLES = frozenset({"ray", *(table.lower() for table in KINDS)})
 _WHOLE = "value"
 
 
-def whole_rays_when_wanted(tree: exp.Expr) -> None:
+def fetch_whole_rays(tree: exp.Expr) -> None:
     """Ask for whole rays once for each group, where they stand beside an aggregate.
 
     A ray that is wanted as a whole, as in ``ArgMin{ray -> ray.distance}``, is one of 31. Beside MIN
@@ -274,10 +274,10 @@ def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) ->
                 continue
             known[field] = MEMORY_FIELDS[len(known)]
         taken = exp.column(known[field], column.table)
-        case.replace(json.remarked(taken, case, is_result=True))
+        case.replace(json.remark(taken, case, is_result=True))
 
 
-def named_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
+def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
     """Return names of columns of ``Memory``, those of fields with the field."""
     by_column = {column: field for field, column in fields.items()}
     return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
@@ -337,7 +337,7 @@ def items_as_rows(
             continue
         alias = table.alias_or_name
         uses = list(sql.columns_of(select, alias))
-        keys = {sql.extracted(use.parent).removeprefix("$.") for use in uses}
+        keys = {sql.extract_path(use.parent).removeprefix("$.") for use in uses}
         new = sorted(key for key in keys if key not in known)
         if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(ITEM_FIELDS):
             continue
@@ -347,11 +347,11 @@ def items_as_rows(
         for use in uses:
             call = use.parent
             assert call is not None
-            column = known[sql.extracted(call).removeprefix("$.")]
+            column = known[sql.extract_path(call).removeprefix("$.")]
             taken = exp.column(column, alias)
-            call.replace(json.remarked(taken, call, is_result=True))
+            call.replace(json.remark(taken, call, is_result=True))
         place = MEMORY_FIELDS.index(items.name)
-        read |= {spelled_item(known[key], place, by_column[items.name], key) for key in keys}
+        read |= {spell_item(known[key], place, by_column[items.name], key) for key in keys}
         _read_items(select, table, items.table, place)
     return tuple(sorted(read))
 

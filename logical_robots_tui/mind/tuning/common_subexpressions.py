@@ -35,7 +35,7 @@ _LIGHT = 10  # nodes; less than that may as well be computed for every row
 _IN_JSON = frozenset({"json"})
 
 
-def shared(tree: exp.Query) -> None:
+def share(tree: exp.Query) -> None:
     """Compute repeated expressions once in every select outside of subqueries."""
     number = 0
     for select in list(_outer_selects(tree)):
@@ -175,7 +175,7 @@ def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
     chosen = _chosen(examination)
     if not chosen or examination.strange:
         return None
-    return _moved(tree, select, name, chosen, examination)
+    return _move(tree, select, name, chosen, examination)
 
 
 def _chosen(examination: _Examination) -> list[exp.Expr]:
@@ -205,7 +205,7 @@ def _chosen(examination: _Examination) -> list[exp.Expr]:
     return found if sum(gains.values()) >= _WORTH_SHARING else []
 
 
-def _moved(
+def _move(
     tree: exp.Query,
     select: exp.Select,
     name: str,
@@ -222,16 +222,14 @@ def _moved(
     is_result = select is tree
     for node in chosen:
         seen = reference(examination.seen[id(node)].key, node.copy)
-        node.replace(
-            seen if json.is_plain(node) else json.remarked(seen, node, is_result=is_result)
-        )
+        node.replace(seen if json.is_plain(node) else json.remark(seen, node, is_result=is_result))
     for expression in select.expressions:
         for column in list(expression.find_all(exp.Column)):
             found = sql.source(column)
             if found is not None and found[0] is select:
                 seen = reference((column.table, column.name.lower()), column.copy)
                 stored = json.is_stored(found[1])
-                column.replace(seen if stored else json.remarked(seen, column, is_result=is_result))
+                column.replace(seen if stored else json.remark(seen, column, is_result=is_result))
     first = exp.Select(
         # Not `exp.alias_`: a subquery that is given the alias itself would be another one.
         expressions=[

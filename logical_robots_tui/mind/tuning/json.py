@@ -21,7 +21,7 @@ _UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS}
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
 
-def taken_out(value: exp.Expr) -> exp.Expr:
+def unwrap(value: exp.Expr) -> exp.Expr:
     """Return what was written as JSON, as it was before; a truth is a number then."""
     truth = truth_in(value)
     if truth is not None:
@@ -93,7 +93,7 @@ def _as_it_is(value: exp.Column) -> exp.Expr:
     is_text = exp.GTE(this=value.copy(), expression=exp.Literal.string(""))
     real = exp.Anonymous(this="JSON", expressions=[_digits(value)])
     ifs = [
-        exp.If(this=is_text, true=marked(value.copy(), value.copy())),
+        exp.If(this=is_text, true=mark(value.copy(), value.copy())),
         exp.If(this=is_real, true=real),
     ]
     return exp.Case(ifs=ifs, default=value.copy())
@@ -158,12 +158,12 @@ def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
         node = parent
 
 
-def remarked(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
+def remark(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
     """Return a value marked again as a record or list, where that matters."""
-    return marked(value, value) if _is_noticed(place, is_result) else value
+    return mark(value, value) if _is_noticed(place, is_result) else value
 
 
-def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
+def mark(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
     """Return a value as JSON if it is the text of a record or list, else another expression."""
     begins = exp.Anonymous(
         this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]

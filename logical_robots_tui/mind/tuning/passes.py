@@ -107,40 +107,40 @@ def _all_viewers(work: Rewriting) -> None:
 
 def _materialized_by_robot(work: Rewriting) -> None:
     # The query of one viewer is asked once where all see everything.
-    planning.computed_once(work.tree, by_robots=True)
+    planning.materialize(work.tree, by_robots=True)
 
 
 def _list_indexes(work: Rewriting) -> None:
     work.crowd = tuple(None if query is None else query.copy() for query in work.queries)
     for query in filter(None, work.queries):
-        planning.indexed_where_lists_are_joined(query)
+        planning.limit_indexes(query)
 
 
 PASSES = (
-    Pass("self-joins", _on_tree(columns.one_alias_per_robot)),
+    Pass("self-joins", _on_tree(columns.merge_self_joins)),
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
     Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns), after=("ray-rows",)),
-    Pass("viewer-bounds", _on_tree(columns.bound_to_viewer), after=("self-joins",), required=True),
+    Pass("viewer-bounds", _on_tree(columns.bind_viewers), after=("self-joins",), required=True),
     Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
     Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
     Pass("item-rows", _item_rows, after=("memory-columns",)),
-    Pass("untangled-aggregates", _on_tree(aggregates.untangled)),
+    Pass("untangled-aggregates", _on_tree(aggregates.untie_aggregates)),
     Pass("arg-min", _on_tree(aggregates.native_arg_min), after=("untangled-aggregates",)),
     Pass("result-columns", _result_columns),
     Pass(
         "common-subexpressions",
-        _on_tree(common_subexpressions.shared),
+        _on_tree(common_subexpressions.share),
         after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
     ),
-    Pass("materialized", _on_tree(planning.computed_once), after=("common-subexpressions",)),
+    Pass("materialized", _on_tree(planning.materialize), after=("common-subexpressions",)),
     Pass("division", _on_tree(aggregates.native_division)),
     Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
     Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
     Pass("materialized-by-robot", _materialized_by_robot, after=("all-viewers",)),
     Pass("choice", _on_each(aggregates.native_choice)),
-    Pass("late-rays", _on_each(columns.whole_rays_when_wanted), after=("ray-rows",)),
-    Pass("lookups", _on_each(planning.looked_up), after=("materialized-by-robot",)),
-    Pass("range-scans", _on_each(planning.found_by_number), after=("ray-rows", "item-rows")),
+    Pass("late-rays", _on_each(columns.fetch_whole_rays), after=("ray-rows",)),
+    Pass("lookups", _on_each(planning.index_lookups), after=("materialized-by-robot",)),
+    Pass("range-scans", _on_each(planning.scan_ranges), after=("ray-rows", "item-rows")),
     Pass("list-indexes", _list_indexes, after=("lookups", "range-scans")),
 )
 """Repeated expressions are looked for once all of them have their final form."""
@@ -206,7 +206,7 @@ def tune(
         without: Names of passes to leave out.
     """
     if STEPS in statement:
-        return None  # rows that pass from step to step as a list can't be told apart by viewers
+        return None  # rows that pass from step to step as a list can't be told apart by viewer
     try:
         tree = tree or sql.parse(statement)
         if not _can_be_moved(tree):
@@ -215,19 +215,19 @@ def tune(
         for each in PASSES:
             if each.required or each.name not in without:
                 each.apply(work)
-        return _finished(work)
+        return _tuned(work)
     except (SqlglotError, ValueError, RecursionError):
         return None
 
 
-def _finished(work: Rewriting) -> Tuned:
+def _tuned(work: Rewriting) -> Tuned:
     one = columns.read_by([work.tree])
     bounds = 4 if "Memory" in one else 2 if "Sensor" in one else 0
     read = columns.read_by(filter(None, work.queries))
     if work.together or work.alike:
         read["Sensor"] = read["Sensor"] or ("robot_name",)
     if "Memory" in read:
-        read["Memory"] = columns.named_fields(read["Memory"], work.known.fields)
+        read["Memory"] = columns.name_fields(read["Memory"], work.known.fields)
     if work.items:
         read["Item"] = work.items
     few, crowd = _texts(work.queries), _texts(work.crowd)

@@ -27,7 +27,7 @@ _ZERO = "t_0_zero"
 _KINDS = frozenset(table.lower() for table in KINDS)
 
 
-def computed_once(tree: exp.Query, *, by_robots: bool = False) -> None:
+def materialize(tree: exp.Query, *, by_robots: bool = False) -> None:
     """Let SQLite keep the rows of named queries that are asked for row by row of others.
 
     Args:
@@ -41,8 +41,8 @@ def computed_once(tree: exp.Query, *, by_robots: bool = False) -> None:
             query.set("materialized", True)
 
 
-def asked_often(tree: exp.Query) -> frozenset[str]:
-    """Return names of the named queries that `computed_once` has found."""
+def materialized_queries(tree: exp.Query) -> frozenset[str]:
+    """Return names of the named queries that `materialize` has found."""
     return frozenset(
         name
         for name, query in _named(tree).items()
@@ -50,13 +50,13 @@ def asked_often(tree: exp.Query) -> frozenset[str]:
     )
 
 
-def looked_up(tree: exp.Query) -> None:
+def index_lookups(tree: exp.Query) -> None:
     """Let SQLite make an index where rows of these queries are looked up.
 
     SQLite estimates the cost of evaluating a subquery once. So an index seems to pay only if rows
     are looked up for those of another source: a table of a single 0.
     """
-    named, often = _named(tree), asked_often(tree)
+    named, often = _named(tree), materialized_queries(tree)
     for table in list(tree.find_all(exp.Table)):
         select = table.find_ancestor(exp.Select) if table.name in often else None
         if select is None or len(sql.sources(select)) > 1 or not _compares(select):
@@ -116,7 +116,7 @@ _NUMBERED = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
 _INPUTS = frozenset({"memory", "sensor"})
 
 
-def found_by_number(tree: exp.Query) -> None:
+def scan_ranges(tree: exp.Query) -> None:
     """Keep SQLite from finding rows by their content among those of all robots.
 
     Rays of one radar and records of one list have numbers that follow each other, and come in this
@@ -130,7 +130,7 @@ def found_by_number(tree: exp.Query) -> None:
                 _without_index(equal)
 
 
-def indexed_where_lists_are_joined(tree: exp.Query) -> None:
+def limit_indexes(tree: exp.Query) -> None:
     """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up."""
     queries = _queries_of_lists(tree)
     equals = [

@@ -42,7 +42,7 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
         else:
             result.append((item.alias, tuple(map(_marked, fields, fields.values()))))
             columns += [
-                exp.alias_(json.taken_out(value), f"{item.alias}_{number}")
+                exp.alias_(json.unwrap(value), f"{item.alias}_{number}")
                 for number, value in enumerate(fields.values())
             ]
     if not all(name for name, _ in result) or not any(fields for _, fields in result):
@@ -97,7 +97,7 @@ def _choice(
     truths = [truth for truth in map(json.truth_in, given) if truth is not None]
     if truths and len(truths) < len(given):
         return None
-    *arms, default = map(json.taken_out, given)
+    *arms, default = map(json.unwrap, given)
     ifs = [
         exp.If(this=branch.this.copy(), true=arm)
         for branch, arm in zip(branches, arms, strict=True)
@@ -149,7 +149,7 @@ def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
     written_out = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
     if written_out != ["arg", "value"] or json.truth_in(argument) or json.truth_in(value):
         return None
-    return json.taken_out(argument), json.taken_out(value)
+    return json.unwrap(argument), json.unwrap(value)
 
 
 def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:

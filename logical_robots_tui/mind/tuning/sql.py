@@ -129,7 +129,7 @@ def call_name(node: exp.Expr | None) -> str:
     return node.name.lower() if isinstance(node, exp.Anonymous) else ""
 
 
-def extracted(node: exp.Expr | None) -> str:
+def extract_path(node: exp.Expr | None) -> str:
     """Return the path of a call of json_extract with one, or ""."""
     if call_name(node) != "json_extract":
         return ""

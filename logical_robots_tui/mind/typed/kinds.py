@@ -132,7 +132,7 @@ def _common_decimal(one: Kind, other: Kind) -> Decimal:
     return Decimal(min(scale, MOST_DIGITS - whole), whole)
 
 
-def spelled(kind: Kind) -> str:
+def spell(kind: Kind) -> str:
     """Return a type as `try_cast` reads it, all numbers real."""
     return json.dumps(_spelling(kind), ensure_ascii=False, separators=(",", ":"))
 
@@ -147,7 +147,7 @@ def _spelling(kind: Kind) -> Any:
     return Plain.ANY.value if kind is Plain.NULL else kind.value  # type: ignore[union-attr]  # what has parts, went before
 
 
-def unspelled(text: str) -> Kind:
+def parse_spelling(text: str) -> Kind:
     """Return the type of what `try_cast` gives, from how that was spelled for it."""
     return _kind(json.loads(text))
 

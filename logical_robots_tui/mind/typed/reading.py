@@ -17,10 +17,10 @@ from logical_robots_tui.mind.typed.kinds import (
     Plain,
     common,
     is_nested,
+    parse_spelling,
     product_of,
     result_of,
     sum_of,
-    unspelled,
 )
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ class Reader:
             return sum_of([self.kind(node.this)])
         if isinstance(node, _COMPARING):
             left, right = self.kind(node.this), self.kind(node.expression)
-            changes.compared(node, left, right)
+            changes.compare_nested(node, left, right)
             return Plain.TRUTH
         if isinstance(node, exp.In):
             return self._in(node)
@@ -195,7 +195,7 @@ class Reader:
             return found
         if found.scale > _MOST_DIGITS:
             return Plain.REAL
-        changes.as_decimal(node, found)
+        changes.round_decimal(node, found)
         return found
 
     def _in(self, node: exp.In) -> Kind:
@@ -205,7 +205,7 @@ class Reader:
             self.query(query.this)
             calls = [t.this for t in listed.values() if sql.call_name(t.this) == "json_each"]
             if is_nested(looked_for) and calls:
-                changes.contained(node, calls[0].expressions[0])
+                changes.contain_nested(node, calls[0].expressions[0])
         for item in list(node.expressions):
             self.kind(item)
         return Plain.TRUTH
@@ -219,13 +219,13 @@ class Reader:
         kinds = [self.kind(argument) for argument in call.expressions]
         arguments = call.expressions  # after they were rewritten
         if name in ("json_object", "json_array", "json_group_array", "json_group_object"):
-            return changes.made_json(call, kinds)
+            return changes.make_json(call, kinds)
         if name == "json_extract":
-            return changes.extracted(call, kinds)
+            return changes.extract(call, kinds)
         if name == "try_cast":
-            return unspelled(arguments[1].name)
+            return parse_spelling(arguments[1].name)
         found = result_of(name, kinds)
-        return changes.called(call, name, kinds, found)
+        return changes.change_call(call, name, kinds, found)
 
 
 def _literal(node: exp.Literal) -> Kind:
