@@ -57,9 +57,8 @@ def native_arg_min(tree: exp.Expr) -> None:
         if any(map(_aggregates_inside, [value, *(call.expressions[0] for call in best)])):
             continue
         for call in best:
-            least = exp.Anonymous(this=native, expressions=[value.copy()])
-            found = exp.Not(this=exp.Is(this=least, expression=exp.Null()))
-            call.replace(exp.Case(ifs=[exp.If(this=found, true=call.expressions[0])]))
+            chosen = f"CASE WHEN NOT {native}(value) IS NULL THEN argument END"
+            call.replace(sql.expression(chosen, value=value, argument=call.expressions[0]))
 
 
 def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
@@ -123,13 +122,13 @@ def native_division(tree: exp.Expr) -> None:
         if sql.call_name(call) != "divide" or not all(map(_is_number, call.expressions)):
             continue
         above, below = call.expressions
-        real = exp.Cast(this=above.copy(), to=exp.DataType.build("REAL", dialect="sqlite"))
-        quick = exp.Div(this=real, expression=below.copy())
+        parts = {"above": above, "below": below, "otherwise": call}
+        quotient = "CAST(above AS REAL) / below"
         if isinstance(below, exp.Literal) and float(below.this):
-            call.replace(exp.Paren(this=quick))
+            call.replace(sql.expression(f"({quotient})", **parts))
         elif _is_light(above) and _is_light(below):
-            not_zero = exp.NEQ(this=below.copy(), expression=exp.Literal.number(0))
-            call.replace(exp.Case(ifs=[exp.If(this=not_zero, true=quick)], default=call.copy()))
+            checked = f"CASE WHEN below <> 0 THEN {quotient} ELSE otherwise END"
+            call.replace(sql.expression(checked, **parts))
 
 
 def native_choice(tree: exp.Expr) -> None:
@@ -146,9 +145,9 @@ def native_choice(tree: exp.Expr) -> None:
         literals = [value for value in call.expressions if isinstance(value, exp.Literal)]
         if not literals:
             continue
-        values = [value.copy() for value in call.expressions]
-        chosen = exp.Anonymous(this=native, expressions=values[::-1] if native == "MIN" else values)
-        call.replace(exp.Anonymous(this="COALESCE", expressions=[chosen, literals[0].copy()]))
+        first, second = call.expressions[::-1] if native == "MIN" else call.expressions
+        text = f"COALESCE({native}(first, second), literal)"
+        call.replace(sql.expression(text, first=first, second=second, literal=literals[0]))
 
 
 def _is_number(node: exp.Expr) -> bool:

@@ -78,9 +78,9 @@ def rays_as_rows(tree: exp.Expr) -> None:
                     column.parent.replace(exp.column(field[2:], name))
             rays = exp.to_table(_of_one_kind(select, name) or "Ray")
             table.replace(exp.alias_(rays, name, table=True))
-            first = exp.Mul(this=exp.column("id", sensor), expression=exp.Literal.number(RAYS))
-            last = exp.Add(this=first.copy(), expression=exp.Literal.number(RAYS - 1))
-            sql.restrict(select, exp.Between(this=exp.column("id", name), low=first, high=last))
+            mine = f"ray BETWEEN sensor * {RAYS} AND sensor * {RAYS} + {RAYS - 1}"
+            numbers = {"ray": exp.column("id", name), "sensor": exp.column("id", sensor)}
+            sql.restrict(select, sql.expression(mine, **numbers))
             if sensor in here:
                 followers[name] = sensor
         # Left to itself, SQLite would rather look through the rays of all robots first.
@@ -379,10 +379,7 @@ def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -
     if isinstance(join, exp.Join):
         join.set("kind", "CROSS")
     table.replace(exp.alias_(exp.to_table("Item"), alias, table=True))
-    lists = exp.Mul(
-        this=exp.column("id", memory), expression=exp.Literal.number(len(MEMORY_FIELDS))
-    )
-    this = exp.Paren(this=exp.Add(this=lists, expression=exp.Literal.number(place)))
-    first = exp.Mul(this=this, expression=exp.Literal.number(ITEMS))
-    last = exp.Add(this=first.copy(), expression=exp.Literal.number(ITEMS - 1))
-    sql.restrict(select, exp.Between(this=exp.column("id", alias), low=first, high=last))
+    first = f"(memory * {len(MEMORY_FIELDS)} + {place}) * {ITEMS}"
+    its = f"item BETWEEN {first} AND {first} + {ITEMS - 1}"
+    numbers = {"item": exp.column("id", alias), "memory": exp.column("id", memory)}
+    sql.restrict(select, sql.expression(its, **numbers))

@@ -62,8 +62,7 @@ def index_lookups(tree: exp.Query) -> None:
         if select is None or len(sql.sources(select)) > 1 or not _compares(select):
             continue
         if _is_asked_often(table, named):
-            array = exp.Anonymous(this="JSON_ARRAY", expressions=[exp.Literal.number(0)])
-            zero = exp.Table(this=exp.Anonymous(this="JSON_EACH", expressions=[array]))
+            zero = exp.Table(this=sql.expression("JSON_EACH(JSON_ARRAY(0))"))
             select.append("joins", exp.Join(this=exp.alias_(zero, _ZERO, table=True)))
 
 
@@ -151,8 +150,7 @@ def limit_indexes(tree: exp.Query) -> None:
 
 def _without_index(equal: exp.EQ) -> None:
     """Write a condition so that SQLite makes no index for it."""
-    unlike = exp.NEQ(this=equal.this, expression=equal.expression)
-    equal.replace(exp.Paren(this=exp.Not(this=unlike)))
+    equal.replace(sql.expression("(NOT a <> b)", a=equal.this, b=equal.expression))
 
 
 def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:

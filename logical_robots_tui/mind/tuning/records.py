@@ -219,12 +219,10 @@ def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
     the plain way answers.
     """
     table = next(call.find_all(exp.Column)).table
-    argument = exp.column(f"t_0_{name}_arg", table)
-    values = exp.column(value.copy(), table)
-    best = exp.Anonymous(this=call.this, expressions=[argument, values])
-    least = exp.Anonymous(this=call.name[4:], expressions=[values.copy()])
-    endless = [exp.Var(this="9e999"), exp.Var(this="-9e999")]
-    tests = [exp.In(this=made, expressions=endless) for made in (least, best.copy())]
-    fails = exp.Anonymous(this="JSON", expressions=[exp.Literal.string("")])
-    either = exp.Or(this=tests[0], expression=tests[1])
-    call.replace(exp.Case(ifs=[exp.If(this=either, true=fails)], default=best))
+    best = f"{call.name}(argument, value)"
+    endless = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {best} IN (9e999, -9e999)"
+    parts = {
+        "argument": exp.column(f"t_0_{name}_arg", table),
+        "value": exp.column(value.copy(), table),
+    }
+    call.replace(sql.expression(f"CASE WHEN {endless} THEN JSON('') ELSE {best} END", **parts))

@@ -6,6 +6,7 @@ functions: a call keeps its name.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from sqlglot import exp
@@ -69,6 +70,20 @@ def parse(sql: str) -> exp.Query:
         join.set("kind", None)
     drop_parentheses(tree)
     return tree
+
+
+@cache
+def _template(text: str) -> exp.Expr:
+    return parse(f"SELECT {text}").selects[0]
+
+
+def expression(text: str, **parts: exp.Expr) -> exp.Expr:
+    """Return the tree of an expression, with copies of parts for the columns of their names."""
+    found = _template(text).copy()
+    for column in list(found.find_all(exp.Column)):
+        if column.name in parts:
+            column.replace(parts[column.name].copy())
+    return found
 
 
 def drop_parentheses(tree: exp.Query) -> None:
