@@ -65,13 +65,11 @@ class Pass:
     Attributes:
         name: In lower case with hyphens, as `docs/speed.md` lists it.
         apply: Changes a query.
-        after: Names of the passes that it must follow.
         required: Whether the query would be wrong without it.
     """
 
     name: str
     apply: Callable[[Rewriting], None]
-    after: tuple[str, ...] = ()
     required: bool = False
 
 
@@ -119,32 +117,28 @@ def _list_indexes(work: Rewriting) -> None:
 PASSES = (
     Pass("self-joins", _on_tree(columns.merge_self_joins)),
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
-    Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns), after=("ray-rows",)),
-    Pass("viewer-bounds", _on_tree(columns.bind_viewers), after=("self-joins",), required=True),
+    Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns)),
+    Pass("viewer-bounds", _on_tree(columns.bind_viewers), required=True),
     Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
-    Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
-    Pass("item-rows", _item_rows, after=("memory-columns",)),
+    Pass("memory-columns", _memory_columns),
+    Pass("item-rows", _item_rows),
     Pass("untangled-aggregates", _on_tree(aggregates.untie_aggregates)),
-    Pass("arg-min", _on_tree(aggregates.native_arg_min), after=("untangled-aggregates",)),
+    Pass("arg-min", _on_tree(aggregates.native_arg_min)),
     Pass("result-columns", _result_columns),
-    Pass(
-        "common-subexpressions",
-        _on_tree(common_subexpressions.share),
-        after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
-    ),
-    Pass("materialized", _on_tree(planning.materialize), after=("common-subexpressions",)),
+    Pass("common-subexpressions", _on_tree(common_subexpressions.share)),
+    Pass("materialized", _on_tree(planning.materialize)),
     Pass("division", _on_tree(aggregates.native_division)),
-    Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
-    Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
-    Pass("materialized-by-robot", _materialized_by_robot, after=("all-viewers",)),
+    Pass("numbers", _on_tree(json.native_numbers)),
+    Pass("all-viewers", _all_viewers),
+    Pass("materialized-by-robot", _materialized_by_robot),
     Pass("choice", _on_each(aggregates.native_choice)),
-    Pass("late-rays", _on_each(columns.fetch_whole_rays), after=("ray-rows",)),
-    Pass("lookups", _on_each(planning.index_lookups), after=("materialized-by-robot",)),
-    Pass("range-scans", _on_each(planning.scan_ranges), after=("ray-rows", "item-rows")),
-    Pass("list-indexes", _list_indexes, after=("lookups", "range-scans")),
+    Pass("late-rays", _on_each(columns.fetch_whole_rays)),
+    Pass("lookups", _on_each(planning.index_lookups)),
+    Pass("range-scans", _on_each(planning.scan_ranges)),
+    Pass("list-indexes", _list_indexes),
 )
-"""Repeated expressions are looked for once all of them have their final form."""
-
+"""Columns come before what reads them, and repeated expressions are looked for in their final form.
+Indexes are decided on last."""
 
 _LONGEST = 100_000  # characters of a statement
 MOST_TUNED = 400_000
