@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of
-from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.mind.asking import Asking
     from logical_robots_tui.mind.limits import Limits
@@ -37,7 +37,6 @@ def decide(
     memory: Value,
     known: Sequence[Notice],
     limits: Limits,
-    size_of: Callable[[Value], int],
     heaviest: int,
 ) -> Decision:
     """Return the decision from the rows of `Robot` for one robot; the last of several counts."""

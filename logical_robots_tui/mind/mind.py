@@ -14,7 +14,6 @@ from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-from logical_robots_tui.mind.sqlite.stored import Sizes, size_of
 from logical_robots_tui.mind.table import QueryPlan, Table, table_of
 from logical_robots_tui.values import SensorRow, Value
 
@@ -64,7 +63,7 @@ class Mind:
         self.memory = program.memory or memory
         self.sensor = program.sensor or sensor
         self.limits = limits or Limits()
-        self._sizes = Sizes() if frozen else None
+        self._frozen = frozen
         self._moment: Moment | None = None
         self._rows: Sequence[SensorRow] | None = None  # of that moment, with those of others
         # What `Robot` returned at that moment, as far as known.
@@ -132,23 +131,19 @@ class Mind:
                     answers[name].append(row)
                 elif not isinstance(name, str) or name not in answers:
                     note_stranger(name, strangers.setdefault(view.viewers[0], []))
-        if self._sizes is not None:
-            self._sizes.next_moment()
         notices: dict[str, Sequence[Notice]] = {}
         if failures or strangers or cut_off:
             for name in names:
                 notices[name] = (*strangers.get(name, ()), *cut_off.get(name, ()))
             notices |= {name: (notice,) for name, notice in failures.items()}
-        limits, size = self.limits, size_of if self._sizes is None else self._sizes.of
-        heaviest = limits.weight_of_each(len(names))
+        heaviest = self.limits.weight_of_each(len(names))
         return [
             decide(
                 name,
                 answers[name],
                 memories.get(name),
                 notices.get(name, ()),
-                limits,
-                size,
+                self.limits,
                 heaviest,
             )
             for name in names
@@ -318,7 +313,7 @@ class Mind:
         last = self._moment
         if last is None or self._rows is not rows or last.remembered is not memories:
             last = self._new_moment(rows, memories)
-            self._moment = last if self._sizes is not None else None
+            self._moment = last if self._frozen else None
             self._rows, self._thought = rows, []
         return last
 

@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Mind, Program
-from logical_robots_tui.mind.sqlite.stored import Sizes, size_of
 from tests.mind.rows import ROBOT, row
-from tests.mind.test_tuning_memories import TOLD, memory, odd, roads
+from tests.mind.test_tuning_memories import TOLD, odd, roads
 
 
 @pytest.mark.parametrize("visible", ["seen", "all"])
@@ -57,14 +56,6 @@ def test_a_value_of_the_same_text_is_the_same_object_where_nobody_changes_it() -
         assert [memory["n"] for memory in found] == [1, 1, 2, 2]
         assert all(memory["all"] == list(range(60)) for memory in found)
         assert (len({id(memory["all"]) for memory in found}) == 1) == frozen
-
-
-@given(st.lists(memory, min_size=1, max_size=3))
-def test_a_memory_has_the_same_size_however_often_it_is_asked_for(memories: list[Any]) -> None:
-    sizes = Sizes()
-    for _ in range(3):
-        assert [sizes.of(each) for each in memories] == [size_of(each) for each in memories]
-        sizes.next_moment()
 
 
 def test_equal_numbers_in_memories_are_told_apart() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import Any
 
 import pytest
@@ -127,3 +128,27 @@ def test_a_crowd_finds_rays_and_records_in_their_order_and_among_its_own(
     plan = mind.query_plan("Robot", rows, memories).plan
     mind.close()
     assert not [line for line in plan if "AUTOMATIC" in line and " x_" in line]
+
+
+@pytest.mark.parametrize("robots", [3, 33])
+def test_memories_are_found_by_name_and_not_by_a_constant_in_them(robots: int) -> None:
+    text = f"""
+    Settled(robot_name:, angle? Avg= ray.angle, distance? Min= ray.distance) distinct :-
+      Sensor(robot_name:, sensor:), Memory(robot_name: other, memory:),
+      other != robot_name, memory.settled == true, ray in sensor.radar, ray.label == other;
+    {ROBOT} m = {{
+      angle: AnyValue{{a :- Settled(robot_name:, angle: a)}},
+      distance: AnyValue{{d :- Settled(robot_name:, distance: d)}}
+    }};
+    """
+    names = [f"R{n}" for n in range(robots)]
+    rows = [
+        row(name, sees={i: (20 + i, "robot", names[(n + i) % robots]) for i in range(9)})
+        for n, name in enumerate(names)
+    ]
+    memories: dict[str, Any] = {name: {"settled": n % 2 == 0} for n, name in enumerate(names)}
+    found: list[Any] = [d.memory for d in think(text, rows, memories, memory="seen")]
+    assert all(each["distance"] for each in found)
+    with closing(Mind(Program.compile(text), "seen")) as mind:
+        plan = mind.query_plan("Robot", rows, memories).plan
+    assert not [line for line in plan if "AUTOMATIC" in line and "Settled" not in line]

@@ -219,7 +219,7 @@ def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
         columns: For each table, the columns that the program's queries read, including those of the
             question, so that one table serves all.
     """
-    tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True, by_name=True)
+    tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True)
     found = {} if tuned is None else prepared({"": tuned})
     return replace(question, tuned=found.get(""))
 

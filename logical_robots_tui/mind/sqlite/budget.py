@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import threading
+from dataclasses import dataclass
 from time import process_time
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
@@ -28,26 +29,22 @@ _LOOK_SECONDS = 0.02
 _QUIET_LOOKS = 50  # idle looks before the thread goes to sleep
 
 
+@dataclass(slots=True, eq=False)
 class Budget:
     """A budget shared by several evaluations.
 
     Steps are the same on every machine under any load. The seconds are only a safeguard.
 
-    Args:
-        steps: Steps of SQLite's virtual machine, including function calls and characters.
-        seconds: Processor seconds of this process.
-
     Attributes:
-        steps: Steps left; negative if it took too many.
+        steps: Steps of SQLite's virtual machine left, including function calls and characters;
+            negative if it took too many.
+        seconds: Processor seconds of this process left.
         is_late: Whether the seconds ended it.
     """
 
-    __slots__ = ("is_late", "seconds", "steps")
-
-    def __init__(self, steps: int, seconds: float) -> None:
-        self.steps = steps
-        self.seconds = seconds
-        self.is_late = False
+    steps: int
+    seconds: float
+    is_late: bool = False
 
 
 class Work:

@@ -115,14 +115,15 @@ class Database:
         self,
         table: str,
         inserts: Sequence[tuple[str, Sequence[Sequence[Any]]]],
-        gone: Sequence[tuple[int, int]] | None = None,
+        *,
+        clear: bool = True,
     ) -> None:
         """Replace rows of a table.
 
         Args:
             table: Its name.
             inserts: Our own statements, each with the SQLite values of each execution.
-            gone: First and last id of the rows to delete first; by default all.
+            clear: Whether to delete all rows first.
 
         Raises:
             TooMuchError: A value is too large.
@@ -133,16 +134,13 @@ class Database:
         try:
             if not connection.in_transaction:
                 connection.execute("BEGIN")  # never committed: nobody else reads it
-            delete = _DELETE + table
-            if gone is None:
-                connection.execute(self._own[delete])
-            elif gone:
-                connection.executemany(self._own[f"{delete} WHERE id BETWEEN ? AND ?"], gone)
+            if clear:
+                connection.execute(self._own[_DELETE + table])
             try:
                 for insert, rows in inserts:
                     connection.executemany(self._own[insert], rows)
             except UnicodeEncodeError:
-                self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts], gone)
+                self.fill(table, [(insert, _whole(rows)) for insert, rows in inserts], clear=clear)
         except (sqlite3.DataError, MemoryError) as error:
             raise self._too_much(error) from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import KW_ONLY, dataclass, field, replace
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -135,10 +136,11 @@ LONG = 10_000
 _CLOSE = 0.1  # of all steps; far more than the error of an inexact count
 
 
+@dataclass(slots=True, eq=False)
 class Within:
     """The budget of steps and rows that several evaluations share.
 
-    Args:
+    Attributes:
         steps: Steps for all of them, as a `Budget` counts them.
         seconds: The time limit.
         rows: The most rows of one evaluation.
@@ -147,44 +149,23 @@ class Within:
         anew: Whether to prepare statements again. SQLite continues counting the steps of a prepared
             statement from its last run; only a new one gives the same count each time.
         weight: The most bytes of objects in the rows of all evaluations.
-
-    Attributes:
         budget: The rest of the budget.
         is_much: Whether the last answer is so large that each of its rows must be checked.
     """
 
-    __slots__ = (
-        "_left",
-        "anew",
-        "budget",
-        "cut",
-        "is_much",
-        "rows",
-        "seconds",
-        "steps",
-        "stop",
-        "weight",
-    )
+    steps: int
+    seconds: float
+    rows: int
+    stop: threading.Event | None
+    _: KW_ONLY
+    cut: bool = False
+    anew: bool = False
+    weight: int = 96_000_000
+    is_much: bool = field(default=True, init=False)
+    budget: Budget = field(init=False)
+    _left: int = field(init=False)
 
-    def __init__(
-        self,
-        steps: int,
-        seconds: float,
-        rows: int,
-        stop: threading.Event | None,
-        *,
-        cut: bool = False,
-        anew: bool = False,
-        weight: int = 96_000_000,
-    ) -> None:
-        self.weight = weight
-        self.steps = steps
-        self.seconds = seconds
-        self.rows = rows
-        self.stop = stop
-        self.cut = cut
-        self.anew = anew
-        self.is_much = True
+    def __post_init__(self) -> None:
         self.renew()
 
     @classmethod
@@ -213,16 +194,7 @@ class Within:
 
     def again(self) -> Within:
         """Return the same budget unused, counted exactly."""
-        seconds = max(self.budget.seconds, 0.0)
-        return Within(
-            self.steps,
-            seconds,
-            self.rows,
-            self.stop,
-            cut=self.cut,
-            anew=True,
-            weight=self.weight,
-        )
+        return replace(self, seconds=max(self.budget.seconds, 0.0), anew=True)
 
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
         """Return the row, unless the work must end.

@@ -187,35 +187,4 @@ class Interner:
         return found
 
 
-class Sizes:
-    """Sizes of memories, for callers who never change a record or list in one."""
-
-    def __init__(self) -> None:
-        # By identity; entries keep the object alive, so that no other gets its identity.
-        self._now: dict[int, tuple[Value, int]] = {}
-        self._before: dict[int, tuple[Value, int]] = {}
-
-    def next_moment(self) -> None:
-        """Drop entries that were not used since the last call."""
-        self._before, self._now = self._now, {}
-
-    def of(self, memory: Value) -> int:
-        """Return the size as `size_of` does."""
-        if memory.__class__ not in _NESTED:
-            return size_of(memory)
-        if not isinstance(memory, dict):
-            return self._of_part(memory)
-        parts = [part for part in memory.values() if part.__class__ in _NESTED]
-        if not parts:
-            return size_of(memory)
-        shell = {key: 0 if v.__class__ in _NESTED else v for key, v in memory.items()}
-        return size_of(shell) + sum(map(self._of_part, parts)) - len(parts)
-
-    def _of_part(self, part: Value) -> int:
-        known = self._before.get(id(part)) or self._now.get(id(part)) or (part, size_of(part))
-        self._now[id(part)] = known
-        return known[1]
-
-
-_NESTED = frozenset({dict, list})
 _OPENING = frozenset("{[")

@@ -14,7 +14,6 @@ from logical_robots_tui.mind.sqlite.layouts import (
     PLAIN_LAYOUT,
     WHOLE_RAY,
 )
-from logical_robots_tui.mind.sqlite.remembered import Lists
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
@@ -23,7 +22,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Tuned
     from logical_robots_tui.mind.sqlite.database import Answer, Scalar
-    from logical_robots_tui.mind.sqlite.layouts import Filling, Layout
+    from logical_robots_tui.mind.sqlite.filling import Filling
+    from logical_robots_tui.mind.sqlite.layouts import Layout
     from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
 
@@ -108,7 +108,6 @@ class TunedTables:
         self._limits = limits
         self._few = few
         self._database = self._new_database(few)
-        self._lists = Lists(frozen=frozen)
         self._radars = Radars(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
@@ -199,9 +198,7 @@ class TunedTables:
                     for read in before:
                         if read is not wanted:
                             names = _both(names, read.get(table, names))
-                if table == "Item":
-                    self._lists.fill(self._database, moment, names)
-                elif table == "Ray":
+                if table == "Ray":
                     self._radars.fill(self._database, moment, names)
                 elif table == "Memory":
                     self._fill_memory(moment, names)
@@ -237,7 +234,6 @@ class TunedTables:
         self._reset()
 
     def _reset(self) -> None:
-        self._lists.forget()
         self._radars.forget()
         self._moment = None
         self._memories = b""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 
 
-def untangled(tree: exp.Expr) -> None:
+def untie_aggregates(tree: exp.Expr) -> None:
     """Remove what ties an aggregated expression to its select, where one of its columns does.
 
     An aggregate belongs to the select that its columns come from. The compiler writes
@@ -37,44 +37,12 @@ def untangled(tree: exp.Expr) -> None:
 
 
 def native_arg_min(tree: exp.Expr) -> None:
-    """ArgMin and ArgMax, where they are all that a select computes, by SQLite's MIN and MAX.
+    """ArgMin and ArgMax by SQLite's MIN and MAX, beside which a bare column is of the best row.
 
-    A bare column beside MIN comes from the first row that has the least value.
-    """
-    for select in reversed(list(tree.find_all(exp.Select))):
-        if len(select.expressions) != 1 or _is_grouped(select):
-            continue
-        named = select.expressions[0]
-        call = named.this if isinstance(named, exp.Alias) else named
-        native = _NATIVE.get(sql.call_name(call))
-        if native is None or len(call.expressions) != 2:
-            continue
-        argument, value = call.expressions
-        if _aggregates_inside(argument) or _aggregates_inside(value):
-            continue
-        best = exp.Anonymous(this=native, expressions=[value])
-        inner = select.copy()
-        inner.set("expressions", [exp.alias_(argument.copy(), "a"), exp.alias_(best, "m")])
-        chosen = exp.Case(
-            ifs=[
-                exp.If(
-                    this=exp.Not(this=exp.Is(this=exp.column("m", "best"), expression=exp.Null())),
-                    true=exp.column("a", "best"),
-                )
-            ]
-        )
-        outer = exp.Select(expressions=[exp.alias_(chosen, named.alias or "a")])
-        outer.set("from_", exp.From(this=exp.Subquery(this=inner, alias=_alias("best"))))
-        select.replace(outer)
-
-
-def grouped_arg_min(tree: exp.Expr) -> None:
-    """ArgMin and ArgMax by SQLite's MIN and MAX also where a select computes more, in groups.
-
-    There must be no second MIN or MAX, as then it is not said which row a bare column comes from.
+    It is of the first of several. Beside a second MIN or MAX it is not said of which row.
     """
     for select in list(tree.find_all(exp.Select)):
-        if not select.args.get("group") or select.args.get("having") or select.args.get("order"):
+        if select.args.get("having") or select.args.get("order"):
             continue
         calls = [call for item in select.expressions for call in _own_calls(item)]
         best = [call for call in calls if sql.call_name(call) in _NATIVE]
@@ -89,9 +57,8 @@ def grouped_arg_min(tree: exp.Expr) -> None:
         if any(map(_aggregates_inside, [value, *(call.expressions[0] for call in best)])):
             continue
         for call in best:
-            least = exp.Anonymous(this=native, expressions=[value.copy()])
-            found = exp.Not(this=exp.Is(this=least, expression=exp.Null()))
-            call.replace(exp.Case(ifs=[exp.If(this=found, true=call.expressions[0])]))
+            chosen = f"CASE WHEN NOT {native}(value) IS NULL THEN argument END"
+            call.replace(sql.expression(chosen, value=value, argument=call.expressions[0]))
 
 
 def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
@@ -102,10 +69,6 @@ def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
         yield node
     for child in node.iter_expressions():
         yield from _own_calls(child)
-
-
-def _alias(name: str) -> exp.TableAlias:
-    return exp.TableAlias(this=exp.to_identifier(name))
 
 
 def _is_zero(table: exp.Expr) -> bool:
@@ -139,11 +102,6 @@ def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
     return not columns or any(column.table in own for column in columns)
 
 
-def _is_grouped(select: exp.Select) -> bool:
-    unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows", "with_")
-    return any(select.args.get(part) for part in unusual)
-
-
 def _aggregates_inside(node: exp.Expr) -> bool:
     """Return whether anything that could be an aggregate or a select stands inside."""
     return node.find(exp.Select) is not None or any(
@@ -164,13 +122,13 @@ def native_division(tree: exp.Expr) -> None:
         if sql.call_name(call) != "divide" or not all(map(_is_number, call.expressions)):
             continue
         above, below = call.expressions
-        real = exp.Cast(this=above.copy(), to=exp.DataType.build("REAL", dialect="sqlite"))
-        quick = exp.Div(this=real, expression=below.copy())
+        parts = {"above": above, "below": below, "otherwise": call}
+        quotient = "CAST(above AS REAL) / below"
         if isinstance(below, exp.Literal) and float(below.this):
-            call.replace(exp.Paren(this=quick))
+            call.replace(sql.expression(f"({quotient})", **parts))
         elif _is_light(above) and _is_light(below):
-            not_zero = exp.NEQ(this=below.copy(), expression=exp.Literal.number(0))
-            call.replace(exp.Case(ifs=[exp.If(this=not_zero, true=quick)], default=call.copy()))
+            checked = f"CASE WHEN below <> 0 THEN {quotient} ELSE otherwise END"
+            call.replace(sql.expression(checked, **parts))
 
 
 def native_choice(tree: exp.Expr) -> None:
@@ -187,9 +145,9 @@ def native_choice(tree: exp.Expr) -> None:
         literals = [value for value in call.expressions if isinstance(value, exp.Literal)]
         if not literals:
             continue
-        values = [value.copy() for value in call.expressions]
-        chosen = exp.Anonymous(this=native, expressions=values[::-1] if native == "MIN" else values)
-        call.replace(exp.Anonymous(this="COALESCE", expressions=[chosen, literals[0].copy()]))
+        first, second = call.expressions[::-1] if native == "MIN" else call.expressions
+        text = f"COALESCE({native}(first, second), literal)"
+        call.replace(sql.expression(text, first=first, second=second, literal=literals[0]))
 
 
 def _is_number(node: exp.Expr) -> bool:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.tuning.planning import asked_often
+from logical_robots_tui.mind.tuning.planning import materialized_queries
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -62,7 +62,7 @@ class _Lifting:
         # Named queries that depend on the viewer, as they were.
         self._dependent: dict[str, exp.Expr] = {}
         self._mentions = Counter(table.name for table in tree.find_all(exp.Table))
-        self._often = asked_often(tree)
+        self._often = materialized_queries(tree)
 
     def lift(self, query: exp.Expr, *, must: bool = False) -> bool:
         """Add the viewer as last column.
@@ -129,27 +129,29 @@ class _Lifting:
             if len(select.expressions) > 1:  # what they read is better computed once
                 self._mentions.update(table.name for table in select.find_all(exp.Table))
         sources = sql.sources(select)
-        told = {name: viewer for name, t in sources.items() if (viewer := self._told(name, t))}
-        if not told:
+        viewers = {
+            name: viewer for name, t in sources.items() if (viewer := self._viewer_of(name, t))
+        }
+        if not viewers:
             if not must and not self._depends(select):
                 return False
             _read_everybody(select)
-            told = {_EVERYBODY: exp.column("id", _EVERYBODY)}
+            viewers = {_EVERYBODY: exp.column("id", _EVERYBODY)}
         if any(select.args.get(part) for part in _UNUSUAL):
             raise _UnsuitableError
         group = select.args.get("group")
-        sensors = (name for name in told if sql.table_name(sources.get(name)) == "sensor")
-        leader = next(sensors, next(iter(told)))
-        viewer = told.pop(leader)
+        sensors = (name for name in viewers if sql.table_name(sources.get(name)) == "sensor")
+        leader = next(sensors, next(iter(viewers)))
+        viewer = viewers.pop(leader)
         self._bind(select, leader, viewer)
-        for other in told.values():
+        for other in viewers.values():
             sql.restrict(select, exp.EQ(this=other, expression=viewer.copy()))
         if group is not None:
             group.append("expressions", viewer.copy())
         select.append("expressions", exp.alias_(viewer.copy(), _VIEWER))
         return True
 
-    def _told(self, name: str, table: exp.Expr) -> exp.Column | None:
+    def _viewer_of(self, name: str, table: exp.Expr) -> exp.Column | None:
         """Return the column of a source that is its viewer, or None if it has none."""
         if sql.table_name(table) == "sensor":
             return exp.column("id", name)

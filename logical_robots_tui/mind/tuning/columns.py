@@ -1,21 +1,31 @@
-"""Sensor fields and radar rays as columns, where the compiler takes them out of JSON text.
+"""Fields of sensors, rays and memories as columns, where the compiler takes them out of JSON text.
 
-Every table gets the rows of all robots of a tick; which of them a robot may see is two bounds on
-their numbers, so that one load serves the thoughts of all.
+Every table gets the rows of all robots of a tick, rays and the records of lists in tables of their
+own; which of them a robot may see is two bounds on their numbers, so that one load serves the
+thoughts of all.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.layouts import KINDS, RAYS, WHOLE_RAY
-from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.sqlite.filling import spell_item
+from logical_robots_tui.mind.sqlite.layouts import (
+    ITEM_FIELDS,
+    ITEMS,
+    KINDS,
+    MEMORY_FIELDS,
+    RAYS,
+    WHOLE_RAY,
+)
+from logical_robots_tui.mind.tuning import json, sql
 from logical_robots_tui.schema import RAY, SELF, SENSOR
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 
 SENSOR_FIELDS = {
     **{f"$.{name}": name for name in SENSOR.scalars},
@@ -26,19 +36,10 @@ SENSOR_FIELDS = {
 RAY_FIELDS = RAY.names
 """Columns of ``Ray`` and the tables of some rays, beside ``value``, the whole ray as JSON text."""
 
-TABLES = {
-    "sensor": "Sensor",
-    "memory": "Memory",
-    "ray": "Ray",
-    "item": "Item",
-    **{table.lower(): table for table in KINDS},
-}
-"""The tables that a tuned query reads, by their names in lower case."""
-
 _BOUNDS = {"sensor": ("?1", "?2"), "memory": ("?3", "?4")}
 
 
-def one_alias_per_robot(tree: exp.Expr) -> None:
+def merge_self_joins(tree: exp.Expr) -> None:
     """Read an input once where a select joins it with itself on the robot's name.
 
     A robot has one row in each, so it is the same row.
@@ -72,14 +73,14 @@ def rays_as_rows(tree: exp.Expr) -> None:
             if any(column.name != "value" for column in columns):
                 continue
             for column in columns:
-                field = sql.extracted(column.parent)
+                field = sql.extract_path(column.parent)
                 if column.parent and field[:2] == "$." and field[2:] in RAY_FIELDS:
                     column.parent.replace(exp.column(field[2:], name))
             rays = exp.to_table(_of_one_kind(select, name) or "Ray")
             table.replace(exp.alias_(rays, name, table=True))
-            first = exp.Mul(this=exp.column("id", sensor), expression=exp.Literal.number(RAYS))
-            last = exp.Add(this=first.copy(), expression=exp.Literal.number(RAYS - 1))
-            sql.restrict(select, exp.Between(this=exp.column("id", name), low=first, high=last))
+            mine = f"ray BETWEEN sensor * {RAYS} AND sensor * {RAYS} + {RAYS - 1}"
+            numbers = {"ray": exp.column("id", name), "sensor": exp.column("id", sensor)}
+            sql.restrict(select, sql.expression(mine, **numbers))
             if sensor in here:
                 followers[name] = sensor
         # Left to itself, SQLite would rather look through the rays of all robots first.
@@ -94,14 +95,14 @@ def sensor_fields_as_columns(tree: exp.Expr) -> None:
             continue
         node: exp.Expr = column
         path = "$"
-        while (outer := node.parent) is not None and sql.extracted(outer).startswith("$."):
-            node, path = outer, path + sql.extracted(outer)[1:]
+        while (outer := node.parent) is not None and sql.extract_path(outer).startswith("$."):
+            node, path = outer, path + sql.extract_path(outer)[1:]
             if path in SENSOR_FIELDS:
                 node.replace(exp.column(SENSOR_FIELDS[path], column.table))
                 break
 
 
-def bound_to_viewer(tree: exp.Expr) -> None:
+def bind_viewers(tree: exp.Expr) -> None:
     """Let every mention of an input see only the rows between the bounds of a viewer."""
     for table in list(tree.find_all(exp.Table)):
         bounds = _BOUNDS.get(sql.table_name(table))
@@ -119,12 +120,12 @@ def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
     read: dict[str, set[str]] = {}
     for tree in trees:
         for table in tree.find_all(exp.Table):
-            name = TABLES.get(sql.table_name(table))
+            name = sql.TABLES.get(sql.table_name(table))
             if name is not None:
                 read.setdefault(name, set())
         for column in tree.find_all(exp.Column):
             found = sql.source(column)
-            name = TABLES.get(sql.table_name(found[1])) if found is not None else None
+            name = sql.TABLES.get(sql.table_name(found[1])) if found is not None else None
             if name is not None and column.name.lower() != "id":
                 read[name].add(column.name.lower())
     return {name: tuple(sorted(columns)) for name, columns in read.items()}
@@ -159,7 +160,7 @@ def _radar_of(table: exp.Expr) -> str | None:
     if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_extract":
         return None
     column = arguments[0].expressions[0]
-    if not isinstance(column, exp.Column) or sql.extracted(arguments[0]) != "$.radar":
+    if not isinstance(column, exp.Column) or sql.extract_path(arguments[0]) != "$.radar":
         return None
     return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
 
@@ -196,7 +197,7 @@ _TABLES = frozenset({"ray", *(table.lower() for table in KINDS)})
 _WHOLE = "value"
 
 
-def whole_rays_when_wanted(tree: exp.Expr) -> None:
+def fetch_whole_rays(tree: exp.Expr) -> None:
     """Ask for whole rays once for each group, where they stand beside an aggregate.
 
     A ray that is wanted as a whole, as in ``ArgMin{ray -> ray.distance}``, is one of 31. Beside MIN
@@ -230,3 +231,155 @@ def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
             return False
         node = parent
     return node.arg_key == "expressions" and any(map(sql.own_aggregates, select.expressions))
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryColumns:
+    """Which columns hold what of memories, for all queries of a program; added to.
+
+    Attributes:
+        fields: By name of a field of memories its column of ``Memory``.
+        items: By name of a field of records in their lists its column of ``Item``.
+    """
+
+    fields: dict[str, str] = field(default_factory=dict)
+    items: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def closed(cls, read: Mapping[str, Sequence[str]]) -> MemoryColumns:
+        """Return what the columns are that are read already, with no room for more."""
+        fields, items = {}, {}
+        for name in read.get("Memory", ()):
+            column, _, known = name.partition("=")
+            if known:
+                fields[known] = column
+        for name in read.get("Item", ()):
+            column, _, known = name.partition("=")
+            items[known.rpartition(".")[2]] = column
+        # No field has a number for its name.
+        fields |= {str(at): c for at, c in enumerate(MEMORY_FIELDS) if c not in fields.values()}
+        items |= {str(at): c for at, c in enumerate(ITEM_FIELDS) if c not in items.values()}
+        return cls(fields, items)
+
+
+def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
+    """Take fields of memories from columns of their own."""
+    for column in list(tree.find_all(exp.Column)):
+        guarded = _field_of_memory(column)
+        if guarded is None:
+            continue
+        case, field = guarded
+        if field not in known:
+            if len(known) == len(MEMORY_FIELDS):
+                continue
+            known[field] = MEMORY_FIELDS[len(known)]
+        taken = exp.column(known[field], column.table)
+        case.replace(json.remark(taken, case, is_result=True))
+
+
+def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
+    """Return names of columns of ``Memory``, those of fields with the field."""
+    by_column = {column: field for field, column in fields.items()}
+    return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
+
+
+def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
+    """Return the expression that reads a field of a memory if it is a record, and the field."""
+    if column.name.lower() != "memory":
+        return None
+    found = sql.source(column)
+    if found is None or sql.table_name(found[1]) != "memory":
+        return None
+    return guarded_field(column)
+
+
+def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
+    """Return the expression that takes a field out of a column if that is a record, and the field.
+
+    It is ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``; of its two
+    mentions of the column only the second has one.
+    """
+    call = column.parent
+    branch = call.parent if sql.call_name(call) == "json_extract" and call else None
+    case = branch.parent if isinstance(branch, exp.If) else None
+    if not isinstance(case, exp.Case) or branch is None or call is None:
+        return None
+    test = branch.this
+    path = call.expressions[1] if len(call.expressions) == 2 else None
+    if (
+        case.this is not None
+        or case.args.get("default") is not None
+        or len(case.args["ifs"]) != 1
+        or branch.args.get("true") is not call
+        or sql.call_name(test) != "json_valid"
+        or test.expressions != [column]
+        or not isinstance(path, exp.Literal)
+        or not path.is_string
+    ):
+        return None
+    name = path.this.removeprefix("$.")
+    return (case, name) if path.this == f"$.{name}" and name.isidentifier() else None
+
+
+def items_as_rows(
+    tree: exp.Expr, fields: Mapping[str, str], known: MutableMapping[str, str]
+) -> tuple[str, ...]:
+    """Read records in lists of memories from a table of such records.
+
+    Returns:
+        The columns that the query reads, as `fillings` wants them.
+    """
+    by_column = {column: name for name, column in fields.items()}
+    read: set[str] = set()
+    for table in list(tree.find_all(exp.Table)):
+        select, items = table.find_ancestor(exp.Select), _list_of(table)
+        if select is None or items is None or not _joins_before(select, table, items.table):
+            continue
+        alias = table.alias_or_name
+        uses = list(sql.columns_of(select, alias))
+        keys = {sql.extract_path(use.parent).removeprefix("$.") for use in uses}
+        new = sorted(key for key in keys if key not in known)
+        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(ITEM_FIELDS):
+            continue
+        if not keys or any(use.name != "value" for use in uses):
+            continue
+        known.update(zip(new, ITEM_FIELDS[len(known) :], strict=False))
+        for use in uses:
+            call = use.parent
+            assert call is not None
+            column = known[sql.extract_path(call).removeprefix("$.")]
+            taken = exp.column(column, alias)
+            call.replace(json.remark(taken, call, is_result=True))
+        place = MEMORY_FIELDS.index(items.name)
+        read |= {spell_item(known[key], place, by_column[items.name], key) for key in keys}
+        _read_items(select, table, items.table, place)
+    return tuple(sorted(read))
+
+
+def _list_of(table: exp.Table) -> exp.Column | None:
+    """Return the column of a memory that a source unnests, if that is what it is."""
+    arguments = table.this.expressions if sql.call_name(table.this) == "json_each" else []
+    column = arguments[0] if len(arguments) == 1 else None
+    if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
+        return None
+    found = sql.source(column)
+    return column if found is not None and sql.table_name(found[1]) == "memory" else None
+
+
+def _joins_before(select: exp.Select, table: exp.Table, memory: str) -> bool:
+    """Return whether a select, or an outer one, reads a memory before a list in it."""
+    names = list(sql.sources(select))
+    return memory not in names or names.index(memory) < names.index(table.alias_or_name)
+
+
+def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -> None:
+    """Let a select read the records of a list; after what it reads before, as it was."""
+    alias = table.alias_or_name
+    join = table.parent
+    if isinstance(join, exp.Join):
+        join.set("kind", "CROSS")
+    table.replace(exp.alias_(exp.to_table("Item"), alias, table=True))
+    first = f"(memory * {len(MEMORY_FIELDS)} + {place}) * {ITEMS}"
+    its = f"item BETWEEN {first} AND {first} + {ITEMS - 1}"
+    numbers = {"item": exp.column("id", alias), "memory": exp.column("id", memory)}
+    sql.restrict(select, sql.expression(its, **numbers))

@@ -7,8 +7,6 @@ query of their own that SQLite keeps::
     WITH t_0_shared AS MATERIALIZED (SELECT s.id AS c0, (SELECT ...) AS c1 FROM Sensor AS s)
     SELECT ... t_0_shared.c1 ... t_0_shared.c1 ... FROM t_0_shared
 
-Where that query is read once, SQLite need not even keep its rows, but can take them as they come.
-
 A record or list that passes through such a query loses SQLite's mark that it is JSON; the mark is
 restored where it matters.
 """
@@ -37,7 +35,7 @@ _LIGHT = 10  # nodes; less than that may as well be computed for every row
 _IN_JSON = frozenset({"json"})
 
 
-def shared(tree: exp.Query) -> None:
+def share(tree: exp.Query) -> None:
     """Compute repeated expressions once in every select outside of subqueries."""
     number = 0
     for select in list(_outer_selects(tree)):
@@ -45,27 +43,6 @@ def shared(tree: exp.Query) -> None:
         while (added := _share(tree, current, f"{_NAME}_{number}")) is not None:
             number += 1
             current = added
-
-
-def rows_as_they_come(tree: exp.Query) -> None:
-    """Let SQLite compute what is shared row by row, where it is for the result itself.
-
-    It would put the two queries into one again, and compute everything as often as it is
-    mentioned, but for a limit in the one and a condition in the other.
-    """
-    named = tree.args.get("with_")
-    queries = {query.alias: query for query in named.expressions} if named else {}
-    select: exp.Expr = tree
-    while isinstance(select, exp.Select):
-        (source, *others) = sql.sources(select).values() or (None,)
-        if others or not isinstance(source, exp.Table) or not is_shared(source.name):
-            return
-        query = queries[source.name]
-        query.set("materialized", False)
-        query.this.set("limit", exp.Limit(expression=exp.Neg(this=exp.Literal.number(1))))
-        if not select.args.get("where"):
-            select.set("where", exp.Where(this=exp.Literal.number(1)))
-        select = query.this
 
 
 def is_shared(name: str) -> bool:
@@ -198,7 +175,7 @@ def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
     chosen = _chosen(examination)
     if not chosen or examination.strange:
         return None
-    return _moved(tree, select, name, chosen, examination)
+    return _move(tree, select, name, chosen, examination)
 
 
 def _chosen(examination: _Examination) -> list[exp.Expr]:
@@ -228,7 +205,7 @@ def _chosen(examination: _Examination) -> list[exp.Expr]:
     return found if sum(gains.values()) >= _WORTH_SHARING else []
 
 
-def _moved(
+def _move(
     tree: exp.Query,
     select: exp.Select,
     name: str,
@@ -245,16 +222,14 @@ def _moved(
     is_result = select is tree
     for node in chosen:
         seen = reference(examination.seen[id(node)].key, node.copy)
-        node.replace(
-            seen if json.is_plain(node) else json.remarked(seen, node, is_result=is_result)
-        )
+        node.replace(seen if json.is_plain(node) else json.remark(seen, node, is_result=is_result))
     for expression in select.expressions:
         for column in list(expression.find_all(exp.Column)):
             found = sql.source(column)
             if found is not None and found[0] is select:
                 seen = reference((column.table, column.name.lower()), column.copy)
                 stored = json.is_stored(found[1])
-                column.replace(seen if stored else json.remarked(seen, column, is_result=is_result))
+                column.replace(seen if stored else json.remark(seen, column, is_result=is_result))
     first = exp.Select(
         # Not `exp.alias_`: a subquery that is given the alias itself would be another one.
         expressions=[

@@ -11,7 +11,7 @@ from __future__ import annotations
 from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.layouts import ITEM_FIELDS, MEMORY_FIELDS
-from logical_robots_tui.mind.tuning import columns, sql
+from logical_robots_tui.mind.tuning import sql
 
 _CHEAP = frozenset({"abs", "atan2", "cos", "sin", "sqrt"})
 _WRITTEN = frozenset({"real_as_json", "value_as_json"})
@@ -21,7 +21,7 @@ _UNPLAIN = frozenset({"memory", "sensor", "value", *MEMORY_FIELDS, *ITEM_FIELDS}
 _PASSES_ON = frozenset({"coalesce", "iif", "if", "ifnull", "nullif", "min", "max", "any_value"})
 
 
-def taken_out(value: exp.Expr) -> exp.Expr:
+def unwrap(value: exp.Expr) -> exp.Expr:
     """Return what was written as JSON, as it was before; a truth is a number then."""
     truth = truth_in(value)
     if truth is not None:
@@ -45,11 +45,19 @@ def truth_in(value: exp.Expr) -> exp.Expr | None:
 
 def truth(value: exp.Expr) -> exp.Expr:
     """Return a truth, which is a number for SQLite, as JSON."""
-    ifs = [
-        exp.If(this=exp.Literal.number(number), true=exp.Literal.string(word))
-        for number, word in ((1, "true"), (0, "false"))
-    ]
-    return exp.Anonymous(this="JSON", expressions=[exp.Case(this=value, ifs=ifs)])
+    return sql.expression("JSON(CASE x WHEN 1 THEN 'true' WHEN 0 THEN 'false' END)", x=value)
+
+
+_DIGITS = "CASE WHEN x IS NOT NULL THEN PRINTF('%!.17g', x) END"
+
+_OF_ANY_TYPE = """
+CASE WHEN x >= '' THEN marked WHEN TYPEOF(x) = 'real' THEN JSON(PRINTF('%!.17g', x)) ELSE x END
+"""
+"""Texts come after all numbers; to compare is quicker than to ask for the type."""
+
+_MARKED = """
+CASE WHEN SUBSTR(x, 1, 1) IN ('{', '[') AND JSON_VALID(x) THEN JSON(x) ELSE otherwise END
+"""
 
 
 def native_numbers(tree: exp.Expr) -> None:
@@ -62,41 +70,17 @@ def native_numbers(tree: exp.Expr) -> None:
         if name == "real_as_json":
             number = call.expressions[0]
             if _is_cheap(number):
-                call.replace(_digits_or_null(number))
+                call.replace(sql.expression(_DIGITS, x=number))
         elif name == "value_as_json" and isinstance(call.expressions[0], exp.Column):
-            outer = call.parent
-            assert outer is not None
-            outer.replace(_as_it_is(call.expressions[0]))
+            (value,) = call.expressions
+            assert call.parent is not None
+            call.parent.replace(sql.expression(_OF_ANY_TYPE, x=value, marked=mark(value, value)))
 
 
 def _is_cheap(number: exp.Expr) -> bool:
     """Return whether SQLite computes a number twice in less time than a call of Python takes."""
     calls = number.find_all(exp.Anonymous)
     return not number.find(exp.Query) and all(sql.call_name(call) in _CHEAP for call in calls)
-
-
-def _digits(number: exp.Expr) -> exp.Expr:
-    template = exp.Literal.string("%!.17g")
-    return exp.Anonymous(this="PRINTF", expressions=[template, number.copy()])
-
-
-def _digits_or_null(number: exp.Expr) -> exp.Expr:
-    there = exp.Is(this=number.copy(), expression=exp.Not(this=exp.Null()))
-    return exp.Case(ifs=[exp.If(this=there, true=_digits(number))])
-
-
-def _as_it_is(value: exp.Column) -> exp.Expr:
-    """Return a value for JSON, of which only SQLite knows whether it is a number or a text."""
-    kind = exp.Anonymous(this="TYPEOF", expressions=[value.copy()])
-    is_real = exp.EQ(this=kind, expression=exp.Literal.string("real"))
-    # Texts come after all numbers; to compare is quicker than to ask for the type.
-    is_text = exp.GTE(this=value.copy(), expression=exp.Literal.string(""))
-    real = exp.Anonymous(this="JSON", expressions=[_digits(value)])
-    ifs = [
-        exp.If(this=is_text, true=marked(value.copy(), value.copy())),
-        exp.If(this=is_real, true=real),
-    ]
-    return exp.Case(ifs=ifs, default=value.copy())
 
 
 def is_plain(node: exp.Expr) -> bool:
@@ -158,23 +142,16 @@ def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
         node = parent
 
 
-def remarked(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
+def remark(value: exp.Column, place: exp.Expr, *, is_result: bool) -> exp.Expr:
     """Return a value marked again as a record or list, where that matters."""
-    return marked(value, value) if _is_noticed(place, is_result) else value
+    return mark(value, value) if _is_noticed(place, is_result) else value
 
 
-def marked(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
+def mark(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
     """Return a value as JSON if it is the text of a record or list, else another expression."""
-    begins = exp.Anonymous(
-        this="SUBSTR", expressions=[value.copy(), exp.Literal.number(1), exp.Literal.number(1)]
-    )
-    brackets = [exp.Literal.string("{"), exp.Literal.string("[")]
-    valid = exp.Anonymous(this="JSON_VALID", expressions=[value.copy()])
-    as_json = exp.Anonymous(this="JSON", expressions=[value.copy()])
-    test = exp.And(this=exp.In(this=begins, expressions=brackets), expression=valid)
-    return exp.Case(ifs=[exp.If(this=test, true=as_json)], default=otherwise)
+    return sql.expression(_MARKED, x=value, otherwise=otherwise)
 
 
 def is_stored(table: exp.Expr) -> bool:
     """Return whether a source is a table, in which no value has the note anyway."""
-    return sql.table_name(table) in columns.TABLES
+    return sql.table_name(table) in sql.TABLES

@@ -1,27 +1,32 @@
-"""The passes that rewrite a query, in order. All but the required ones can be left out."""
+"""The passes that rewrite a query, in order, and their application to the queries of a program.
+
+All but the required ones can be left out.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from sqlglot import exp
+from sqlglot.errors import SqlglotError
+
+from logical_robots_tui.mind.program import STEPS, Tuned
 from logical_robots_tui.mind.tuning import (
     aggregates,
     columns,
     common_subexpressions,
     json,
     planning,
+    sql,
 )
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
-from logical_robots_tui.mind.tuning.memories import items_as_rows, memory_fields_as_columns
+from logical_robots_tui.mind.tuning.columns import MemoryColumns
 from logical_robots_tui.mind.tuning.records import pairs_as_columns, records_as_columns
+from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from sqlglot import exp
-
-    from logical_robots_tui.mind.tuning.memories import MemoryColumns
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
 
 @dataclass(slots=True)
@@ -32,7 +37,6 @@ class Rewriting:
         tree: The query of one viewer.
         known: The columns of memory fields, shared by all queries of a program; mutable.
         is_for_all: Whether to make a query for all viewers at once, too.
-        is_by_name: Whether many robots may look up memories by name.
         result: As `records_as_columns` gives it.
         items: As `items_as_rows` gives it.
         together: The query for all viewers at once.
@@ -43,7 +47,6 @@ class Rewriting:
     tree: exp.Query
     known: MemoryColumns
     is_for_all: bool = False
-    is_by_name: bool = False
     result: tuple[tuple[str, tuple[str, ...]], ...] = ()
     items: tuple[str, ...] = ()
     together: exp.Query | None = None
@@ -55,12 +58,6 @@ class Rewriting:
         """The query of one viewer and those for all viewers."""
         return self.tree, self.together, self.alike
 
-    def keep_for_crowd(self) -> tuple[exp.Query | None, ...]:
-        """Return the queries for many robots, which are changed separately from now on."""
-        if not self.crowd:
-            self.crowd = tuple(None if query is None else query.copy() for query in self.queries)
-        return self.crowd
-
 
 @dataclass(frozen=True, slots=True)
 class Pass:
@@ -69,13 +66,11 @@ class Pass:
     Attributes:
         name: In lower case with hyphens, as `docs/speed.md` lists it.
         apply: Changes a query.
-        after: Names of the passes that it must follow.
         required: Whether the query would be wrong without it.
     """
 
     name: str
     apply: Callable[[Rewriting], None]
-    after: tuple[str, ...] = ()
     required: bool = False
 
 
@@ -92,11 +87,11 @@ def _on_each(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]
 
 
 def _memory_columns(work: Rewriting) -> None:
-    memory_fields_as_columns(work.tree, work.known.fields)
+    columns.memory_fields_as_columns(work.tree, work.known.fields)
 
 
 def _item_rows(work: Rewriting) -> None:
-    work.items = items_as_rows(work.tree, work.known.fields, work.known.items)
+    work.items = columns.items_as_rows(work.tree, work.known.fields, work.known.items)
 
 
 def _result_columns(work: Rewriting) -> None:
@@ -111,53 +106,154 @@ def _all_viewers(work: Rewriting) -> None:
 
 def _materialized_by_robot(work: Rewriting) -> None:
     # The query of one viewer is asked once where all see everything.
-    planning.computed_once(work.tree, by_robots=True)
-
-
-def _memory_by_name(work: Rewriting) -> None:
-    if work.is_by_name:
-        for query in filter(None, work.keep_for_crowd()):
-            planning.memories_by_name(query)
+    planning.materialize(work.tree, by_robots=True)
 
 
 def _list_indexes(work: Rewriting) -> None:
-    work.keep_for_crowd()
+    work.crowd = tuple(None if query is None else query.copy() for query in work.queries)
     for query in filter(None, work.queries):
-        planning.indexed_where_lists_are_joined(query)
+        planning.limit_indexes(query)
 
 
 PASSES = (
-    Pass("self-joins", _on_tree(columns.one_alias_per_robot)),
+    Pass("self-joins", _on_tree(columns.merge_self_joins)),
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
-    Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns), after=("ray-rows",)),
-    Pass("viewer-bounds", _on_tree(columns.bound_to_viewer), after=("self-joins",), required=True),
+    Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns)),
+    Pass("viewer-bounds", _on_tree(columns.bind_viewers), required=True),
     Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
-    Pass("memory-columns", _memory_columns, after=("arg-min-pairs",)),
-    Pass("item-rows", _item_rows, after=("memory-columns",)),
-    Pass("grouped-arg-min", _on_tree(aggregates.grouped_arg_min)),
-    Pass("untangled-aggregates", _on_tree(aggregates.untangled)),
-    Pass("arg-min", _on_tree(aggregates.native_arg_min), after=("untangled-aggregates",)),
+    Pass("memory-columns", _memory_columns),
+    Pass("item-rows", _item_rows),
+    Pass("untangled-aggregates", _on_tree(aggregates.untie_aggregates)),
+    Pass("arg-min", _on_tree(aggregates.native_arg_min)),
     Pass("result-columns", _result_columns),
-    Pass(
-        "common-subexpressions",
-        _on_tree(common_subexpressions.shared),
-        after=("ray-rows", "sensor-columns", "memory-columns", "result-columns"),
-    ),
-    Pass("materialized", _on_tree(planning.computed_once), after=("common-subexpressions",)),
+    Pass("common-subexpressions", _on_tree(common_subexpressions.share)),
+    Pass("materialized", _on_tree(planning.materialize)),
     Pass("division", _on_tree(aggregates.native_division)),
-    Pass("numbers", _on_tree(json.native_numbers), after=("result-columns",)),
-    Pass("all-viewers", _all_viewers, after=("viewer-bounds", "materialized", "numbers")),
-    Pass("materialized-by-robot", _materialized_by_robot, after=("all-viewers",)),
-    Pass(
-        "coroutines",
-        _on_each(common_subexpressions.rows_as_they_come),
-        after=("common-subexpressions", "all-viewers"),
-    ),
+    Pass("numbers", _on_tree(json.native_numbers)),
+    Pass("all-viewers", _all_viewers),
+    Pass("materialized-by-robot", _materialized_by_robot),
     Pass("choice", _on_each(aggregates.native_choice)),
-    Pass("late-rays", _on_each(columns.whole_rays_when_wanted), after=("ray-rows",)),
-    Pass("lookups", _on_each(planning.looked_up), after=("materialized-by-robot",)),
-    Pass("range-scans", _on_each(planning.found_by_number), after=("ray-rows", "item-rows")),
-    Pass("memory-by-name", _memory_by_name),
-    Pass("list-indexes", _list_indexes, after=("lookups", "range-scans", "memory-by-name")),
+    Pass("late-rays", _on_each(columns.fetch_whole_rays)),
+    Pass("lookups", _on_each(planning.index_lookups)),
+    Pass("range-scans", _on_each(planning.scan_ranges)),
+    Pass("list-indexes", _list_indexes),
 )
-"""Repeated expressions are looked for once all of them have their final form."""
+"""Columns come before what reads them, and repeated expressions are looked for in their final form.
+Indexes are decided on last."""
+
+_LONGEST = 100_000  # characters of a statement
+MOST_TUNED = 400_000
+"""Characters of all statements of a program that are tuned."""
+
+_TAKEN = frozenset({"id", "rowid", "oid", "_rowid_"})
+"""Columns that exist for tuned queries only."""
+
+_OURS = frozenset(sql.TABLES).difference(name.lower() for name in INPUTS)
+"""Tables that exist for tuned queries only."""
+
+
+def tune_all(
+    statements: Mapping[str, str],
+    trees: dict[str, exp.Query] | None = None,
+    *,
+    without: Collection[str] = (),
+) -> dict[str, Tuned]:
+    """Tune what can be tuned of several queries, the first ones first.
+
+    `trees` are those of statements that have been read already; they are used up.
+    """
+    tuned = {}
+    trees = {} if trees is None else trees
+    known = MemoryColumns()
+    left = MOST_TUNED
+    for name, statement in statements.items():
+        left -= len(statement)
+        if left < 0:
+            break
+        if len(statement) <= _LONGEST:
+            found = tune(
+                statement,
+                known,
+                tree=trees.pop(statement, None),
+                for_all=name == "Robot",
+                without=without,
+            )
+            if found is not None:
+                tuned[name] = found
+    return tuned
+
+
+def tune(
+    statement: str,
+    known: MemoryColumns | None = None,
+    *,
+    tree: exp.Query | None = None,
+    for_all: bool = False,
+    without: Collection[str] = (),
+) -> Tuned | None:
+    """Return the same query for the tables of the columns layout, or None if it can't be rewritten.
+
+    Args:
+        statement: A query as it was generated.
+        known: The columns of memory fields, shared by all queries of a program.
+        tree: Its tree, if there is one already; it is changed.
+        for_all: Whether to make, if possible, one for all viewers at once as well.
+        without: Names of passes to leave out.
+    """
+    if STEPS in statement:
+        return None  # rows that pass from step to step as a list can't be told apart by viewer
+    try:
+        tree = tree or sql.parse(statement)
+        if not _can_be_moved(tree):
+            return None
+        work = Rewriting(tree, known or MemoryColumns(), is_for_all=for_all)
+        for each in PASSES:
+            if each.required or each.name not in without:
+                each.apply(work)
+        return _tuned(work)
+    except (SqlglotError, ValueError, RecursionError):
+        return None
+
+
+def _tuned(work: Rewriting) -> Tuned:
+    one = columns.read_by([work.tree])
+    bounds = 4 if "Memory" in one else 2 if "Sensor" in one else 0
+    read = columns.read_by(filter(None, work.queries))
+    if work.together or work.alike:
+        read["Sensor"] = read["Sensor"] or ("robot_name",)
+    if "Memory" in read:
+        read["Memory"] = columns.name_fields(read["Memory"], work.known.fields)
+    if work.items:
+        read["Item"] = work.items
+    few, crowd = _texts(work.queries), _texts(work.crowd)
+    others = crowd if crowd != few else ()
+    return Tuned(few[0], bounds, read, work.result, few[1], few[2], others)
+
+
+def _texts(queries: Iterable[exp.Query | None]) -> tuple[str, ...]:
+    return tuple("" if query is None else sql.written(query) for query in queries)
+
+
+def _can_be_moved(tree: exp.Expr) -> bool:
+    """Return whether a query has nothing that means something else over other tables."""
+    if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
+        return False
+    if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
+        return False
+    tables = tree.find_all(exp.Table)
+    return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
+
+
+def _only_counts(tree: exp.Expr) -> bool:
+    """Return whether a star stands only in COUNT(*) and over a query that is written out."""
+    if tree.find(exp.Placeholder, exp.Parameter):
+        return False
+    for star in tree.find_all(exp.Star):
+        select = star.find_ancestor(exp.Select)
+        if (
+            select is not None
+            and star.parent is select
+            and any(columns.is_input(table) for table in sql.sources(select).values())
+        ):
+            return False
+    return True

@@ -27,7 +27,7 @@ _ZERO = "t_0_zero"
 _KINDS = frozenset(table.lower() for table in KINDS)
 
 
-def computed_once(tree: exp.Query, *, by_robots: bool = False) -> None:
+def materialize(tree: exp.Query, *, by_robots: bool = False) -> None:
     """Let SQLite keep the rows of named queries that are asked for row by row of others.
 
     Args:
@@ -41,8 +41,8 @@ def computed_once(tree: exp.Query, *, by_robots: bool = False) -> None:
             query.set("materialized", True)
 
 
-def asked_often(tree: exp.Query) -> frozenset[str]:
-    """Return names of the named queries that `computed_once` has found."""
+def materialized_queries(tree: exp.Query) -> frozenset[str]:
+    """Return names of the named queries that `materialize` has found."""
     return frozenset(
         name
         for name, query in _named(tree).items()
@@ -50,20 +50,19 @@ def asked_often(tree: exp.Query) -> frozenset[str]:
     )
 
 
-def looked_up(tree: exp.Query) -> None:
+def index_lookups(tree: exp.Query) -> None:
     """Let SQLite make an index where rows of these queries are looked up.
 
     SQLite estimates the cost of evaluating a subquery once. So an index seems to pay only if rows
     are looked up for those of another source: a table of a single 0.
     """
-    named, often = _named(tree), asked_often(tree)
+    named, often = _named(tree), materialized_queries(tree)
     for table in list(tree.find_all(exp.Table)):
         select = table.find_ancestor(exp.Select) if table.name in often else None
         if select is None or len(sql.sources(select)) > 1 or not _compares(select):
             continue
         if _is_asked_often(table, named):
-            array = exp.Anonymous(this="JSON_ARRAY", expressions=[exp.Literal.number(0)])
-            zero = exp.Table(this=exp.Anonymous(this="JSON_EACH", expressions=[array]))
+            zero = exp.Table(this=sql.expression("JSON_EACH(JSON_ARRAY(0))"))
             select.append("joins", exp.Join(this=exp.alias_(zero, _ZERO, table=True)))
 
 
@@ -113,12 +112,16 @@ def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
 
 
 _NUMBERED = frozenset({"item", "ray", *(table.lower() for table in KINDS)})
+_INPUTS = frozenset({"memory", "sensor"})
 
 
-def found_by_number(tree: exp.Query) -> None:
-    """Keep SQLite from finding rays, or records of lists, by what they hold among those of all.
+def scan_ranges(tree: exp.Query) -> None:
+    """Keep SQLite from finding rows by their content among those of all robots.
 
-    Those of one radar or list have numbers that follow each other, and come in this order.
+    Rays of one radar and records of one list have numbers that follow each other, and come in this
+    order. Visible memories are few, and found by number or name: an index of all those with
+    ``memory.settled == true`` costs more than testing them, and the joins that it leads to are
+    slower still.
     """
     for select in list(tree.find_all(exp.Select)):
         for equal in sql.conjuncts(select):
@@ -126,40 +129,7 @@ def found_by_number(tree: exp.Query) -> None:
                 _without_index(equal)
 
 
-def memories_by_name(tree: exp.Query) -> None:
-    """Have SQLite look up a robot's memory by a name that rays or sensors gave before.
-
-    There is one at most, and an index for many robots. SQLite would rather begin with all memories
-    that some condition leaves, and look among the rays of everybody for each.
-    """
-    for select in list(tree.find_all(exp.Select)):
-        before: set[str] = set()
-        for name, source in sql.sources(select).items():
-            join = source.parent
-            if (
-                isinstance(join, exp.Join)
-                and not (join.side or join.kind or join.args.get("on") or join.args.get("using"))
-                and sql.table_name(source) == "memory"
-                and any(_names(each, name, before) for each in sql.conjuncts(select))
-            ):
-                join.set("kind", "CROSS")
-            before.add(name)
-
-
-def _names(condition: exp.Expr, memory: str, before: AbstractSet[str]) -> bool:
-    """Return whether a condition says whose memory it is, by a column of what is read before."""
-    if not isinstance(condition, exp.EQ):
-        return False
-    for side, other in (
-        (condition.this, condition.expression),
-        (condition.expression, condition.this),
-    ):
-        if isinstance(side, exp.Column) and (side.table, side.name) == (memory, "robot_name"):
-            return isinstance(other, exp.Column) and other.table in before
-    return False
-
-
-def indexed_where_lists_are_joined(tree: exp.Query) -> None:
+def limit_indexes(tree: exp.Query) -> None:
     """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up."""
     queries = _queries_of_lists(tree)
     equals = [
@@ -180,16 +150,17 @@ def indexed_where_lists_are_joined(tree: exp.Query) -> None:
 
 def _without_index(equal: exp.EQ) -> None:
     """Write a condition so that SQLite makes no index for it."""
-    unlike = exp.NEQ(this=equal.this, expression=equal.expression)
-    equal.replace(exp.Paren(this=exp.Not(this=unlike)))
+    equal.replace(sql.expression("(NOT a <> b)", a=equal.this, b=equal.expression))
 
 
 def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
-    """Return whether a condition could only serve to find rays or records."""
+    """Return whether a condition could only serve to find rays, records or inputs by content."""
     for side, other in ((equal.this, equal.expression), (equal.expression, equal.this)):
-        if _read_by(side, select) in _NUMBERED and side.name != "id":
-            table = _read_by(other, select)
-            return table is None or (table in ("sensor", "memory") and other.name != "robot_name")
+        found, table = _read_by(side, select), _read_by(other, select)
+        if found in _NUMBERED and side.name != "id":
+            return table is None or (table in _INPUTS and other.name != "robot_name")
+        if found in _INPUTS and side.name not in ("id", "robot_name"):
+            return other.find(exp.Column) is None
     return False
 
 

@@ -13,7 +13,7 @@ from sqlglot import exp
 
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.tuning import json, sql
-from logical_robots_tui.mind.tuning.memories import guarded_field
+from logical_robots_tui.mind.tuning.columns import guarded_field
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -42,7 +42,7 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
         else:
             result.append((item.alias, tuple(map(_marked, fields, fields.values()))))
             columns += [
-                exp.alias_(json.taken_out(value), f"{item.alias}_{number}")
+                exp.alias_(json.unwrap(value), f"{item.alias}_{number}")
                 for number, value in enumerate(fields.values())
             ]
     if not all(name for name, _ in result) or not any(fields for _, fields in result):
@@ -97,7 +97,7 @@ def _choice(
     truths = [truth for truth in map(json.truth_in, given) if truth is not None]
     if truths and len(truths) < len(given):
         return None
-    *arms, default = map(json.taken_out, given)
+    *arms, default = map(json.unwrap, given)
     ifs = [
         exp.If(this=branch.this.copy(), true=arm)
         for branch, arm in zip(branches, arms, strict=True)
@@ -149,7 +149,7 @@ def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
     written_out = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
     if written_out != ["arg", "value"] or json.truth_in(argument) or json.truth_in(value):
         return None
-    return json.taken_out(argument), json.taken_out(value)
+    return json.unwrap(argument), json.unwrap(value)
 
 
 def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
@@ -219,12 +219,10 @@ def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
     the plain way answers.
     """
     table = next(call.find_all(exp.Column)).table
-    argument = exp.column(f"t_0_{name}_arg", table)
-    values = exp.column(value.copy(), table)
-    best = exp.Anonymous(this=call.this, expressions=[argument, values])
-    least = exp.Anonymous(this=call.name[4:], expressions=[values.copy()])
-    endless = [exp.Var(this="9e999"), exp.Var(this="-9e999")]
-    tests = [exp.In(this=made, expressions=endless) for made in (least, best.copy())]
-    fails = exp.Anonymous(this="JSON", expressions=[exp.Literal.string("")])
-    either = exp.Or(this=tests[0], expression=tests[1])
-    call.replace(exp.Case(ifs=[exp.If(this=either, true=fails)], default=best))
+    best = f"{call.name}(argument, value)"
+    endless = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {best} IN (9e999, -9e999)"
+    parts = {
+        "argument": exp.column(f"t_0_{name}_arg", table),
+        "value": exp.column(value.copy(), table),
+    }
+    call.replace(sql.expression(f"CASE WHEN {endless} THEN JSON('') ELSE {best} END", **parts))

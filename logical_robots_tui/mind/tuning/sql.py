@@ -6,10 +6,13 @@ functions: a call keeps its name.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from sqlglot import exp
 from sqlglot.dialects.sqlite import SQLite
+
+from logical_robots_tui.mind.sqlite.layouts import KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -18,6 +21,9 @@ _NEED_NO_PARENTHESES = (
     *(exp.Anonymous, exp.Boolean, exp.Case, exp.Column, exp.Literal, exp.Null, exp.Paren),
     exp.Subquery,
 )
+
+TABLES = {table.lower(): table for table in ("Sensor", "Memory", "Ray", "Item", *KINDS)}
+"""The tables that a tuned query reads, by their names in lower case."""
 
 AGGREGATES = frozenset(
     {
@@ -64,6 +70,20 @@ def parse(sql: str) -> exp.Query:
         join.set("kind", None)
     drop_parentheses(tree)
     return tree
+
+
+@cache
+def _template(text: str) -> exp.Expr:
+    return parse(f"SELECT {text}").selects[0]
+
+
+def expression(text: str, **parts: exp.Expr) -> exp.Expr:
+    """Return the tree of an expression, with copies of parts for the columns of their names."""
+    found = _template(text).copy()
+    for column in list(found.find_all(exp.Column)):
+        if column.name in parts:
+            column.replace(parts[column.name].copy())
+    return found
 
 
 def drop_parentheses(tree: exp.Query) -> None:
@@ -124,7 +144,7 @@ def call_name(node: exp.Expr | None) -> str:
     return node.name.lower() if isinstance(node, exp.Anonymous) else ""
 
 
-def extracted(node: exp.Expr | None) -> str:
+def extract_path(node: exp.Expr | None) -> str:
     """Return the path of a call of json_extract with one, or ""."""
     if call_name(node) != "json_extract":
         return ""

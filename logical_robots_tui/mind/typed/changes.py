@@ -19,7 +19,7 @@ from logical_robots_tui.mind.typed.kinds import (
     is_nested,
     is_number,
     is_whole,
-    spelled,
+    spell,
 )
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ _EXACT_DIGITS = 15
 """That SQLite writes of a number in JSON; DuckDB takes a decimal of no more for a real number."""
 
 
-def compared(node: exp.Expr, left: Kind, right: Kind) -> None:
+def compare_nested(node: exp.Expr, left: Kind, right: Kind) -> None:
     """Let records and lists be compared field by field and element by element."""
     if not (is_nested(left) or is_nested(right)):
         return
@@ -102,12 +102,12 @@ def compared(node: exp.Expr, left: Kind, right: Kind) -> None:
     node.set("expression", exp.Literal.number(0))
 
 
-def contained(node: exp.In, listed: exp.Expr) -> None:
+def contain_nested(node: exp.In, listed: exp.Expr) -> None:
     """Let a record or a list be looked for in a list by its fields or elements."""
     node.replace(call("list_has", listed.copy(), node.this.copy()))
 
 
-def extracted(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
+def extract(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     """Return the type of the value at a path in JSON; negative places are null."""
     whole, path = kinds[0], made.expressions[1]
     if isinstance(path, exp.Literal):
@@ -123,7 +123,7 @@ def extracted(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     return whole.element if isinstance(whole, ListOf) else Plain.ANY
 
 
-def as_decimal(node: exp.Expr, kind: Decimal) -> None:
+def round_decimal(node: exp.Expr, kind: Decimal) -> None:
     """Let a sum or product of decimal numbers have no digits that decimals would not have."""
     for name in ("this", "expression"):
         side = node.args[name].unnest()
@@ -132,7 +132,7 @@ def as_decimal(node: exp.Expr, kind: Decimal) -> None:
     node.replace(call("ROUND", node.copy(), exp.Literal.number(kind.scale)))
 
 
-def made_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
+def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     """Return the type of a record or list made of values, which are written as JSON."""
     name = sql.call_name(made)
     values = list(made.expressions)
@@ -195,7 +195,7 @@ def _is_json(value: exp.Expr) -> bool:
     return name in _MAKERS or isinstance(value, exp.Null)
 
 
-def called(made: exp.Anonymous, name: str, kinds: Sequence[Kind], found: Kind) -> Kind:
+def change_call(made: exp.Anonymous, name: str, kinds: Sequence[Kind], found: Kind) -> Kind:
     """Return the type of what a function gives, after the call was written as DuckDB means it."""
     change = _CHANGES.get(name)
     return found if change is None else change(made, kinds, found)
@@ -267,7 +267,7 @@ def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kin
     wanted = _as_cast(kinds[1])
     if is_known(wanted):
         made.set("this", "try_cast")
-        made.set("expressions", [made.expressions[0], exp.Literal.string(spelled(wanted))])
+        made.set("expressions", [made.expressions[0], exp.Literal.string(spell(wanted))])
     return wanted
 
 

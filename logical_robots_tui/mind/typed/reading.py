@@ -10,15 +10,18 @@ from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.typed import changes
 from logical_robots_tui.mind.typed.changes import conform
 from logical_robots_tui.mind.typed.kinds import (
+    SENSOR,
     Decimal,
     Kind,
     ListOf,
     Plain,
     common,
     is_nested,
-    unspelled,
+    parse_spelling,
+    product_of,
+    result_of,
+    sum_of,
 )
-from logical_robots_tui.mind.typed.results import SENSOR, given_by, product_of, sum_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -138,7 +141,7 @@ class Reader:
             return sum_of([self.kind(node.this)])
         if isinstance(node, _COMPARING):
             left, right = self.kind(node.this), self.kind(node.expression)
-            changes.compared(node, left, right)
+            changes.compare_nested(node, left, right)
             return Plain.TRUTH
         if isinstance(node, exp.In):
             return self._in(node)
@@ -192,7 +195,7 @@ class Reader:
             return found
         if found.scale > _MOST_DIGITS:
             return Plain.REAL
-        changes.as_decimal(node, found)
+        changes.round_decimal(node, found)
         return found
 
     def _in(self, node: exp.In) -> Kind:
@@ -202,7 +205,7 @@ class Reader:
             self.query(query.this)
             calls = [t.this for t in listed.values() if sql.call_name(t.this) == "json_each"]
             if is_nested(looked_for) and calls:
-                changes.contained(node, calls[0].expressions[0])
+                changes.contain_nested(node, calls[0].expressions[0])
         for item in list(node.expressions):
             self.kind(item)
         return Plain.TRUTH
@@ -216,13 +219,13 @@ class Reader:
         kinds = [self.kind(argument) for argument in call.expressions]
         arguments = call.expressions  # after they were rewritten
         if name in ("json_object", "json_array", "json_group_array", "json_group_object"):
-            return changes.made_json(call, kinds)
+            return changes.make_json(call, kinds)
         if name == "json_extract":
-            return changes.extracted(call, kinds)
+            return changes.extract(call, kinds)
         if name == "try_cast":
-            return unspelled(arguments[1].name)
-        found = given_by(name, kinds)
-        return changes.called(call, name, kinds, found)
+            return parse_spelling(arguments[1].name)
+        found = result_of(name, kinds)
+        return changes.change_call(call, name, kinds, found)
 
 
 def _literal(node: exp.Literal) -> Kind:
