@@ -1,7 +1,6 @@
-"""Cache folders on disk: bounded, written atomically, and never raising an error.
+"""Cache folders on disk: bounded, written atomically; disk errors are never raised.
 
-Many processes may read and write at once, because a file appears whole or not at all. Errors of the
-disk are ignored here. Readers must check the entries that they get.
+Many processes may read and write at once. Readers must check the entries that they get.
 """
 
 from __future__ import annotations
@@ -27,11 +26,9 @@ _CONFINED_SHARE = 8  # on a shared machine, where caches count as files of the p
 
 
 def cache_place(name: str, *, named: str = "") -> Path | None:
-    """Return the folder for entries of a kind, or None if nothing is to be cached.
+    """Return the folder for a kind of entries, or None if nothing is to be cached.
 
-    Args:
-        name: The folder's name in the system's cache folder.
-        named: Its name in the folder that the environment names, by default that folder itself.
+    `named` is its name in the folder set in the environment, by default that folder itself.
     """
     chosen = os.environ.get(FOLDER_VARIABLE)
     if chosen is not None:
@@ -43,14 +40,7 @@ def cache_place(name: str, *, named: str = "") -> Path | None:
 
 @dataclass(frozen=True, slots=True)
 class CacheFolder:
-    """A folder of entries that evicts the oldest when it is full.
-
-    Attributes:
-        place: The folder, which need not exist; None keeps nothing.
-        suffix: The ending of entries' names.
-        most_entries: The largest number of entries.
-        most_bytes: The largest total size.
-    """
+    """A folder of entries that evicts the oldest when it is full; None as place keeps nothing."""
 
     place: Path | None
     suffix: str
@@ -58,10 +48,7 @@ class CacheFolder:
     most_bytes: int
 
     def read(self, name: str, largest: int) -> bytes | None:
-        """Return the content of an entry, or None if it is missing or unreadable.
-
-        An entry of more than `largest` bytes is removed.
-        """
+        """Return an entry, or None; an entry of more than `largest` bytes is removed."""
         if self.place is None:
             return None
         path = self.place / f"{name}{self.suffix}"
@@ -95,7 +82,6 @@ class CacheFolder:
             self._make_room(self.place)
 
     def drop(self, name: str) -> None:
-        """Remove an entry."""
         if self.place is not None:
             with contextlib.suppress(OSError):
                 (self.place / f"{name}{self.suffix}").unlink()
@@ -121,10 +107,7 @@ class CacheFolder:
 
 
 def digest_of_code(places: Iterable[Path], packages: Iterable[str]) -> bytes:
-    """Return a digest of the code as it is now.
-
-    It covers files, all Python files in folders, and the versions of installed packages.
-    """
+    """Return a digest of files, all Python files in folders, and packages' versions."""
     from importlib import metadata  # slow to load, and most processes don't need it
 
     digest = hashlib.sha256()

@@ -9,23 +9,20 @@ _SCHEDULE = Path("/proc/thread-self/schedstat")
 
 
 class Clock:
-    """The machine's clock. All times are in seconds.
-
-    Whoever waits does so on the event loop, which must have the same time.
-    """
+    """The machine's clock, in seconds; the event loop must have the same time."""
 
     def now(self) -> float:
-        """Return the time since some moment; may be called in any thread."""
+        """Return seconds since an arbitrary moment; may be called in any thread."""
         return monotonic()
 
     def computed(self) -> float:
-        """Return how long this thread has computed."""
+        """Return the processor seconds that this thread has used."""
         return thread_time()
 
     def processor_times(self) -> tuple[float, float] | None:
         """Return how long this thread has computed, and has waited for a processor.
 
-        Only on Linux, in nanoseconds (Documentation/scheduler/sched-stats.rst); elsewhere None.
+        Nanoseconds, only on Linux (Documentation/scheduler/sched-stats.rst); elsewhere None.
         """
         try:
             computed, waited, _ = _SCHEDULE.read_text().split()

@@ -1,6 +1,6 @@
-"""Confine a player's files on a shared machine to one folder with a quota, for the whole process.
+"""Confine a player's files on a shared machine to one folder with a quota, process-wide.
 
-Without `confine` everything is allowed. Memory is bounded by the address space of the process.
+Without `confine` everything is allowed. Memory is bounded by the process's address space.
 """
 
 from __future__ import annotations
@@ -34,25 +34,17 @@ _confined: list[_Confinement] = []
 
 
 def confine(own: Path, *readable: Path) -> None:
-    """Allow only files in these folders, permanently.
-
-    Files in the `readable` folders may be read as well.
-    """
+    """Allow only files in the player's folder, permanently, and reading `readable` folders."""
     folders = tuple(os.path.realpath(folder) for folder in readable)
     _confined.append(_Confinement(os.path.realpath(own), folders))
 
 
 def is_confined() -> bool:
-    """Return whether the player's files are confined to a folder."""
     return bool(_confined)
 
 
 def check_mine(path: str | Path) -> None:
-    """Refuse a path that belongs neither to the player nor to the game, whether it exists or not.
-
-    Raises:
-        PermissionError: It belongs to neither; the error does not reveal whether it exists.
-    """
+    """Raise PermissionError for a foreign path, without revealing whether it exists."""
     where = os.path.realpath(path)
     for confined in _confined:
         folders = (confined.own, *confined.readable)
@@ -61,10 +53,9 @@ def check_mine(path: str | Path) -> None:
 
 
 def check_name(path: Path) -> None:
-    """Refuse to write a file that another program might run, or take for its settings.
+    """Raise PermissionError for a file that another program might run or read as settings.
 
-    Raises:
-        PermissionError: The file has another ending than the game's, or is in a hidden folder.
+    It allows only the game's endings, and no hidden folders.
     """
     for confined in _confined:
         parts = Path(os.path.relpath(path, confined.own)).parts
@@ -75,11 +66,7 @@ def check_name(path: Path) -> None:
 
 
 def check_quota(path: Path, size: int) -> None:
-    """Refuse to write a file that would exceed the quota.
-
-    Raises:
-        OSError: The player's folder would hold too many files or bytes.
-    """
+    """Raise OSError if a file of this size would exceed the player's quota."""
     for confined in _confined:
         sizes = {found.path: found.stat().st_size for found in _files(confined.own)}
         before = sizes.get(os.path.realpath(path))
@@ -92,7 +79,6 @@ def check_quota(path: Path, size: int) -> None:
 
 
 def _files(folder: str) -> Iterator[os.DirEntry[str]]:
-    """Yield the readable files in a folder and its subfolders."""
     folders = [folder]
     while folders:
         try:
@@ -107,13 +93,9 @@ def _files(folder: str) -> Iterator[os.DirEntry[str]]:
 
 
 def check_room(size: int) -> None:
-    """Check that the process may still use so many bytes, if its address space is bounded.
+    """Raise MemoryError if a bounded address space has no room for so many bytes.
 
-    Some code crashes when memory runs out, such as orjson and numpy, so there must be enough before
-    it begins. Without a bound, there is no way to ask how much the machine has left.
-
-    Raises:
-        MemoryError: There is not enough.
+    Checked in advance because orjson and numpy crash when memory runs out.
     """
     if resource.getrlimit(resource.RLIMIT_AS)[0] == resource.RLIM_INFINITY:
         return

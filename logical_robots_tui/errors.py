@@ -34,7 +34,7 @@ class InputError(LogicalRobotsError):
 
 
 def is_out_of_memory(error: BaseException | None) -> bool:
-    """Whether an error came about because this process may have no more memory, or thread."""
+    """Return whether a process ran out of memory or threads, judging by its error."""
     while error is not None:
         if isinstance(error, MemoryError) or str(error) == "can't start new thread":
             return True

@@ -1,8 +1,4 @@
-"""Checks on arbitrary paths, which players type or the system names.
-
-For a path in an unreadable folder, or with a name that is too long, pathlib's checks raise an
-error; the checks here return False.
-"""
+"""Checks on arbitrary paths; where pathlib raises an error, these return False."""
 
 from __future__ import annotations
 
@@ -17,17 +13,14 @@ _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
 
 def is_there(path: Path) -> bool:
-    """Return whether this process can see anything at the path."""
     return os.path.exists(path)  # noqa: PTH110 - pathlib raises errors
 
 
 def is_file(path: Path) -> bool:
-    """Return whether this process can see a file at the path."""
     return os.path.isfile(path)  # noqa: PTH113 - pathlib raises errors
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether this process can see a folder at the path."""
     return os.path.isdir(path)  # noqa: PTH112 - pathlib raises errors
 
 
@@ -37,11 +30,7 @@ def real(path: Path) -> Path:
 
 
 def read_ordinary(path: Path, most: int) -> bytes:
-    """Return the first bytes of a regular file; refuse anything that could block or never end.
-
-    Raises:
-        OSError: It is not a regular file, or can't be read.
-    """
+    """Return the first bytes of a regular file; raises OSError for anything that could block."""
     check_mine(path)
     where = real(path)
     if any(where.is_relative_to(folder) for folder in _OF_THE_KERNEL):
@@ -57,11 +46,7 @@ def _open_without_waiting(path: str, flags: int) -> int:
 
 
 def typed_path(text: str) -> Path:
-    """Return the path that a player has typed, with ``~`` expanded.
-
-    Raises:
-        InputError: It is not a valid path, names an unknown home, or is not allowed.
-    """
+    """Return a typed path with ``~`` expanded; raises InputError if invalid or not allowed."""
     if "\0" in text:
         raise InputError("is not a valid path", place=text)
     if is_confined():

@@ -12,12 +12,9 @@ T = TypeVar("T")
 
 
 def record(kind: type[T], data: Any) -> T:
-    """Return a dataclass from the JSON data that `dataclasses.asdict` gives.
+    """Return a dataclass from JSON data of `dataclasses.asdict`, or raise ValueError.
 
     Its module must import the types of its fields at run time, except Mapping and Sequence.
-
-    Raises:
-        ValueError: A field is missing, unknown or of another type.
     """
     value: T = _checked(kind, data, kind.__name__)
     return value

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Type(Enum):
-    """Types without parts; the value is what they are called in the documentation."""
+    """Types without parts; the value is their name in the documentation."""
 
     TRUTH = "Boolean"
     WHOLE = "whole number"
@@ -44,12 +44,10 @@ class Field:
 
     @property
     def values(self) -> str:
-        """Range and unit."""
         return f"{self.range} {self.unit}".strip()
 
     @property
     def explanation(self) -> str:
-        """Meaning and values in one line."""
         return f"{self.meaning}: {self.values}" if self.values else self.meaning
 
 
@@ -69,19 +67,15 @@ class Record:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the fields."""
         return tuple(field.name for field in self.fields)
 
     @property
     def scalars(self) -> tuple[str, ...]:
-        """The names of the fields that are neither records nor lists."""
         return tuple(field.name for field in self.fields if isinstance(field.type, Type))
 
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """A list of records."""
-
     title: str
     element: Record
 
@@ -162,7 +156,6 @@ RECORDS = (SENSOR, RAY, SELF, DESIRE)
 
 
 def tables() -> Iterator[str]:
-    """Yield the lines of the documentation's table of all fields, in Markdown."""
     yield "| field | type | values | what it is |"
     yield "|---|---|---|---|"
     for record in RECORDS:

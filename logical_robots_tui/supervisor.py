@@ -1,10 +1,9 @@
-"""The command's first process: forks the game, and gives the terminal back whatever becomes of it.
+"""The command's first process: forks the game, and restores the terminal in any case.
 
-A call into C can hold Python's interpreter for hours, and then no key and no signal ends the game.
-This process loads nothing else and never touches the player's files. The game's event loop counts
-up a byte that both share; when it stands still, the game is ended. Its only other concern is the
-terminal: job control passes through, and after a game that did not end by itself, the terminal is
-as it was.
+A call into C can hold the interpreter for hours, so that no key and no signal ends the
+game. The game's event loop counts up a shared byte; when it stands still, the game is
+ended. This process loads nothing else, never touches the player's files, and passes job
+control through.
 """
 
 from __future__ import annotations
@@ -48,11 +47,7 @@ _KEPT = "What you typed is kept. Start the game again to go on."
 
 
 def main() -> int:
-    """Run the command ``logical-robots`` and return its exit status; a game on screen supervised.
-
-    Raises:
-        SystemExit: By the command.
-    """
+    """Run the command, supervising a game on screen; return the status or raise SystemExit."""
     if _opens_screen(sys.argv[1:]) and hasattr(signal, "sigtimedwait"):
         status = _supervise()
         if status is not None:
@@ -63,14 +58,13 @@ def main() -> int:
 
 
 def _opens_screen(words: list[str]) -> bool:
-    """Return whether a command, as typed, opens the screen of the game."""
     if {"--plain", "-h", "--help", "--version"} & {*words} or not os.isatty(0):
         return False
     return words[:2] == ["replay", "play"] or not words or words[0].startswith(("-", "play"))
 
 
 def _supervise() -> int | None:
-    """Fork; return None in the game, and in this process its exit status."""
+    """Fork; return None in the game, and the game's exit status in this process."""
     lifeline, held = os.pipe()
     shared = mmap.mmap(-1, 2)
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _BLOCKED)
@@ -86,7 +80,7 @@ def _supervise() -> int | None:
 
 
 class _Supervisor:
-    """Waits for a game and for signals, and looks for its heartbeat."""
+    """Waits for a game and for signals, and monitors the game's heartbeat."""
 
     def __init__(self, game: int, shared: mmap.mmap) -> None:
         self._game = game
@@ -101,7 +95,6 @@ class _Supervisor:
         self._forget()
 
     def run(self) -> int:
-        """Return the game's exit status when it has ended."""
         while True:
             heard = signal.sigtimedwait(_HEARD, _LOOK_SECONDS)
             number = 0 if heard is None else heard.si_signo
@@ -123,7 +116,7 @@ class _Supervisor:
                 return self._ended(self._end(signal.SIGTERM), "was stuck and was ended")
 
     def _status(self) -> int | None:
-        """Return what the game ended with, or None; stop with it if it was stopped."""
+        """Return the game's exit status, None while it runs; suspend together with it."""
         pid, status = os.waitpid(self._game, os.WNOHANG | os.WUNTRACED)
         if pid == 0:
             return None
@@ -134,16 +127,13 @@ class _Supervisor:
         return os.waitstatus_to_exitcode(status)
 
     def _go_on(self) -> None:
-        """Continue the game with this process, unless both were continued as a shell does it.
-
-        The game would take the terminal twice.
-        """
+        """Continue the game, unless a shell continued both: it would take the terminal twice."""
         if _state(self._game) == "T":
             self._send(signal.SIGCONT)
         self._forget()
 
     def _forget(self) -> None:
-        """Count anew: the game has shown that it is alive, or was not allowed to."""
+        """Restart the timeout: the game has shown that it is alive, or was suspended."""
         self._looks = self._idle_looks = 0
         self._computed = self._computed_before = _processor_seconds(self._game)
         if self._raw is not None:
@@ -151,7 +141,6 @@ class _Supervisor:
             self._raw = None
 
     def _is_stuck(self) -> bool:
-        """Look at the heartbeat, and return whether the game must be ended."""
         beats, is_away = self._shared[BEATS], self._shared[AWAY]
         if is_away or beats != self._beats or not self._has_begun:
             self._beats, self._has_begun = beats, beats != 0
@@ -168,7 +157,7 @@ class _Supervisor:
         )
 
     def _let_interrupt(self) -> None:
-        """Let ^C be a signal, which the game could not read as a key."""
+        """Turn ^C into a signal, because the game could not read it as a key."""
         with suppress(termios.error):
             self._raw = termios.tcgetattr(0)
             interruptible = termios.tcgetattr(0)
@@ -178,7 +167,6 @@ class _Supervisor:
             self._set_terminal(interruptible)
 
     def _is_interrupted(self) -> bool:
-        """Note one ^C, and return whether these were enough."""
         if self._raw is None:  # not from the keyboard, or the game is not there yet
             self._send(signal.SIGTERM if self._has_begun else signal.SIGINT)
             return False
@@ -188,7 +176,7 @@ class _Supervisor:
         return len(self._interrupts) >= _INTERRUPTS
 
     def _end(self, number: signal.Signals) -> int:
-        """Ask the game to end, insist, and return what it ended with."""
+        """Ask the game to end, then kill it; return its exit status."""
         self._send(number)
         if _state(self._game) in ("T", ""):
             self._send(signal.SIGCONT)
@@ -207,7 +195,6 @@ class _Supervisor:
         return os.waitstatus_to_exitcode(os.waitpid(self._game, 0)[1])
 
     def _is_starved(self) -> bool:
-        """Return whether the game would go on if a processor or a disk were free."""
         threads: list[str] = []
         with suppress(OSError):
             threads = os.listdir(f"/proc/{self._game}/task")  # noqa: PTH208 - pathlib takes a while to load
@@ -218,7 +205,7 @@ class _Supervisor:
             os.kill(self._game, number)
 
     def _ended(self, status: int, reason: str = "") -> int:
-        """Return the command's exit status; say what happened if the game did not end by itself."""
+        """Return the command's exit status; print the reason if the game did not end by itself."""
         if status >= 0 and not reason:
             return status
         self._restore_terminal()
@@ -234,7 +221,7 @@ class _Supervisor:
         return STUCK if "stuck" in reason else 128 - status
 
     def _restore_terminal(self) -> None:
-        """Leave the screen of the game, with the settings of before and nothing left to read."""
+        """Leave the game's screen, restore the terminal settings, and discard pending input."""
         if self._terminal is None:
             return
         with suppress(termios.error, OSError):
@@ -251,14 +238,13 @@ class _Supervisor:
 
 
 def _state(process: int) -> str:
-    """Return the letter for what a process or thread does, "" where the system does not tell."""
     with suppress(OSError), open(f"/proc/{process}/stat") as file:  # noqa: PTH123 - pathlib takes a while to load
         return file.read().rpartition(")")[2].split()[0]
     return ""
 
 
 def _processor_seconds(process: int) -> float:
-    """Return how long a process has computed, in all of its threads."""
+    """Return the processor seconds of a process, over all its threads."""
     try:
         return clock_gettime(~process << 3 | 2)  # CPUCLOCK_SCHED of a process, in Linux
     except OSError:

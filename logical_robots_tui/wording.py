@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def counted(number: int, what: str) -> str:
-    """Return how many there are of something in words, such as ``1 row`` or ``1,200 rows``."""
+    """Return a count in words, such as ``1 row`` or ``1,200 rows``."""
     return f"{number:,} {what}{'' if number == 1 else 's'}"
 
 
@@ -28,7 +28,6 @@ def enumerated(names: Iterable[str]) -> str:
 
 
 def _successor(name: str) -> str | None:
-    """Return the name with the next number, or None if it does not end in a number."""
     number = re.search(r"[0-9]+$", name)
     if number is None:
         return None

@@ -18,16 +18,10 @@ _TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 
 
 def write_atomically(path: Path, text: str | bytes) -> None:
-    """Replace a file's content in one step, keeping its permissions.
+    """Replace a file's content in one step, keeping its permissions, or raise OSError.
 
-    Replaces the target of a symbolic link, not the link. Writes directly to a device or a pipe.
-
-    Args:
-        path: The file; its folder must exist. A new file gets the default permissions.
-        text: The new content; text is written as UTF-8 with its line ends unchanged.
-
-    Raises:
-        OSError: It can't be written; the old content is intact.
+    The folder must exist. Follows a symbolic link, and writes directly to a device or a pipe.
+    Text is written as UTF-8 with its line ends; on an error the old content is intact.
     """
     content = text.encode("utf-8") if isinstance(text, str) else text
     if is_there(path) and not is_file(path):

@@ -29,7 +29,6 @@ exit status: 0 all programs can run (there may be warnings), 2 one can't
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_command(
         commands,
         "check",
@@ -45,7 +44,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Compile each program and print its diagnostics."""
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
 

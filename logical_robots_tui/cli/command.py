@@ -29,11 +29,9 @@ def new_command(
         "json" in options and options.json
     ),
 ) -> argparse.ArgumentParser:
-    """Declare a command.
+    """Declare a command; `start` does the work and returns the exit status.
 
-    `start` does the work and returns the exit status; `summary` is one line for the list of
-    commands, and `description` begins the command's own help. `wants_json` tells whether to report
-    errors as JSON; by default with ``--json``.
+    `wants_json` says whether errors are reported as JSON; by default with ``--json``.
     """
     command = commands.add_parser(
         name,
@@ -47,10 +45,7 @@ def new_command(
 
 
 def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Commands:
-    """Declare a command that consists of commands, and return where to add those.
-
-    The summary, as a sentence, is also the first line of its own help.
-    """
+    """Declare a command that consists of commands, and return where to add those."""
     command = commands.add_parser(
         name,
         help=summary,
@@ -62,7 +57,6 @@ def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Co
 
 
 def number_from(least: int, most: int | None = None) -> Callable[[str], int]:
-    """Return an option type that accepts integers of at least `least` and at most `most`."""
     wanted = f"of at least {least}" if most is None else f"from {least} to {most}"
 
     def read(text: str) -> int:
@@ -78,7 +72,7 @@ def number_from(least: int, most: int | None = None) -> Callable[[str], int]:
 
 
 def add_programs(command: argparse.ArgumentParser, *, nargs: Literal["+", "*"] = "+") -> None:
-    """Add the programs, by order as `programs` and by team as `teams`; both may be empty."""
+    """Add program arguments: `programs` by order, `teams` by team; both may be empty."""
     programs = command.add_argument(
         "programs",
         nargs=nargs,
@@ -99,7 +93,6 @@ def add_programs(command: argparse.ArgumentParser, *, nargs: Literal["+", "*"] =
 
 
 def named_programs(options: argparse.Namespace) -> list[str]:
-    """Return the programs as typed, of a command with `add_programs`."""
     return [*options.programs, *(program for _team, program in options.teams)]
 
 
@@ -111,7 +104,6 @@ def _team_and_program(text: str) -> tuple[str, str]:
 
 
 def add_start(command: argparse.ArgumentParser) -> None:
-    """Add the option that chooses a start; its value is `start_number`."""
     command.add_argument(
         "--start",
         dest="start_number",
@@ -124,7 +116,6 @@ def add_start(command: argparse.ArgumentParser) -> None:
 
 
 def add_data_dir(command: argparse.ArgumentParser) -> None:
-    """Add the option that names the folder for the player's files."""
     command.add_argument(
         "--data-dir",
         type=Path,
@@ -134,7 +125,6 @@ def add_data_dir(command: argparse.ArgumentParser) -> None:
 
 
 def is_set(variable: str) -> bool:
-    """Return whether an environment variable turns something on."""
     return os.environ.get(variable, "") not in ("", "0")
 
 
@@ -149,10 +139,7 @@ def add_no_solutions(command: argparse.ArgumentParser) -> None:
 
 
 def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
-    """Return the folder for a player's files.
-
-    By default it is the system's; each named player has a folder in it.
-    """
+    """Return the folder for a player's files; each named player has a folder in it."""
     if data_dir is None:
         from platformdirs import user_data_path
 
@@ -161,10 +148,7 @@ def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
 
 
 def own_programs(options: argparse.Namespace) -> Path:
-    """Return the folder with the player's own programs, and hide solutions if that is wanted.
-
-    The command must have `add_data_dir` and `add_no_solutions`.
-    """
+    """Return the folder with the player's own programs, and hide solutions if that is wanted."""
     folder = folder_of(options.data_dir)
     if options.no_solutions:
         from logical_robots_tui.game.source import hide_solutions
@@ -175,7 +159,6 @@ def own_programs(options: argparse.Namespace) -> Path:
 
 
 def add_json(command: argparse.ArgumentParser) -> None:
-    """Add the option that `prefers_json` reads."""
     command.add_argument("--json", action="store_true", help="print JSON even to a terminal")
 
 

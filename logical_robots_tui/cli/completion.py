@@ -34,7 +34,6 @@ name per line.
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_command(
         commands,
         "completion",
@@ -47,7 +46,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Print the script or the names."""
     if options.what == "levels":
         from logical_robots_tui.shipped import ARENAS, shipped_names
 
@@ -73,7 +71,6 @@ def start(options: argparse.Namespace) -> int:
 
 
 def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Yield every argument and option, including those of the subcommands."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):
@@ -82,7 +79,6 @@ def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
 
 
 def _completion(metavar: str) -> dict[str, object] | str | None:
-    """Return how to complete a metavariable, in the form that shtab expects."""
     if metavar == "LEVEL":
         return _names_or_files("levels", ("toml", "json"))
     if metavar == "PROGRAM":
@@ -91,7 +87,6 @@ def _completion(metavar: str) -> dict[str, object] | str | None:
 
 
 def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
-    """Complete the names of shipped and own levels or programs, and files."""
     name = f"_logical_robots_{kind}"
     ask = f"logical-robots completion {kind} 2>/dev/null"
     globs = " ".join(f"'!*.{ending}'" for ending in endings)

@@ -38,8 +38,6 @@ exit status: 0 the game can be played here, 1 there are problems, marked with !
 
 @dataclass(frozen=True)
 class Fact:
-    """One result of the check."""
-
     part: str
     name: str
     value: str
@@ -47,7 +45,6 @@ class Fact:
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_command(
         commands,
         "doctor",
@@ -61,7 +58,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Print the facts."""
     found = [*_terminal(), *_versions(), *_places(options.data_dir)]
     if options.json:
         print(json.dumps([asdict(fact) for fact in found], indent=2))
@@ -143,7 +139,6 @@ def _versions() -> Iterator[Fact]:
 
 
 def _places(data_dir: Path | None) -> Iterator[Fact]:
-    """Yield the folders, and whether they can be written to."""
     from logical_robots_tui.mind import cache
     from logical_robots_tui.tui.app.settings import read_settings, settings_path
 
@@ -161,7 +156,6 @@ def _places(data_dir: Path | None) -> Iterator[Fact]:
 
 
 def _place(name: str, folder: Path, lost: str) -> Fact:
-    """Check a folder that exists or can be created."""
     there = folder
     while not is_there(there) and there != there.parent:
         there = there.parent

@@ -36,10 +36,7 @@ class ProgramFileError(LogicalRobotsError):
 
 
 def report(error: LogicalRobotsError, *, as_json: bool) -> int:
-    """Report a player's mistake on standard error and return the exit status.
-
-    With `as_json` it is also printed as a JSON object on standard output.
-    """
+    """Report a mistake on standard error, with `as_json` also on standard output."""
     if as_json:
         print(json.dumps({"error": _as_data(error)}, indent=2))
     _say(*_lines(error))
@@ -47,13 +44,13 @@ def report(error: LogicalRobotsError, *, as_json: bool) -> int:
 
 
 def report_output(error: OSError) -> int:
-    """Report that standard output can't be written and return the exit status."""
+    """Report that standard output can't be written; return the exit status."""
     _say(f"can't write to standard output: {error.strerror}.")
     return BAD_INPUT
 
 
 def report_bug(error: Exception, *, as_json: bool) -> int:
-    """Write the traceback of a bug to a log file, print its path and return the exit status."""
+    """Write a bug's traceback to a log file, print its path, and return the exit status."""
     kept = _write_log("".join(traceback.format_exception(error)))
     name = type(error).__name__
     where = f"See {kept} for details" if kept else "The details could not be written to a log file"
@@ -113,7 +110,6 @@ class CrashLog(logging.Handler):
     """Writes each logged bug to its own file, and prints nothing."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write one record to a new file in the system's log folder."""
         _write_log(self.format(record))
 
 

@@ -67,7 +67,6 @@ examples:
 
 
 def declare(commands: Commands) -> None:
-    """Add the commands to the list."""
     sweep = new_command(
         commands,
         "sweep",
@@ -205,7 +204,6 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
 
 
 def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
-    """Run what is left, round after round, export the results, and say what came of it."""
     from logical_robots_tui.lab.coordinating import Coordinator
 
     with folder.ledger(mixed=options.mixed) as ledger:
@@ -239,7 +237,6 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
 
 
 def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
-    """Return the next round of a tournament, if the rounds so far are over and one follows."""
     if manifest.kind != "tournament" or not coordinator.tally().is_complete:
         return None
     from logical_robots_tui.lab.tournament.planning import next_round
@@ -258,7 +255,6 @@ def _engine(options: argparse.Namespace) -> Engine:
 
 
 def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> int:
-    """Say how far the work is, and return the exit status."""
     from logical_robots_tui.lab.exporting import failed_runs
 
     tally = coordinator.tally()
@@ -304,7 +300,7 @@ def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
 
 @contextmanager
 def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Let the first interrupt finish the tasks at hand; the second one ends at once."""
+    """Yield a test for interruption: the first ^C sets it, the second one exits at once."""
     stopped = threading.Event()
 
     def stop(_signal: int, _frame: object) -> None:
@@ -328,7 +324,6 @@ _LINE_SECONDS = 5.0
 
 @contextmanager
 def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable[[], None]]:
-    """Show how far the work is: a bar on a terminal, else a line now and then."""
     first, began = coordinator.tally(), monotonic()
     if not first.due:
         yield lambda: None

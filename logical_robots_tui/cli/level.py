@@ -31,7 +31,6 @@ examples:
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     summary = "create, check, convert and show levels"
     inner = new_group(commands, "level", summary=summary, epilog=EPILOG)
     declare_new(inner)
@@ -85,7 +84,6 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _findings(name: str) -> list[LevelFinding]:
-    """Return likely mistakes in a level, or why it can't be loaded."""
     from logical_robots_tui.editing.checks import LevelFinding, check
     from logical_robots_tui.world import LevelError, load_level
 

@@ -27,7 +27,6 @@ exit status: 0 written, 2 the level can't be created or written
 
 
 def declare_new(commands: Commands) -> None:
-    """Add ``level new``."""
     command = new_command(
         commands,
         "new",
@@ -129,7 +128,6 @@ exit status: 0 written, 2 the level can't be read or written
 
 
 def declare_convert(commands: Commands) -> None:
-    """Add ``level convert``."""
     command = new_command(
         commands,
         "convert",
@@ -157,16 +155,11 @@ def _convert(options: argparse.Namespace) -> int:
 
 
 def add_force(command: argparse.ArgumentParser) -> None:
-    """Add an option to replace an existing file."""
     command.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def refuse_existing(path: Path, *, force: bool) -> None:
-    """Refuse to overwrite a file.
-
-    Raises:
-        InputError: The file exists and may not be replaced.
-    """
+    """Raise InputError if the file exists and may not be replaced."""
     if (is_file(path) or is_folder(path)) and not force:
         raise InputError(
             "This file already exists.",
@@ -176,7 +169,6 @@ def refuse_existing(path: Path, *, force: bool) -> None:
 
 
 def _tell_lost(level: Level, path: Path) -> None:
-    """Print what the web platform's format could not hold."""
     from logical_robots_tui.editing.level_text import lost_in_web
     from logical_robots_tui.world.levels.load import WEB
 
@@ -186,11 +178,7 @@ def _tell_lost(level: Level, path: Path) -> None:
 
 
 def write(path: Path, content: str | bytes) -> None:
-    """Write a file in one step.
-
-    Raises:
-        InputError: It can't be written.
-    """
+    """Write a file in one step, or raise InputError."""
     from logical_robots_tui.writing import write_atomically
 
     try:

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 
 def declare(commands: Commands) -> None:
-    """Add the commands to the list."""
     _declare_help(commands)
     levels = new_command(
         commands,
@@ -50,7 +49,6 @@ def declare(commands: Commands) -> None:
 
 
 def list_all_levels(options: argparse.Namespace) -> int:
-    """Print the name, title and robots of each level, then of each arena."""
     from logical_robots_tui.world import list_shipped, load_level
 
     levels = [load_level(name) for name in list_shipped()]
@@ -79,7 +77,6 @@ def _who(level: Level) -> str:
 
 
 def list_all_programs(options: argparse.Namespace) -> int:
-    """Print the name and file of each program."""
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import list_programs, load_program
 
@@ -123,7 +120,6 @@ def _declare_help(commands: Commands) -> None:
 
 
 def print_help(options: argparse.Namespace) -> int:
-    """Print help on one function, or the list of all."""
     from logical_robots_tui.language.reference import REFERENCE, find_help, similar
 
     if options.name is None:
@@ -182,7 +178,6 @@ def _declare_config(commands: Commands) -> None:
 
 
 def print_settings(options: argparse.Namespace) -> int:
-    """Print the settings."""
     from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings, settings_path
 
     path = settings_path()

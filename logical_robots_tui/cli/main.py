@@ -87,11 +87,7 @@ Levels and programs are names from these lists, or file paths.
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command and return its exit status.
-
-    Raises:
-        SystemExit: By argparse, for ``--help``, ``--version`` and mistyped arguments.
-    """
+    """Run a command and return its exit status; argparse may raise SystemExit."""
     collect_seldom()
     # Our arrays are small: starting more numpy threads would take longer than they save.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -114,11 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _start(options: argparse.Namespace) -> int:
-    """Run a command, report errors, and return the exit status.
-
-    Raises:
-        OSError: Standard output can't be written.
-    """
+    """Run a command and report errors; raise OSError if standard output can't be written."""
     try:
         status: int = options.start(options)
     except LogicalRobotsError as error:
@@ -150,10 +142,7 @@ def parser(command: str = "") -> argparse.ArgumentParser:
 
 
 def _open_missing_streams() -> None:
-    """Open the null device for each standard stream that was closed when the process started.
-
-    Otherwise the stream would be None, and the next opened file would get its descriptor.
-    """
+    """Open the null device for closed standard streams, before a file gets their descriptor."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             null = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - stays open

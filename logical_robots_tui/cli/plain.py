@@ -69,11 +69,7 @@ def play_in_lines(
 ) -> int:
     """Play in lines of text until the player leaves; return the exit status.
 
-    By default this is the level played last, with the player's last program for it.
-
-    Raises:
-        InputError: The level or the program can't be read.
-        ProgramFileError: The program has errors.
+    Raises InputError or ProgramFileError if the level or a program can't be used.
     """
     progress = Progress(data_dir / FILE_NAME, _say)
     if not solutions:
@@ -98,8 +94,6 @@ def play_in_lines(
 
 
 class _TextGame:
-    """A game, its commands and its messages."""
-
     def __init__(
         self,
         level: Level,
@@ -124,7 +118,6 @@ class _TextGame:
         }
 
     async def play(self) -> int:
-        """Read and execute commands until the player leaves."""
         _say(self._level.title, *self._level.briefing.strip().splitlines())
         _say(*(f"Second goal: {goal.words}." for goal in self._level.second_goals), *self._places())
         _say("Type help for the commands.")
@@ -166,7 +159,6 @@ class _TextGame:
         self._go(lambda: self._game.back(ticks))
 
     def _go(self, move: Callable[[], Frame]) -> None:
-        """Go to another tick without printing the events on the way."""
         try:
             self._past = move()
         except NoSuchTickError as error:

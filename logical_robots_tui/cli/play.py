@@ -47,7 +47,6 @@ exit status: 0 after quitting, 2 if the game can't be opened
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_command(
         commands,
         "play",
@@ -98,12 +97,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Open the game.
-
-    Raises:
-        InputError: There is no terminal, the player's name is missing, or the level or program
-            can't be used.
-    """
+    """Open the game; raise InputError if there is no terminal or an argument can't be used."""
     if options.restricted:
         from logical_robots_tui.cli.restricted import clear_environment
 
@@ -124,11 +118,7 @@ def start(options: argparse.Namespace) -> int:
 
 
 def _choose_daily(options: argparse.Namespace) -> None:
-    """Take the labyrinth of the day as the level.
-
-    Raises:
-        InputError: A level is given, too, or no labyrinth can be offered.
-    """
+    """Take the labyrinth of the day as the level, or raise InputError."""
     from logical_robots_tui.game.continuing import daily_level
     from logical_robots_tui.progress import FILE_NAME, Progress
 
@@ -144,11 +134,7 @@ def _choose_daily(options: argparse.Namespace) -> None:
 
 
 def _refuse_shared_folder(folder: Path) -> None:
-    """Refuse to give one player access to the folders of all.
-
-    Raises:
-        InputError: The folder contains folders of named players.
-    """
+    """Raise InputError if the folder contains folders of named players."""
     if is_folder(folder_of(folder, ".")):
         raise InputError(
             "no player is named, and this folder contains the folders of players",
@@ -167,11 +153,7 @@ def _restrict(options: argparse.Namespace, game: str) -> OpenGames:
 
 
 def _prepare_screen() -> None:
-    """Set up the environment for the screen.
-
-    Raises:
-        InputError: There is no terminal.
-    """
+    """Set up the environment for the screen; raise InputError if there is no terminal."""
     streams = (sys.stdin, sys.stdout, sys.stderr)
     if not all(stream.isatty() for stream in streams) or os.environ.get("TERM") == "dumb":
         raise InputError(
@@ -211,11 +193,7 @@ def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int
 
 
 def play_replay(options: argparse.Namespace, replay: Replay) -> int:
-    """Open a replay on the screen.
-
-    Raises:
-        InputError: There is no terminal.
-    """
+    """Open a replay on the screen; raise InputError if there is no terminal."""
     _prepare_screen()
     from logical_robots_tui.tui.app.app import play
     from logical_robots_tui.tui.app.ui import Permissions

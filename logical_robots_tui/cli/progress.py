@@ -48,7 +48,6 @@ exit status: 0 done or all confirmed, 1 a result is not confirmed, 2 bad file
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_command(
         commands,
         "progress",
@@ -70,7 +69,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Print the results, or check those of a file."""
     if options.check is not None:
         return _check(options.check, as_json=options.json)
     file = folder_of(options.data_dir) / FILE_NAME
@@ -100,7 +98,6 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
 
 
 def _levels(progress: Progress) -> list[str]:
-    """Return the shipped levels, and those of the player's own that were started."""
     from logical_robots_tui.world import list_levels
 
     shipped = list_levels()
@@ -118,7 +115,6 @@ def _row(record: LevelRecord) -> tuple[str, ...]:
 
 
 def _as_data(progress: Progress, level: str, record: LevelRecord) -> dict[str, Any]:
-    """Return a level's results, with each program that achieves one of the best."""
     return {
         "level": level,
         "state": record.state,
@@ -164,10 +160,9 @@ class _Export(msgspec.Struct):
 
 
 def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
-    """Read an exported file, and return level, program and measures of each victory.
+    """Yield level, program and measures of each victory in an exported file.
 
-    Raises:
-        InputError: It can't be read, or is not such a file; with the key that is wrong.
+    Raises InputError, naming the wrong key, if the file is unreadable or another one.
     """
     try:
         content = read_ordinary(file, _MOST_BYTES + 1)
@@ -227,7 +222,6 @@ def _check(file: Path, *, as_json: bool) -> int:
 
 
 async def _played_again(level: str, text: str) -> Measures | str:
-    """Return the measures of a program, or why it has none."""
     from logical_robots_tui.game.measuring import MeasuringError, measure
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.mind import Program, ProgramError

@@ -1,7 +1,7 @@
-"""Restricted mode: what this process may do on a shared or public machine.
+"""Restricted mode for shared or public machines, enforced by an audit hook.
 
-An audit hook enforces it. It refuses files outside the player's folder, programs other than the
-game's own helpers, and connections.
+It refuses files outside the player's folder, connections, and programs other than the
+game's own helpers.
 """
 
 from __future__ import annotations
@@ -44,10 +44,9 @@ _GRACE = 5  # processor seconds that a game over its limit has for a clean exit
 
 
 def clear_environment() -> None:
-    """Remove what others may have set for Python, Textual or an editor, before they are loaded.
+    """Remove variables that affect Python, Textual or an editor, before they are loaded.
 
-    Raises:
-        InputError: Python would load modules from the player's home folder.
+    Raises InputError if Python would load modules from the player's home folder.
     """
     if site.ENABLE_USER_SITE:
         raise InputError(
@@ -62,13 +61,8 @@ def clear_environment() -> None:
 def restrict(own: Path) -> OpenGames:
     """Confine this process and its children to a folder and to `LIMITS`, permanently.
 
-    The folder becomes the home directory. It is created if it is missing.
-
-    Returns:
-        The games that the player has open.
-
-    Raises:
-        InputError: It can't be created or used, or the player has too many games open.
+    The folder becomes the home directory, and is created if missing. Returns the player's open
+    games; raises InputError if there are too many, or the folder can't be used.
     """
     try:
         own.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -90,7 +84,7 @@ def restrict(own: Path) -> OpenGames:
 
 
 def _limit(which: int, bound: int, grace: int) -> None:
-    """Lower the soft and hard limit, unless they are lower already."""
+    """Lower the soft and hard limit, unless they are already lower."""
     _, hard = resource.getrlimit(which)
     last = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
     resource.setrlimit(which, (min(bound, last), last))

@@ -36,10 +36,7 @@ _MOST_NAMES = 3  # most names listed in one finding
 
 @dataclass(frozen=True, slots=True)
 class LevelFinding:
-    """A likely mistake.
-
-    Its position is in map units, or None. One that `forbids` prevents the level from being loaded.
-    """
+    """A likely mistake at a place in map units; if it `forbids`, the level can't be loaded."""
 
     text: str
     x: float | None = None
@@ -48,10 +45,7 @@ class LevelFinding:
 
 
 def check(level: Level) -> list[LevelFinding]:
-    """Return all likely mistakes in a level, or only those that prevent loading, if any.
-
-    The largest level takes about a second.
-    """
+    """Return all likely mistakes, or only those that prevent loading; at most about a second."""
     return refusals(level) or [
         *_in_vain(level),
         *_misplaced(level),
@@ -63,13 +57,11 @@ def check(level: Level) -> list[LevelFinding]:
 
 
 def refusals(level: Level) -> list[LevelFinding]:
-    """Return the mistakes that prevent a level from being loaded; this is fast."""
     twice = [finding for finding in _names_used_twice(level) if finding.forbids]
     return [*_refused(level), *twice]
 
 
 def _refused(level: Level) -> Iterator[LevelFinding]:
-    """Yield what the level reader would refuse."""
     top = Fields(words_of(level), level.name)
     try:
         read_words(top)
@@ -112,14 +104,12 @@ def _names_not_shared(level: Level) -> Iterator[LevelFinding]:
 
 
 def _in_vain(level: Level) -> Iterator[LevelFinding]:
-    """Yield robots outside the map, and areas with unknown names."""
     for odd in oddities(level):
         some = getattr(level, odd.kind)[odd.index]
         yield LevelFinding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
 
 
 def _misplaced(level: Level) -> Iterator[LevelFinding]:
-    """Yield objects inside walls, and beacons and areas outside the map."""
     for some in all_things(level):
         on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
         in_wall = on_map and bool(level.walls[math.floor(some.y), math.floor(some.x)])
@@ -137,7 +127,6 @@ def _misplaced(level: Level) -> Iterator[LevelFinding]:
 
 
 def _where_an_area_is(area: Area, level: Level) -> str:
-    """Return how an area is misplaced whose centre is in a wall or off the map, or ""."""
     window, disc = units_of(area, level)
     if not disc.any():
         return "is outside the map"
@@ -145,7 +134,6 @@ def _where_an_area_is(area: Area, level: Level) -> str:
 
 
 def _goals(level: Level) -> Iterator[LevelFinding]:
-    """Yield goals that robots can't reach."""
     goals = [area for area in level.areas if area.victory_robots]
     if not goals:
         return
@@ -167,7 +155,6 @@ def _goals(level: Level) -> Iterator[LevelFinding]:
 
 
 def _open_rim(walls: NDArray[np.bool_]) -> Iterator[LevelFinding]:
-    """Yield gaps through which robots can leave the map."""
     height, width = walls.shape
     for side, rim, y in (("top", walls[0], 0.5), ("bottom", walls[-1], height - 0.5)):
         for middle, size in _gaps(rim):
@@ -178,7 +165,6 @@ def _open_rim(walls: NDArray[np.bool_]) -> Iterator[LevelFinding]:
 
 
 def _gaps(rim: NDArray[np.bool_]) -> list[tuple[float, int]]:
-    """Return the middle and the size of each gap."""
     edges = np.diff(np.pad(~rim, 1).astype(np.int8))
     starts, stops = np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist()
     return [((start + stop) / 2, stop - start) for start, stop in zip(starts, stops, strict=True)]
@@ -189,7 +175,6 @@ def _open(side: str, size: int) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    """Return names as an English list."""
     shown = list(names[:_MOST_NAMES])
     more = len(names) - len(shown)
     if more:
@@ -205,8 +190,8 @@ _MARGIN = (
 class Reach:
     """The parts of a level that its robots can reach.
 
-    Obstacles are walls, and solid areas that nothing switches off. Collisions treat a robot as a
-    point, but where its body doesn't fit it gets through only by luck.
+    Obstacles are walls, and solid areas that nothing switches off. Collisions treat a robot as
+    a point, but it gets through a gap narrower than its body only by luck.
     """
 
     def __init__(self, level: Level) -> None:
@@ -226,11 +211,9 @@ class Reach:
         }
 
     def to(self, area: Area) -> tuple[list[str], list[str]]:
-        """Return the robots that have trouble reaching their goal.
+        """Return the robots that can't reach their goal, and those that need too narrow gaps.
 
-        Returns:
-            Names of those that can't, and of those that can only through gaps where they don't
-            fit. A robot that is completely walled in at the start is in neither list.
+        A robot that is walled in at the start is in neither list.
         """
         narrow = self._narrow.within(area.x + _MARGIN, area.y + _MARGIN, area.radius)
         wide = self._near(area, area.radius + ROBOT_RADIUS)
@@ -256,19 +239,16 @@ class Reach:
         return self._narrow.within(column + 0.5, row + 0.5, 1.0)
 
     def _near(self, some: Robot | Area, reach: float) -> frozenset[int]:
-        """Return the regions with room for a robot near an object."""
         x, y = some.x + _MARGIN, some.y + _MARGIN
         x, y = min(max(x, 0.0), self._shape[1]), min(max(y, 0.0), self._shape[0])
         return self._wide.within(x, y, reach)
 
 
 def always_solid(area: Area, beacons: set[str]) -> bool:
-    """Return whether an area is solid from the start, and none of these beacons switches it off."""
     return area.impenetrable and not area.on_beacon and area.off_beacon not in beacons
 
 
 def units_of(area: Area, level: Level) -> tuple[tuple[slice, slice], NDArray[np.bool_]]:
-    """Return the part of the map around an area, and the units with their centre inside it."""
     left, right = _span(area.x, area.radius, level.width)
     top, bottom = _span(area.y, area.radius, level.height)
     dx = np.arange(left, right) + 0.5 - area.x
@@ -283,7 +263,6 @@ def _span(middle: float, radius: float, size: int) -> tuple[int, int]:
 
 
 def _with_room(blocked: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the units farther from all obstacles than a robot's radius."""
     reach = math.ceil(ROBOT_RADIUS) - 1
     beside = row_clearances(blocked, reach + 1)
     free = np.ones(blocked.shape, np.bool_)

@@ -16,12 +16,7 @@ if TYPE_CHECKING:
 
 
 class Delta(NamedTuple):
-    """The change from one level to another, in both directions.
-
-    Attributes:
-        values: (attribute, before, after) of attributes that differ, except the walls.
-        walls: The difference of the walls.
-    """
+    """The differences of two levels, both ways; `values` are (attribute, before, after)."""
 
     values: tuple[tuple[str, Any, Any], ...]
     walls: _Flips | _Redrawn | None
@@ -35,15 +30,12 @@ class Delta(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """Whether there is no difference."""
         return not (self.values or self.walls)
 
     def apply(self, level: Level) -> Level:
-        """Return the new level, given the old one."""
         return self._change(level, forward=True)
 
     def revert(self, level: Level) -> Level:
-        """Return the old level, given the new one."""
         return self._change(level, forward=False)
 
     def _change(self, level: Level, *, forward: bool) -> Level:
@@ -96,10 +88,9 @@ class _Step(NamedTuple):
 
 
 class Edits:
-    """A level and the steps that were applied to it.
+    """A level with unlimited undo and redo; each step stores only the difference.
 
-    Undo and redo are unlimited: for each step only the difference is stored. For the newest step
-    the previous level is kept until the next step begins, so that a stroke can extend it.
+    The level before the newest step is kept until the next one, so that a stroke can extend it.
     """
 
     def __init__(self, level: Level) -> None:
@@ -111,7 +102,6 @@ class Edits:
 
     @property
     def level(self) -> Level:
-        """The current level."""
         return self._level
 
     @property
@@ -132,11 +122,10 @@ class Edits:
         return self._undone[-1].what if self._undone else ""
 
     def do(self, what: str, level: Level, *, goes_on: bool = False) -> bool:
-        """Apply a step; steps that were undone before can no longer be redone.
+        """Apply a step and clear redo; return False if nothing changed, so no step was added.
 
-        `what` is a few words for the player, such as "paint walls". If it goes on, it is merged
-        with the previous step, if that has the same description and nothing was undone or saved
-        since. Returns False if nothing changed, and so no step was added.
+        If it goes on, it merges with the previous step, if that has the same description and
+        nothing was undone or saved since.
         """
         if level is self._level:
             return False
@@ -169,7 +158,6 @@ class Edits:
         return step.what
 
     def saved(self) -> None:
-        """Mark the current level as saved."""
         self._close()
         self._saved = self._position
 
@@ -178,7 +166,6 @@ class Edits:
         return len(self._done) + (self._open is not None)
 
     def _close(self) -> None:
-        """Reduce the newest step to its difference."""
         if self._open is not None:
             what, before = self._open
             self._open = None

@@ -22,14 +22,10 @@ if TYPE_CHECKING:
 
 
 def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
-    """Write a level to a file, in the format given by its ending.
+    """Write a level atomically, in the format of the ending; return it as in the file.
 
-    An existing file of this game is changed only where the levels differ, and left untouched if
-    they are equal. The write is atomic. With `anew` an existing file is overwritten completely.
-    Missing folders are created. Returns the level with the name and source of the file.
-
-    Raises:
-        LevelError: The level could not be loaded again, or the file can't be written.
+    An existing file of this game changes only where the levels differ, unless `anew`. Missing
+    folders are created. Raises LevelError if it can't be written or loaded again.
     """
     place = str(path)
     if path.suffix.lower() not in SUFFIXES:
@@ -56,7 +52,6 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
 
 
 def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
-    """Return the current text of a file, or "", and its new text."""
     is_web = path.suffix.lower() == WEB
     if anew:
         return "", write_web(level) if is_web else write_native(level)

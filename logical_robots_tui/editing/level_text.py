@@ -1,7 +1,4 @@
-"""Writing levels: as the records of a level file, and as its text in either format.
-
-The inverse of reading them in `world/levels/`; laid out as if by hand.
-"""
+"""Writing levels, as records or as text in either format; the inverse of `world/levels/`."""
 
 from __future__ import annotations
 
@@ -44,14 +41,12 @@ Record = dict[str, object]
 
 
 def all_things(level: Level) -> Iterator[Thing]:
-    """Yield all objects in a labyrinth."""
     yield from level.robots
     yield from level.beacons
     yield from level.areas
 
 
 def kind_of(some: Thing) -> Kind:
-    """Return the list of a level to which an object belongs."""
     return (
         "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
     )
@@ -67,7 +62,6 @@ def record_of(thing: Thing) -> Record:
 
 
 def words_of(level: Level) -> Record:
-    """Return the record of what a level says besides the labyrinth and the objects in it."""
     record: Record = {
         "title": level.title,
         "idea": level.idea,
@@ -91,7 +85,6 @@ def words_of(level: Level) -> Record:
 
 
 def _told(part: Team | Score) -> Record:
-    """Return the attributes that say something."""
     record = {name: value for name, value in asdict(part).items() if value != ""}
     if isinstance(part, Score):
         record["points"] = _number(part.points)
@@ -144,7 +137,6 @@ def _placed(thing: Thing) -> Record:
 
 
 def _number(value: float) -> float | int:
-    """Return a number in its simplest form."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
@@ -176,18 +168,15 @@ def write_native(level: Level) -> str:
 
 
 def block_text(kind: Kind, record: Record) -> str:
-    """Return the lines of one robot, beacon or area."""
     lines = [f"{key} = {toml_text(key, value)}" for key, value in record.items()]
     return "\n".join([f"[[{kind}]]", *lines, ""])
 
 
 def needs_leniency(level: Level) -> bool:
-    """Return whether a level can be read only with ``lenient = true``."""
     return next(oddities(level), None) is not None
 
 
 def toml_text(key: str, value: object) -> str:
-    """Return a value as written after a key."""
     if key in _LONG_TEXTS:
         # The line break after the opening quotes is not part of the text.
         return '"""\n' + tomlkit.string(f"{value}\n", multiline=True).as_string()[3:]
@@ -224,7 +213,6 @@ def write_web(level: Level) -> str:
 
 
 def lost_in_web(level: Level) -> list[str]:
-    """Return the attributes of a level that a web platform file can't express."""
     lost = [name for name in _WORDS if getattr(level, name)]
     if level.visibility != _SEEN:
         lost.append("visibility")
@@ -234,7 +222,6 @@ def lost_in_web(level: Level) -> list[str]:
 
 
 def _record(thing: Thing) -> Record:
-    """Return the record of a thing, whose keys are the names of its attributes."""
     record: Record = {name: _number(value) for name, value in asdict(thing).items()}
     record.pop("team", None)
     if isinstance(thing, Robot) and not (

@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 def set_words(level: Level, **values: Any) -> Level:
-    """Set texts, what programs may see, or names that are meant to be shared.
-
-    The values are named like the attributes of ``Level``.
-
-    Raises:
-        LevelError: A text is too long or can't be shown, or a value is invalid.
-    """
+    """Set texts, visibility or shared names, named as in ``Level``, or raise LevelError."""
     for name in values:
         if name not in Words.__annotations__:
             raise LevelError(f"A level has no property {name}.")
@@ -36,18 +30,11 @@ def set_words(level: Level, **values: Any) -> Level:
 def resize(
     level: Level, width: int, height: int, *, left: int = 0, top: int = 0, wall: bool = False
 ) -> Level:
-    """Resize a level; its objects move along.
+    """Resize a level, in map units; its objects move along.
 
-    Args:
-        level: The level.
-        width: New width in map units.
-        height: New height in map units.
-        left: Map units to insert before the first column; negative values cut.
-        top: Map units to insert before the first row; negative values cut.
-        wall: Whether new space is wall.
-
-    Raises:
-        LevelError: The size is out of range, or an object would be too far from the map.
+    `left` and `top` are inserted before the first column and row, negative values cut; `wall`
+    fills new space. Raises LevelError if the size is out of range or an object too far from the
+    map.
     """
     sizes = Fields({"width": width, "height": height}, level.name)
     width, height = sizes.whole("width", least=1), sizes.whole("height", least=1)
@@ -76,7 +63,6 @@ def resize(
 
 
 def _overlap(new: int, old: int, shift: int) -> tuple[slice, slice]:
-    """Return the overlap of the old and new size, as slices of each."""
     first, last = max(shift, 0), min(old + shift, new)
     last = max(last, first)
     return slice(first, last), slice(first - shift, last - shift)

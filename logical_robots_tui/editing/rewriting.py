@@ -44,13 +44,9 @@ _INSTEAD = {"angle": "heading", "heading": "angle"}
 
 
 def rewritten(text: str, level: Level) -> str:
-    """Return the text of a level file, changed to describe another level.
+    """Return the text of a level file, changed to describe another level, or raise LevelError.
 
-    Comments, the order of keys and everything that is the same in both levels are preserved. A file
-    whose layout doesn't allow this is rewritten completely.
-
-    Raises:
-        LevelError: The text is not a level.
+    Comments, key order and unchanged parts are kept, if the file's layout allows it.
     """
     mark = "\ufeff" if text.startswith("\ufeff") else ""
     of_windows = text.count("\r\n") * 2 > text.count("\n")
@@ -85,7 +81,6 @@ def _changed(text: str, before: Level, level: Level) -> str | None:
 
 
 def _blocks(blocks: list[Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[Block]:
-    """Return the blocks of objects; existing ones with their changes."""
     found: list[Block] = []
     matcher = SequenceMatcher(None, old, new, autojunk=False)
     for _, start, stop, new_start, new_stop in matcher.get_opcodes():
@@ -126,7 +121,6 @@ def _table(block: Block, before: Record, after: Record) -> str:
 
 
 def _update(table: Any, before: Record, after: Record) -> None:
-    """Change the keys of a TOML table that differ between two records."""
     for key in before:
         if key not in after and key in table:
             del table[key]
@@ -151,10 +145,7 @@ def _as_record(value: object) -> Record:
 
 
 def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:
-    """Return the changed head of a file.
-
-    `inline` names the kinds of objects that are listed inline instead of in blocks, and differ.
-    """
+    """Return the changed head; `inline` are the kinds listed there that differ."""
     same_walls = before.walls.shape == level.walls.shape and (before.walls == level.walls).all()
     old, new = words_of(before), words_of(level)
     lenient = needs_leniency(level) and not needs_leniency(before)
@@ -184,7 +175,6 @@ def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str
 
 
 def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:
-    """Return a drawing of the new walls, with smaller cells if necessary."""
     cell = int(str(document["cell"]))
     earlier = drawing.removesuffix("\n").split("\n")
     if not expresses(level.walls, cell):
@@ -201,13 +191,7 @@ _HEADER = re.compile(
 
 @dataclass
 class Block:
-    """The text of one object, with the comments above it and the empty lines below.
-
-    Attributes:
-        kind: The kind of object.
-        text: Its lines.
-        new: Whether it is not yet in the file, so that it needs empty lines around it.
-    """
+    """The text of one object, with the comments above it and the empty lines below."""
 
     kind: Kind
     text: str
@@ -215,13 +199,7 @@ class Block:
 
 
 class Blocks:
-    """A file split into blocks.
-
-    The lines of the text end with line feeds.
-
-    Raises:
-        ValueError: The file has another layout, in which pieces are not valid on their own.
-    """
+    """A file split into blocks; raises ValueError if its layout does not allow that."""
 
     def __init__(self, text: str) -> None:
         # A row of the drawing may look like a comment.
@@ -247,14 +225,10 @@ class Blocks:
             return False
 
     def of(self, kind: Kind) -> list[Block]:
-        """Return the blocks of a kind, in file order."""
         return [block for block in self.blocks if block.kind == kind]
 
     def replace(self, kind: Kind, wanted: Sequence[Block]) -> None:
-        """Replace the blocks of a kind; existing blocks keep their places.
-
-        Existing blocks among the wanted ones must be in their old order.
-        """
+        """Replace the blocks of a kind; existing ones must be in order, and keep their places."""
         kept = {id(block) for block in wanted}
         self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]
         place = self._first_place(kind)
@@ -266,7 +240,6 @@ class Blocks:
             place = known + 1
 
     def text(self) -> str:
-        """Return the file's text."""
         text = self.head
         after_new = False
         for block in self.blocks:
@@ -279,7 +252,6 @@ class Blocks:
         return text
 
     def _first_place(self, kind: Kind) -> int:
-        """Return the position for the first block of a kind: after those of preceding kinds."""
         before = KINDS[: KINDS.index(kind)]
         places = [i + 1 for i, block in enumerate(self.blocks) if block.kind in before]
         first = [i for i, block in enumerate(self.blocks) if block.kind == kind]
@@ -287,7 +259,6 @@ class Blocks:
 
 
 def _comments_above(text: str, start: int) -> int:
-    """Return the start of the comments directly above a line."""
     while start:
         line = text.rfind("\n", 0, start - 1) + 1
         if not text[line:start].lstrip(" \t").startswith("#"):
@@ -297,7 +268,6 @@ def _comments_above(text: str, start: int) -> int:
 
 
 def _joined(pieces: Any) -> dict[str, Any]:
-    """Return the merged content of pieces of TOML."""
     whole: dict[str, Any] = {}
     for number, piece in enumerate(pieces):
         for key, value in piece.items():

@@ -1,7 +1,7 @@
 """Brush strokes, lines and rectangles, as masks of map units.
 
-Strokes snap to a grid. On a grid of 1 every map unit counts; on a coarser one whole squares are
-covered, so that a level drawn with large cells keeps them.
+On a grid coarser than 1 whole squares are covered, so that a level drawn with large cells
+keeps them.
 """
 
 from __future__ import annotations
@@ -27,13 +27,7 @@ _PIECE = 64.0  # squares of the grid; a long line is drawn in pieces with small 
 
 
 class Patch(NamedTuple):
-    """Part of a map.
-
-    Attributes:
-        top: Its first row, in map units.
-        left: Its first column, in map units.
-        mask: Bool array of shape (height, width); the units that belong to it.
-    """
+    """Part of a map, in map units; `mask` has the shape (height, width)."""
 
     top: int
     left: int
@@ -41,25 +35,15 @@ class Patch(NamedTuple):
 
     @property
     def window(self) -> tuple[slice, slice]:
-        """The rows and columns of the map."""
         height, width = self.mask.shape
         return slice(self.top, self.top + height), slice(self.left, self.left + width)
 
 
 def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int]) -> Patch | None:
-    """Return the units that a round brush covers along a path.
+    """Return the units that a round brush covers along a path, or None if none on the map.
 
-    The path has no gaps, not even diagonal ones, through which a robot could slip. The patch is
-    None if no unit of the map is covered.
-
-    Args:
-        points: The path, at least one point.
-        width: Width of the brush in squares of the grid.
-        grid: Size of a square in map units.
-        shape: Shape of the map (height, width).
-
-    Raises:
-        LevelError: A width, grid or point is out of range.
+    The path has no gaps, not even diagonal ones. `width` is in squares of the grid, `grid` in
+    map units, `shape` is (height, width). Raises LevelError if a value is out of range.
     """
     _check(width, grid, points)
     way = [(_snapped(x / grid, width), _snapped(y / grid, width)) for x, y in points]
@@ -85,15 +69,8 @@ def rectangle(
 ) -> Patch | None:
     """Return the units that a rectangle covers, including the squares of both corners.
 
-    Args:
-        corner: One corner.
-        opposite: The opposite corner.
-        border: Width of the border in squares of the grid; 0 fills the rectangle.
-        grid: Size of a square in map units.
-        shape: Shape of the map (height, width).
-
-    Raises:
-        LevelError: A border, grid or corner is out of range.
+    `border` is in squares of the grid, 0 to fill; `grid` in map units; `shape` is (height,
+    width). Raises LevelError if a value is out of range.
     """
     _check(max(border, 1), grid, (corner, opposite))
     xs = sorted(math.floor(x / grid) for x, _ in (corner, opposite))
@@ -112,7 +89,7 @@ def rectangle(
 
 
 class _Box(NamedTuple):
-    """Squares of the grid, from the first to the one after the last."""
+    """A rectangle of grid squares; its end is exclusive."""
 
     top: int
     left: int
@@ -147,7 +124,6 @@ class _Box(NamedTuple):
         )
 
     def distances(self, start: Point, stop: Point) -> NDArray[np.float64]:
-        """Return the distances of the squares' centres from a line."""
         dx, dy = stop[0] - start[0], stop[1] - start[1]
         x = (np.arange(self.left, self.right) + 0.5 - start[0])[None, :]
         y = (np.arange(self.top, self.bottom) + 0.5 - start[1])[:, None]
@@ -173,7 +149,6 @@ def _check(width: int, grid: int, points: Sequence[Point]) -> None:
 
 
 def _snapped(place: float, width: int) -> float:
-    """Return the position at which a brush covers whole squares."""
     return math.floor(place) + 0.5 if width % 2 else float(math.floor(place + 0.5))
 
 

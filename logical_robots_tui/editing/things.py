@@ -31,8 +31,6 @@ _READ: dict[Kind, Callable[[Fields], Thing]] = {
 
 @dataclass(frozen=True, slots=True, order=True)
 class Ref:
-    """A reference to one object of a level."""
-
     kind: Kind
     index: int
 
@@ -43,13 +41,10 @@ def thing(level: Level, ref: Ref) -> Thing:
 
 
 def add(level: Level, new: Thing) -> tuple[Level, Ref]:
-    """Add a robot, beacon or area, as the last of its kind.
+    """Add an object, last of its kind; return level and reference, or raise LevelError.
 
-    A number is appended to the name of a robot if it is taken. Where there are teams, a robot
-    without one joins the first. Returns the level, and a reference to the new object.
-
-    Raises:
-        LevelError: There are too many of them, or a value is out of range.
+    A number is appended to a robot's name if it is taken. Where there are teams, a robot
+    without one joins the first.
     """
     kind = kind_of(new)
     things = _list(level, kind)
@@ -64,14 +59,9 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
 
 
 def change(level: Level, ref: Ref, **values: Any) -> Level:
-    """Set properties of an object, such as its position, heading, name or colour.
+    """Set attributes of an object, and update references to its name, or raise LevelError.
 
-    Renaming a robot updates the areas that are a goal for it; renaming the last beacon of a name
-    updates the areas that it switches, and renaming the last area of a name its score. The values
-    are named like the attributes of ``Robot``, ``Beacon`` or ``Area``.
-
-    Raises:
-        LevelError: A value is invalid or out of range, or another robot has that name.
+    For beacons and areas, only renaming the last one of a name updates references.
     """
     before = thing(level, ref)
     known = {field.name for field in fields(before)}
@@ -88,21 +78,13 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
 
 
 def duplicate(level: Level, ref: Ref, dx: float, dy: float) -> tuple[Level, Ref]:
-    """Add a copy of an object, shifted by some map units.
-
-    Raises:
-        LevelError: There are too many of its kind, or it would be too far away.
-    """
+    """Add a copy of an object, shifted by map units, or raise LevelError."""
     original = thing(level, ref)
     return add(level, replace(original, x=original.x + dx, y=original.y + dy))
 
 
 def remove(level: Level, ref: Ref) -> Level:
-    """Remove an object; references to its name remain.
-
-    Raises:
-        LevelError: It is the last robot.
-    """
+    """Remove an object, but not references to its name; raises LevelError for the last robot."""
     thing(level, ref)
     if ref.kind == "robots" and len(level.robots) == 1:
         raise LevelError("A level needs at least one robot.")
@@ -111,10 +93,7 @@ def remove(level: Level, ref: Ref) -> Level:
 
 
 def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
-    """Return the object at a point: the nearest robot or beacon, otherwise the smallest area.
-
-    Everything is in map units; `reach` is the tolerance for robots and beacons.
-    """
+    """Return the nearest robot or beacon within `reach` map units, or else the smallest area."""
 
     def away(some: Thing) -> float:
         return math.hypot(x - some.x, y - some.y)
@@ -145,17 +124,12 @@ def _with(level: Level, kind: Kind, things: tuple[Thing, ...]) -> Level:
 
 
 def reread(level: Level, ref: Ref, some: Thing) -> Thing:
-    """Return an object as it will be when it is loaded again.
-
-    Raises:
-        LevelError: It couldn't be loaded.
-    """
+    """Return an object as it will be when it is loaded again, or raise LevelError."""
     place = Fields(record_of(some), level.name, f"{ref.kind}[{ref.index}]")
     return _READ[ref.kind](place)
 
 
 def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
-    """Return an object as it will be when it is loaded again, with a unique name."""
     top = Fields({}, level.name)
     found = reread(level, ref, some)
     if ref.kind == "robots":
@@ -167,7 +141,7 @@ def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
 
 
 def _followed(level: Level, before: Thing, after: Thing) -> Level:
-    """Return a level whose areas and scores refer to a renamed object by its new name."""
+    """Rename an object in the areas and scores of a level that refer to it."""
     names = {before.name: after.name}
     if isinstance(before, Robot):
         areas = tuple(
@@ -192,7 +166,6 @@ def _followed(level: Level, before: Thing, after: Thing) -> Level:
 
 
 def _free_name(name: str, taken: set[str]) -> str:
-    """Return an unused name by counting: Ann, Ann 2, Ann 3, or Robo1, Robo2."""
     return name if name not in taken else next(n for n in _numbered(name) if n not in taken)
 
 
@@ -205,7 +178,6 @@ def _numbered(name: str) -> Iterator[str]:
 
 
 def as_it_stands(level: Level, state: WorldState) -> Level:
-    """Return a level with its robots at their current places."""
     if state.tick == 0:
         return level
     bodies = {body.name: body for body in state.robots}
@@ -217,24 +189,19 @@ def as_it_stands(level: Level, state: WorldState) -> Level:
 
 
 class Poses:
-    """Where robots are put when the level is changed while they run.
+    """Where robots are put when the level changes while they run.
 
-    A robot that is moved in the level goes there at once. Undo moves it back to its place at that
-    moment, not to its start in the level.
+    Undo moves a robot back to its place at the moment of the change, not to its start.
     """
 
     def __init__(self) -> None:
         self._stood: dict[tuple[str, Pose], Pose] = {}
 
     def note(self, robot: Robot, now: Robot) -> None:
-        """Remember a robot's place before it is moved.
-
-        `robot` is as in the level, and `now` as it stands.
-        """
+        """Remember a robot's place, in the level and `now`, before it is moved."""
         self._stood[robot.name, _pose(robot)] = _pose(now)
 
     def between(self, before: Level, after: Level) -> dict[str, Pose]:
-        """Return where robots are put when one level replaces the other."""
         known = {robot.name: _pose(robot) for robot in before.robots}
         moved = {
             robot.name: _pose(robot)

@@ -21,14 +21,7 @@ if TYPE_CHECKING:
 def paint(
     level: Level, points: Sequence[Point], *, width: int = 1, grid: int = 1, wall: bool = True
 ) -> Level:
-    """Draw a round brush from point to point; two points are a line.
-
-    Points are in map units, at least one, and may be outside the map; the width is in squares of
-    the grid. Without `wall`, walls are erased.
-
-    Raises:
-        LevelError: A width, grid or point is out of range.
-    """
+    """Draw or erase walls with a round brush, or raise LevelError; arguments as of `stroke`."""
     return _with(level, stroke(points, width, grid, level.walls.shape), wall)
 
 
@@ -41,22 +34,12 @@ def paint_rectangle(
     grid: int = 1,
     wall: bool = True,
 ) -> Level:
-    """Draw a rectangle.
-
-    Corners are in map units, and the border in squares of the grid; 0 fills the rectangle. Without
-    `wall`, walls are erased.
-
-    Raises:
-        LevelError: A border, grid or corner is out of range.
-    """
+    """Draw or erase a rectangle of walls, or raise LevelError; arguments as of `rectangle`."""
     return _with(level, rectangle(corner, opposite, border, grid, level.walls.shape), wall)
 
 
 def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
-    """Turn the region around a point into wall, or the walls around it into floor.
-
-    Units are connected if they share a side. Outside the map nothing changes.
-    """
+    """Turn the region of side-sharing units around a point into wall, or walls into floor."""
     if not (0 <= x < level.width and 0 <= y < level.height):
         return level
     regions = Regions(level.walls != wall, corners=False)
@@ -74,14 +57,9 @@ def _with(level: Level, patch: Patch | None, wall: bool) -> Level:
 
 
 class Regions:
-    """The connected components of a map.
+    """The connected components of a map, built from runs of adjacent units in a row for speed.
 
-    Built from runs of adjacent units in a row, so that even the largest map is little slower than a
-    single scan.
-
-    Args:
-        units: Bool array of shape (height, width); the units that belong to any region.
-        corners: Whether units that only touch at a corner are connected.
+    `units` has the shape (height, width); `corners` also connects units touching at corners.
     """
 
     def __init__(self, units: NDArray[np.bool_], *, corners: bool) -> None:
@@ -105,7 +83,6 @@ class Regions:
         return int(self._region[run])
 
     def within(self, x: float, y: float, radius: float) -> frozenset[int]:
-        """Return the regions that are closer to a point than ``radius``."""
         first, last = self._row.searchsorted((y - radius - 1, y + radius + 1)).tolist()
         runs = slice(first, last)
         dx = x - np.clip(x, self._start[runs], self._stop[runs])
@@ -113,7 +90,6 @@ class Regions:
         return frozenset(self._region[runs][np.hypot(dx, dy) < radius].tolist())
 
     def mask(self, region: int) -> NDArray[np.bool_]:
-        """Return which units belong to a region, of the map's shape."""
         runs = self._region == region
         edges = np.zeros((self._shape[0], self._shape[1] + 1), np.int8)
         edges[self._row[runs], self._start[runs]] += 1
@@ -122,7 +98,6 @@ class Regions:
         return inside
 
     def _neighbours(self, corners: bool) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return all pairs of runs that touch, one row above the other."""
         below = (self._row + 1) * self._stride
         stops = self._row * self._stride + self._stop
         first = stops.searchsorted(below + self._start, "left" if corners else "right")
@@ -134,7 +109,6 @@ class Regions:
 
 
 def _roots(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return the smallest connected index for each of ``count`` nodes."""
     root = np.arange(count)
     while True:
         low, high = np.minimum(root[one], root[other]), np.maximum(root[one], root[other])

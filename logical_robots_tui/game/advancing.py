@@ -26,17 +26,12 @@ if TYPE_CHECKING:
 
 
 class Advance(NamedTuple):
-    """The next tick."""
-
     frame: Frame
     hits: tuple[Hit, ...]
 
 
 class RecordedTick(NamedTuple):
-    """A tick stored in history.
-
-    The level is the one in which the robots sensed.
-    """
+    """A tick stored in history, with the level in which the robots sensed."""
 
     level: Level
     moment: TickState
@@ -57,12 +52,9 @@ def advance(
 ) -> list[Advance]:
     """Return the ticks after a past one, up to their end or a breakpoint. Blocks.
 
-    If the next ticks are stored, these are replayed and no others computed. No tick is started
-    after `seconds`. `decide` is given a tick and its decisions, and returns those that the robots
-    follow.
-
-    Raises:
-        Stopped: `stop` was set.
+    If the next ticks are stored, they are replayed and no others computed. No tick starts after
+    `seconds`. The robots follow what `decide` returns for a tick and its decisions. Raises
+    Stopped.
     """
     if known:
         most = len(known) if most is None else min(most, len(known))
@@ -82,7 +74,7 @@ def advance(
 
 
 def known_frame(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> Frame:
-    """Restore a frame by letting the robots sense again, from where the tick before left them."""
+    """Restore a frame: let the robots sense again from the end of the previous tick."""
     world, moment = worlds.of(known.level), known.moment
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
@@ -100,11 +92,7 @@ def known_frame(worlds: Worlds, before: Frame | TickState, known: RecordedTick) 
 
 
 class Thought(NamedTuple):
-    """What a mind thought in a tick, and what the world became by it.
-
-    Attributes:
-        milliseconds: That thinking took.
-    """
+    """What a mind thought in a tick, and what the world became by it."""
 
     mind: Mind
     rows: Sequence[SensorRow]
@@ -115,7 +103,6 @@ class Thought(NamedTuple):
 
     @property
     def remembered(self) -> dict[str, Value]:
-        """The memories after the tick."""
         return {d.robot_name: d.memory for d in self.decisions}
 
 
@@ -127,11 +114,7 @@ def play_tick(
     decide: Decide | None = None,
     clock: Clock = CLOCK,
 ) -> Thought:
-    """Let all robots sense, think and act once; they follow what `decide` returns, if given.
-
-    Raises:
-        Stopped: `stop` was set.
-    """
+    """Let all robots sense, think and follow `decide` once, or raise Stopped."""
     rows = world.sense()
     began = clock.now()
     decisions = tuple(mind.think(rows, memories, stop=stop))
@@ -150,7 +133,6 @@ def _next_frame(
     clock: Clock,
     decide: Decide | None,
 ) -> Frame:
-    """Play a tick, starting from a past frame."""
     world.restore(past.after)
     thought = play_tick(world, mind, past.memories, stop, decide, clock)
     return Frame(
@@ -166,16 +148,13 @@ def _next_frame(
 
 
 def start_frame(level: Level, world: World | None = None) -> Frame:
-    """Return frame 0 of a level: nobody has thought yet, and no program is needed."""
+    """Return frame 0 of a level, before any thought; needs no program."""
     world = world or World(level)
     return fresh_frame(world, world.save(), {robot.name: "" for robot in level.robots})
 
 
 def fresh_frame(world: World, state: WorldState, memories: Mapping[str, Value]) -> Frame:
-    """Return a frame without decisions.
-
-    The world in which the robots sense is in this state afterwards.
-    """
+    """Return a frame without decisions, and leave the world in this state."""
     world.restore(state)
     return Frame(state.tick, state, state, tuple(world.look()), memories, (), memories, 0.0)
 
@@ -196,12 +175,9 @@ class Worlds:
 def after_change(
     frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
 ) -> tuple[WorldState, dict[str, Value]]:
-    """Return the world and the memories at the end of a tick after a change of the level.
+    """Return world and memories after a change of the level, or raise ValueError.
 
-    The poses are by the robots' names in the new level.
-
-    Raises:
-        ValueError: A pose is for an unknown robot.
+    The poses are by the robots' names in the new level, which must be known there.
     """
     former = former_names(before, after)
     known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
@@ -210,7 +186,7 @@ def after_change(
 
 
 def is_thought_alike(before: Level, after: Level) -> bool:
-    """Return whether robots, teams, areas and visibility are the same: decisions stay valid."""
+    """Return whether robots, teams, areas and visibility match, so decisions stay valid."""
     return before.visibility == after.visibility and all(
         one == other for one, other in zip(_thinkers(before), _thinkers(after), strict=True)
     )

@@ -34,11 +34,7 @@ _MOST_DAILIES = 9
 
 
 def level_to_begin_with(progress: Progress) -> Level:
-    """Return the level that was played last, if it can still be read, or the first one.
-
-    Raises:
-        InputError: The levels are missing from the installation.
-    """
+    """Return the level played last, or the first one; raise InputError if levels are missing."""
     names = list_levels()
     if not names:
         raise InputError("The levels are missing from this installation.", hint="Install it again.")
@@ -50,19 +46,13 @@ def level_to_begin_with(progress: Progress) -> Level:
 
 
 def note_level(progress: Progress, level: Level) -> None:
-    """Record that the player has opened a level that has a file."""
+    """Record the level opened last, if it has a file."""
     if level.source:
         progress.set_fact(_LAST_LEVEL, level_key(level))
 
 
 def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
-    """Return the labyrinth of a day, which one of our programs has been shown to win.
-
-    The record of progress keeps that this was shown.
-
-    Raises:
-        InputError: This machine is too busy to show it, or no labyrinth of the day can be won.
-    """
+    """Return the labyrinth of a day, shown to be winnable, or raise InputError."""
     from logical_robots_tui.game.robustness import LateError, play_through
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world.levels.labyrinths import Daily
@@ -93,14 +83,10 @@ def programs_to_begin_with(
     by_team: Mapping[str, str],
     own: Path,
 ) -> tuple[dict[str, Source], str | None]:
-    """Return the programs to open in a level, and the player's last text of the first of them.
+    """Return the programs to open, by team, and the player's last text of the first.
 
-    The player's team is the first one: one that is named, or else the first one of the level.
-    `names` are by the order of the teams, `by_team` says whose each is; without any the usual ones
-    are taken. In a level without teams, the program is that of "".
-
-    Raises:
-        InputError: A program can't be read, or the level has no such team.
+    `names` follow the order of the teams; by default the usual ones. In a level without teams
+    the program is that of "". Raises InputError.
     """
     sources = programs_for(level, names, by_team, own)
     mine = next(iter(sources) if names or not by_team else iter(by_team))
@@ -110,7 +96,6 @@ def programs_to_begin_with(
 
 
 def keep_if_own(progress: Progress, key: str, text: str) -> None:
-    """Keep a program with the level of that key, unless it is a shipped one."""
     if text not in shipped_texts().values():
         progress.keep(key, text)
 
@@ -136,16 +121,11 @@ class Place:
     speed: float | None = 40.0
 
     def as_text(self) -> str:
-        """Serialise the place for `from_text`."""
         return json.dumps(asdict(self), ensure_ascii=False)
 
     @classmethod
     def from_text(cls, text: str) -> Place:
-        """Parse a place.
-
-        Raises:
-            ValueError: The text is not a place.
-        """
+        """Parse a place, or raise ValueError."""
         try:
             found = json.loads(text)
             found["programs"] = [
@@ -163,21 +143,13 @@ class Place:
         return place
 
     def stretches(self) -> list[tuple[Mapping[str, str], int]]:
-        """Return the programs' texts, each with the last tick that it decided."""
         ends = [begin - 1 for begin, _ in self.programs[1:]]
         texts = (texts for _, texts in self.programs)
         return list(zip(texts, [*ends, self.tick], strict=True))
 
 
 def place_of(game: Game, level: Level, source: Source) -> Place | None:
-    """Return the position of a game.
-
-    The level is the one in its file.
-
-    Returns:
-        None at the start, where there is nothing to return to, and if the level was edited on the
-        way, because the tick can't be reproduced then.
-    """
+    """Return the position of a game; None at the start, or if the level was edited on the way."""
     history, tick = game.history, game.frame.tick
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
         return None

@@ -28,16 +28,9 @@ _held_locks: set[int] = set()
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """Unsaved work.
+    """Unsaved work; `turn` orders drafts regardless of the clock.
 
-    Attributes:
-        kind: A program's text, a level's text, or the place where a game stood.
-        name: The name to show.
-        path: Path of the file that it belongs to, or a substitute.
-        text: The unsaved text.
-        saved: When the draft was made, with time zone, to show.
-        turn: A counter that orders drafts regardless of the clock.
-        level: The level that a program was written in, or "".
+    `path` may be a substitute for a file; `saved`, with time zone, is only shown.
     """
 
     kind: Kind
@@ -50,26 +43,20 @@ class Draft:
 
     @property
     def key(self) -> Key:
-        """Its kind and path."""
         return self.kind, self.path
 
     @property
     def identity(self) -> tuple[str, ...]:
-        """What drafts of several sessions have in common if only the newest of them is wanted.
-
-        Texts that differ are all wanted.
-        """
+        """Return what drafts have in common if only the newest of them is wanted."""
         return self.key if self.kind == "place" else (*self.key, self.text)
 
 
 class Drafts:
     """The drafts of one session, each in its own file, locked while the session lives.
 
-    The next session adopts the drafts of a session that has ended, and keeps them apart from its
-    own until they are taken or put away. Drafts of a live session are left alone. Drafts that the
-    disk does not allow to be moved or removed stay in place and are offered again next time. All
-    methods may be called from any thread and from a signal handler. The folder is that of the
-    drafts of all sessions, and is created when needed.
+    The next session adopts the drafts of an ended one, and keeps them apart from its own until
+    they are taken. Drafts that can't be moved or removed are offered again next time. Methods
+    may be called from any thread and from a signal handler.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -91,14 +78,7 @@ class Drafts:
             return self._turn
 
     def keep(self, draft: Draft, turn: int | None = None) -> None:
-        """Write a draft, replacing an older one.
-
-        A draft of an earlier turn than the last draft or drop is ignored; by default the turn is
-        the next.
-
-        Raises:
-            OSError: It can't be written.
-        """
+        """Write a draft, unless its turn (by default the next) is outdated; may raise OSError."""
         with self._guard:
             if not self._is_turn_of(draft.key, turn):
                 return
@@ -122,14 +102,12 @@ class Drafts:
         return found
 
     def get(self, key: Key) -> Draft | None:
-        """Return this session's draft, or None."""
         return self._mine.get(key)
 
     def take(self, key: Key, text: str | None = None) -> Draft | None:
-        """Turn an adopted draft into an own one; return None if there is none.
+        """Turn the newest adopted draft of a key, or that with a text, into an own one, or None.
 
-        It is the newest of a key, or that with a text. An own draft of the same key is moved to the
-        folder ``old``.
+        An own draft of the same key is moved to the folder ``old``.
         """
         with self._guard:
             found = [d for d in self._adopted.values() if d.key == key and text in (None, d.text)]
@@ -146,10 +124,7 @@ class Drafts:
             return draft
 
     def drop(self, key: Key, turn: int | None = None) -> None:
-        """Delete a draft that was saved or equals its file again.
-
-        This is ignored if it is of an earlier turn than the last draft; by default it is the next.
-        """
+        """Delete a saved or obsolete draft, unless the turn (by default the next) is outdated."""
         with self._guard:
             if not self._is_turn_of(key, turn):
                 return
@@ -166,13 +141,9 @@ class Drafts:
                     self._retire(self._adopted_file(draft))
 
     def adopt(self, kind: Kind) -> list[Draft]:
-        """Take over the drafts of sessions that have ended, unless this one has.
+        """Take over drafts of ended sessions, unless this one has ended; may raise OSError.
 
-        Returns the adopted drafts of a kind, newest first; of those that differ in nothing but
-        their time, and of the places in one level, only the newest.
-
-        Raises:
-            OSError: The folder can't be used.
+        Returns those of a kind, newest first; of equal `identity` only the newest.
         """
         with self._guard:
             if self.folder.is_dir() and not self._is_closed:
@@ -259,20 +230,17 @@ class Drafts:
 
 
 def _fingerprint(key: tuple[str, ...]) -> str:
-    """A short name for a key: the same key, the same name."""
     import hashlib  # takes time that the first picture needs
 
     return hashlib.sha256(" ".join(key).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def _number(file: Path) -> int:
-    """What the name of a file in the folder ``old`` begins with."""
     number = file.name.partition("-")[0]
     return int(number) if number.isdecimal() else 0
 
 
 def _from_json(file: Path) -> Draft | None:
-    """Read a draft; return None if the file is not one."""
     try:
         found = json.loads(file.read_text("utf-8"))
         draft = Draft(**found | {"saved": datetime.fromisoformat(found["saved"])})

@@ -48,17 +48,17 @@ class Frame:
     think_milliseconds: float = field(compare=False)
 
     def decision_of(self, robot: str) -> Decision | None:
-        """Return what the program decided for a robot; None if nobody has thought yet."""
+        """Return the program's decision for a robot; None in a frame without decisions."""
         return next((each for each in self.decisions if each.robot_name == robot), None)
 
     @property
     def is_reliable(self) -> bool:
-        """Whether the tick is the same on any machine: the clock cut off no thought."""
+        """Whether the tick is the same on any machine: no time limit cut off a thought."""
         return all(decision.is_reliable for decision in self.decisions)
 
 
 class NoSuchTickError(LogicalRobotsError):
-    """A tick was asked for that history does not hold."""
+    """History does not hold the requested tick."""
 
     title = "No such tick"
 
@@ -76,10 +76,7 @@ def driven(before: WorldState, after: WorldState) -> float:
 
 
 def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
-    """Yield a sentence for each event between two consecutive ticks.
-
-    Names and messages are as given by the level and the program.
-    """
+    """Yield a sentence for each event between two consecutive ticks; names are not escaped."""
     for before, now in zip(past.after.robots, frame.after.robots, strict=True):
         yield from _of_robot(before, now)
     for old, area in zip(past.after.areas, frame.after.areas, strict=True):
@@ -165,7 +162,7 @@ class Goal(NamedTuple):
 
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
-    """Return the goal areas of a level in file order, with their state after a tick."""
+    """Return the goals of a level in their present state."""
     return tuple(
         Goal(
             area.name,

@@ -194,7 +194,7 @@ class Game:
         return frame
 
     def look_at(self, team: str) -> None:
-        """Answer questions about a team's program from now on; the robots notice nothing."""
+        """Answer questions about this team's program from now on; robots are unaffected."""
         self.program = self.program.for_team(team)
 
     def use(self, program: Program) -> None:
@@ -221,7 +221,7 @@ class Game:
         *,
         keeps_decisions: bool,
     ) -> Frame:
-        """Continue in a given state, or begin a course with it if it is that of another tick."""
+        """Continue in a given state; one of another tick begins a new course of history."""
         frame = replace(self._frame, after=state)
         if not keeps_decisions:
             frame = fresh_frame(self._past.worlds.of(level), state, memories)
@@ -313,10 +313,7 @@ class Game:
         condition: Callable[[Frame], bool] | None = None,
         seconds: float = _SECONDS_SHOWN,
     ) -> bool:
-        """Advance some ticks and show each, up to victory, the condition or a breakpoint.
-
-        Returns whether the condition was true or a breakpoint was hit.
-        """
+        """Advance some ticks and show each; return whether a condition or breakpoint was met."""
         run, here, texts = self.run_number, self._frame.tick, self.program.texts
         together = min(most or _KNOWN_TOGETHER, _KNOWN_TOGETHER)
         leads_on = not self._is_program_wanted
@@ -330,7 +327,6 @@ class Game:
     async def _ahead(
         self, most: int | None, known: list[RecordedTick], seconds: float
     ) -> list[Advance]:
-        """Return the next ticks, as `advance` does."""
         program, level, past = self.program, self.level, self._frame
         watch = self._present_watch()
         decide = self.decide
@@ -363,7 +359,6 @@ class Game:
         return self._watch
 
     def _take(self, each: Advance, run: int, *, is_known: bool) -> None:
-        """Make a tick the current one, if it still follows the current one."""
         frame = each.frame
         follows = frame.before is self._frame.after or not frame.decisions
         if run != self.run_number or not follows:

@@ -38,8 +38,6 @@ class MeasuringError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """The progress of measuring."""
-
     tried: int = 0
     wins: int = 0
     of_all: int = STARTS
@@ -56,14 +54,10 @@ async def measure(
     known: Measures | None,
     report: Callable[[Trial], None] = lambda _trial: None,
 ) -> Measures | None:
-    """Measure a program; cancelling the call ends the process at once.
+    """Measure a program in a process; None if it does not win from the original start.
 
-    If its measures from the original start are not known, that start is played, too. `report` is
-    called on the event loop after each start. Returns None if the program does not win from the
-    original start.
-
-    Raises:
-        MeasuringError: The process ended early, or the clock cut off a thought in it.
+    `report` is called on the event loop after each start. Raises MeasuringError if the process
+    ended early or the clock cut off a thought.
     """
     loop = asyncio.get_running_loop()
     work = _Work(pickle.dumps((level, program, known)))
@@ -79,7 +73,7 @@ async def measure(
 
 
 class _Work:
-    """A measuring process; one thread talks to it, any thread can end it."""
+    """A measuring process; one thread talks to it, any thread may end it."""
 
     def __init__(self, request: bytes) -> None:
         self._request = request
@@ -88,7 +82,6 @@ class _Work:
         self.is_over = False
 
     def end(self) -> None:
-        """End the process, or prevent it from starting."""
         with self._guard:
             self.is_over = True
             if self._process is not None:
@@ -127,7 +120,6 @@ class _Work:
 
 
 def main() -> None:
-    """Process the request on standard input."""
     begin(PROCESSOR_SECONDS)
     os.nice(NICENESS)
     size = int.from_bytes(sys.stdin.buffer.read(8), "big")

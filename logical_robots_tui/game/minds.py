@@ -28,10 +28,7 @@ def mind_for(program: Program, level: Level, limits: Limits | None = None) -> Mi
 
 
 class TeamMind(Mind):
-    """The mind of a team, which answers for that team only; the other teams think beside it.
-
-    Each team has all of the limits for itself: what one computes costs the others nothing.
-    """
+    """The mind of a team, which answers for that team only, with all limits for itself."""
 
     def __init__(self, program: Program, level: Level, limits: Limits | None, team: str) -> None:
         seen = level.visibility
@@ -56,7 +53,7 @@ class TeamMind(Mind):
         *,
         stop: threading.Event | None = None,
     ) -> list[Decision]:
-        """Decide for the robots of all teams, as `Mind.think` does; each team by itself."""
+        """Decide for the robots of all teams as `Mind.think` does, separately for each team."""
         if self._others is None:
             self._others = self._new_others()
         decided = {
@@ -67,7 +64,6 @@ class TeamMind(Mind):
         return [decided[row["robot_name"]] for row in rows]
 
     def close(self) -> None:
-        """Close the databases."""
         super().close()
         for mind in self._others or ():
             mind.close()

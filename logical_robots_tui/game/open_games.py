@@ -20,15 +20,7 @@ _OPENING = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
 class OpenGames:
-    """The open games of a player, of which this process is one until it ends.
-
-    Args:
-        folder: The player's folder.
-
-    Raises:
-        InputError: The player has too many games open.
-        OSError: The folder can't be written to.
-    """
+    """A player's open games, with this process until it ends; may raise InputError, OSError."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -45,7 +37,7 @@ class OpenGames:
         os.write(self._handle, datetime.now(UTC).isoformat(timespec="seconds").encode())
 
     def others(self) -> list[datetime]:
-        """Return since when the player's other games are open, the longest first."""
+        """Return the start times of the player's other games, oldest first."""
         found = []
         for number in range(MOST_GAMES):
             if number == self._number or not self._file(number).exists():
@@ -59,7 +51,7 @@ class OpenGames:
         return sorted(found)
 
     def end_others(self) -> None:
-        """Ask the player's other games to end, which they do soon."""
+        """Ask the player's other games to end, without waiting for them."""
         for number in range(MOST_GAMES):
             if number != self._number and self._file(number).exists():
                 with suppress(OSError):
@@ -67,7 +59,6 @@ class OpenGames:
 
     @property
     def is_to_end(self) -> bool:
-        """Whether another game of the player has asked this one to end."""
         return self._request(self._number).exists()
 
     def _file(self, number: int) -> Path:
@@ -78,11 +69,7 @@ class OpenGames:
 
 
 def _locked(file: Path) -> int | None:
-    """Open a file and lock it; return None if another process has locked it.
-
-    Raises:
-        OSError: It can't be opened.
-    """
+    """Open and lock a file; None if another process has it. May raise OSError."""
     handle = os.open(file, _OPENING, 0o600)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

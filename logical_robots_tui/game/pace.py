@@ -24,9 +24,8 @@ _WINDOW = 1.0  # seconds over which the achieved speed is measured
 class Pace:
     """Keeps `Game.run` at a target number of ticks per second and measures the actual one.
 
-    Attributes:
-        spacing: Seconds to leave to others on a busy machine between two batches of ticks. The
-            batches grow with it up to a tenth of a second; beyond that the game gets slower.
+    `spacing` is the seconds to leave to others between two batches of ticks. Batches grow with
+    it up to a tenth of a second; beyond that the game gets slower.
     """
 
     def __init__(self, speed: float | None = 40.0, clock: Clock = CLOCK) -> None:
@@ -61,7 +60,7 @@ class Pace:
 
     @property
     def period(self) -> float:
-        """Seconds from tick to tick, including the time left to others; 0.0 at full speed."""
+        """Seconds from tick to tick, including idle time; 0.0 at full speed."""
         return 1 / self._speed + self.spacing if self._speed else 0.0
 
     @property
@@ -72,43 +71,33 @@ class Pace:
         return max(1, int(self._speed * min(self._lot, _LONGEST_LOT)))
 
     def faster(self) -> None:
-        """Choose the next higher speed of `SPEEDS`."""
         self._move(1)
 
     def slower(self) -> None:
-        """Choose the next lower speed of `SPEEDS`."""
         self._move(-1)
 
     def start(self) -> None:
-        """A run begins."""
         self._begin()
         self._times.clear()
 
     def stop(self) -> None:
-        """A run has ended."""
         self._times.clear()
 
     def count(self) -> None:
-        """A tick was finished."""
         now = self._clock.now()
         self._computed += 1
         self._times.append(now)
         self._forget_old(now)
 
     def give_way(self) -> None:
-        """Pause a game that runs at full speed, or on a busy machine, for a moment.
-
-        The player needs a response, and threads that compete for the interpreter take turns; on a
-        busy machine each turn waits for all those before it.
-        """
+        """Pause briefly at full speed or on a busy machine, so that other threads get a turn."""
         self._free_at = self._clock.now() + _WAY_SECONDS + self.spacing
 
     def wake(self) -> None:
-        """End the current wait."""
         self._changed.set()
 
     async def wait(self) -> None:
-        """Wait until the next ticks are due. A game that is too slow doesn't catch up."""
+        """Wait until the next ticks are due; a game that is too slow doesn't catch up."""
         if self._speed is None:
             await asyncio.sleep(max(self._free_at - self._clock.now(), 0))
             return

@@ -1,8 +1,8 @@
 """Replays: runs as files, to see again, to verify and to share.
 
-A file is a line with the format's number, the digest of the rest, and the rest: compressed
-MessagePack. It holds the level, the programs, what each robot wanted in each tick, and a hash of
-the world every hundred ticks. Everything else is computed again.
+A file is a line with the format's number, the digest of the rest, and compressed
+MessagePack: the level, the programs, each robot's desires, and a hash of the world every
+hundred ticks. Everything else is computed again.
 """
 
 from __future__ import annotations
@@ -97,12 +97,10 @@ class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     Attributes:
         level: The level as the text of its file.
-        state: The world when it began, which is after tick `state.tick`.
-        memories: Each robot's memory then, by robot name, as JSON.
+        memories: Each robot's memory at the beginning, by robot name, as JSON.
         is_decided: Whether the decisions of that tick are still there.
-        desires: For each robot what it wanted in the ticks that follow: the left and the right
-            engine as little-endian doubles, each combined by exclusive or with the tick before;
-            not a number where there was no desire.
+        desires: Left and right engine per robot and later tick as little-endian doubles, each
+            combined by exclusive or with the tick before; NaN for no desire.
     """
 
     level: str
@@ -113,14 +111,9 @@ class Stage(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True):
-    """A run that can be seen again, exactly as it was.
+    """An exactly reproducible run.
 
-    Attributes:
-        name: Name of the level.
-        last: The last tick.
-        stages: At least one, by tick.
-        texts: The programs, by tick.
-        hashes: Of the world after each multiple of `EVERY`, and after the last tick.
+    `hashes` are of the world after each multiple of `EVERY`, and after the last tick.
     """
 
     name: str
@@ -136,7 +129,6 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
 
     @property
     def has_programs(self) -> bool:
-        """Whether the programs' texts are in it."""
         return all(each.text is not None for each in self.texts)
 
     @property
@@ -149,7 +141,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         return found
 
     def states(self) -> Iterator[WorldState]:
-        """Yield the world after each tick, from the first state on; this needs no programs."""
+        """Yield the world after each tick, starting with the first state; needs no programs."""
         ends = [*(stage.state.tick for stage in self.stages[1:]), self.last + 1]
         for stage, level, end in zip(self.stages, self.levels, ends, strict=True):
             world = World(level)
@@ -161,11 +153,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
                 yield world.save()
 
     def to_bytes(self) -> bytes:
-        """Return the content of its file; the same for the same run.
-
-        Raises:
-            InputError: It is too large for a file.
-        """
+        """Return the file's content, reproducible; raise InputError if it is too large."""
         told = msgspec.msgpack.encode(self)
         if len(told) > _MOST_UNPACKED:
             raise InputError(
@@ -179,11 +167,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
-        """The level of each stage.
-
-        Raises:
-            LevelError: A text is not that of a level.
-        """
+        """Return the level of each stage; raise LevelError for a text that is none."""
         levels = {text: read_native(text, self.name, "") for text in self._level_texts}
         return tuple(levels[stage.level] for stage in self.stages)
 
@@ -192,7 +176,6 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         return list(dict.fromkeys(stage.level for stage in self.stages))
 
     def desires_in(self, tick: int) -> Mapping[str, Desire | None]:
-        """Return what each robot wanted in a tick after the first, by robot name."""
         at = bisect_left(self.stages, tick, key=lambda stage: stage.state.tick) - 1
         names = [robot.name for robot in self.levels[at].robots]
         wanted = self._desires[at][tick - self.stages[at].state.tick - 1]
@@ -207,12 +190,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
         return [_unpacked(stage.desires) for stage in self.stages]
 
     def check(self) -> None:
-        """Check that all parts fit together.
-
-        Raises:
-            ValueError: They don't.
-            LevelError: A text is not that of a level.
-        """
+        """Raise ValueError or LevelError unless all parts are valid and fit together."""
         if sum(map(len, self._level_texts)) > _MOST_TEXT:
             raise ValueError("it has too many levels")
         begins = [stage.state.tick for stage in self.stages]
@@ -243,11 +221,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
 
 
 def load_replay(path: Path) -> Replay:
-    """Read a replay. Everything in it is checked; it may come from anybody.
-
-    Raises:
-        InputError: There is no such file, or it is not a whole replay of this version.
-    """
+    """Read a replay, fully checked as it may come from anybody, or raise InputError."""
     try:
         content = read_ordinary(path, _MOST_BYTES + 1)
     except OSError as error:
@@ -296,7 +270,7 @@ def _read(content: bytes) -> Replay:
 
 
 class _StageParts(msgspec.Struct):
-    """What of a stage takes far more memory as objects than in the file, not decoded yet."""
+    """The parts of a stage left undecoded, because as objects they take far more memory."""
 
     state: msgspec.Raw
     desires: msgspec.Raw
@@ -321,14 +295,10 @@ async def gather(
     *,
     with_programs: bool = True,
 ) -> Replay:
-    """Return the replay of all ticks that a history holds, in turn with other tasks.
+    """Return the replay of a history's ticks, in turn with other tasks.
 
-    The history must hold a tick that a program decided. `write` returns the text of a level's file,
-    `name` a program's name.
-
-    Raises:
-        Superseded: The course was changed in the meantime.
-        InputError: The level was changed too often.
+    A program must have decided a tick. Raises Superseded if the course changes meanwhile,
+    InputError if the level changed too often.
     """
     begin, last, turns = max(history.first - 1, 0), history.last, history.turns
     changes = [tick for tick in range(begin + 1, last + 1) if history.is_changed_in(tick)]
@@ -382,10 +352,9 @@ def _hash_of(state: WorldState) -> bytes:
 
 
 class Verifier:
-    """Lets the robots of a game do what a replay says, and compares that with what they would do.
+    """Lets a game's robots follow a replay, and compares that with what they would do.
 
-    Attributes:
-        difference: The first tick that is different now, and why; None as long as there is none.
+    `difference` is the first tick that is different now, and why, or None.
     """
 
     def __init__(self, replay: Replay) -> None:
@@ -395,7 +364,6 @@ class Verifier:
         self._undecided = {stage.state.tick for stage in replay.stages if not stage.is_decided}
 
     def decide(self, tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
-        """Return the decisions of a tick, with the desires that are in the replay."""
         if tick in self._undecided:
             return decisions
         wanted = self._replay.desires_in(tick)
@@ -408,7 +376,6 @@ class Verifier:
         )
 
     def look(self, frame: Frame) -> None:
-        """Compare the world after a tick with its hash, if there is one."""
         known = self._replay.hashes.get(frame.tick)
         if known is not None and known != _hash_of(frame.after):
             self._note(frame.tick, "The world is another one.")
@@ -421,13 +388,7 @@ class Verifier:
 async def play_into(
     game: Game, replay: Replay, programs: Sequence[Program], use: Callable[[Program], None]
 ) -> Verifier:
-    """Compute all ticks of a replay in a game, and leave it at the last one.
-
-    `use` uses a program from the next tick on.
-
-    Raises:
-        Superseded: The game was restarted, rewound or reprogrammed in the meantime.
-    """
+    """Compute all ticks of a replay in a game, or raise Superseded."""
     verifier = Verifier(replay)
     game.decide = verifier.decide
     changes = {stage.state.tick: at for at, stage in enumerate(replay.stages)}

@@ -37,10 +37,7 @@ class LateError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """The result of playing a level.
-
-    The distance is in map units, of all robots together.
-    """
+    """The result of playing a level; the distance is map units of all robots together."""
 
     won_at: int | None
     distance: float
@@ -54,7 +51,7 @@ def start_of(level: Level, start: int) -> Level:
 
 
 def named_start_of(level: Level, start: int) -> Level:
-    """Return the same as `start_of`, as a level of its own, which is not in a file."""
+    """Do the same as `start_of`, but give the level its own name and no file."""
     if not start:
         return level
     name = f"{level.name}-start-{start}"
@@ -66,8 +63,7 @@ def named_start_of(level: Level, start: int) -> Level:
 def shifted(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
-    The first robots of all teams are shifted alike, as they see it: so far ahead and to the side.
-    So are the second ones, and so on.
+    Robots of the same index in their teams are shifted alike, relative to their heading.
     """
     chance = random.Random(seed)  # noqa: S311 - not for security
     most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
@@ -93,14 +89,10 @@ def play_through(
     is_over: Callable[[Thought], bool] | None = None,
     stop: threading.Event | None = None,
 ) -> Played:
-    """Play a level until it is won, without a history. Blocks.
+    """Play a level without history until won, for at most `patience` ticks. Blocks.
 
-    After `patience` ticks it counts as not won. `is_over` is called after each tick, and ends the
-    run by returning True.
-
-    Raises:
-        Stopped: `stop` was set.
-        LateError: The clock cut off a thought.
+    `is_over` ends the run by returning True. Raises Stopped, or LateError if the clock cut off
+    a thought.
     """
     world = World(level)
     mind = mind_for(program, level, limits)
@@ -132,14 +124,10 @@ def try_starts(
     stop: threading.Event | None = None,
     report: Callable[[int, int], None] = lambda _tried, _wins: None,
 ) -> int:
-    """Play a level from shifted starts. Blocks.
+    """Play a level from shifted starts, always the same; return the number won. Blocks.
 
-    The first starts are always the same. `report` is called after each one, with the numbers of
-    tried and won starts. Returns the number of starts that were won.
-
-    Raises:
-        Stopped: `stop` was set.
-        LateError: The clock cut off a thought.
+    `report` gets the numbers of tried and won starts. Raises Stopped, or LateError if the clock
+    cut off a thought.
     """
     wins = 0
     for seed in range(starts):

@@ -45,11 +45,8 @@ _SECONDS = 0.05  # of work in the thread at a time
 class Run:
     """The ticks of a level under a program from its start; a victory does not end the run.
 
-    Ticks that this process or an earlier one has computed are not computed again; only the sensors
-    are. `close` writes the computed ticks to disk.
-
-    Attributes:
-        key: Digest of everything on which the ticks depend.
+    Ticks computed earlier are not computed again; only the sensors are. `close` writes the
+    computed ticks to disk. `key` is a digest of everything on which they depend.
     """
 
     def __init__(
@@ -71,19 +68,15 @@ class Run:
 
     @property
     def last(self) -> int:
-        """The last computed tick."""
         return self._recording.last
 
     @property
     def lasts(self) -> bool:
-        """Whether all computed ticks are reproducible: no thought was cut off by the clock."""
+        """Whether all computed ticks are reproducible: no time limit cut off a thought."""
         return self._recording.lasts
 
     async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
-        """Return the frame of a tick.
-
-        `told` is called with the last computed tick as work proceeds.
-        """
+        """Return the frame of a tick; `told` gets the last computed tick as work proceeds."""
         while self._recording.last < tick:
             until = CLOCK.now() + _SECONDS
             await self._thinker.do(partial(self._reached, tick, until=until))
@@ -99,14 +92,7 @@ class Run:
         *,
         to_victory: bool = False,
     ) -> AsyncGenerator[T]:
-        """Yield the result of a piece of work for each of some ticks, in order.
-
-        `work` is called in a thread with the frame, a mind, and the event that stops it. With
-        `to_victory`, the tick of victory is the last.
-
-        Raises:
-            Stopped: Another piece of work was started.
-        """
+        """Yield the result of `work`, called in a thread, for each tick, or raise Stopped."""
         tick, over = first, False
         while tick <= last and not over:
             some = partial(self._some, tick, last, work, to_victory)
@@ -132,7 +118,6 @@ class Run:
         to_victory: bool,
         stop: threading.Event,
     ) -> tuple[list[T], bool]:
-        """Return the results for as many ticks as time allows, and whether those are all."""
         until = CLOCK.now() + _SECONDS
         done: list[T] = []
         mind, over = None, False
@@ -146,7 +131,6 @@ class Run:
         return done, over
 
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
-        """Return the frame of a tick, or None if it can't be computed in time."""
         try:
             if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
                 self._recording.return_to_gap()
@@ -158,7 +142,6 @@ class Run:
             return None
 
     def _forget(self) -> None:
-        """Start over, because the file is not a recording of this run."""
         self._recording.forget()
         self._latest = start_frame(self.level)
 
@@ -205,7 +188,6 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
 
 @cache
 def simulation_digest() -> bytes:
-    """Return the digest of the code that computes a run."""
     places = [_CODE / part for part in ("world", "language", "mind", "game", "schema.py")]
     code = digest_of_code(places, ("logica", "numpy", "sqlglot"))
     return code + f"{sqlite3.sqlite_version} {platform.python_version()}".encode()

@@ -37,15 +37,7 @@ _TEAM = "#team="
 
 
 class Source(NamedTuple):
-    """A program's text and its file.
-
-    Attributes:
-        name: Short name to show: the file's name without its ending.
-        text: Logica text.
-        path: The file it came from.
-        shipped: Whether it is part of the game and must not be overwritten.
-        team: The team that it is for, or "".
-    """
+    """A program's text and its file, which must not be overwritten if it is shipped."""
 
     name: str
     text: str
@@ -55,7 +47,6 @@ class Source(NamedTuple):
 
     @property
     def draft(self) -> str:
-        """What a draft of it is filed under: its path, with the team if there is one."""
         return f"{self.path}{_TEAM}{self.team}" if self.team else str(self.path)
 
     @classmethod
@@ -70,7 +61,6 @@ class Source(NamedTuple):
 
 
 def list_programs(own: Path | None = None) -> list[str]:
-    """Return the names of the shipped programs, those for arenas, and those in the folder `own`."""
     shipped = (*shipped_names("programs", SUFFIX), *shipped_names("programs", SUFFIX, ARENAS))
     names = [name for name in shipped if not is_hidden(name)]
     if own is not None and is_folder(own):
@@ -97,7 +87,6 @@ def is_hidden(name: str) -> bool:
 
 @lru_cache(maxsize=1)
 def _solved_levels() -> Mapping[str, str]:
-    """Return the level that each reference program is for, by name."""
     from logical_robots_tui.world import list_shipped, load_level  # loads numpy
 
     return {
@@ -108,10 +97,7 @@ def _solved_levels() -> Mapping[str, str]:
 
 
 def reference_names(solution: str) -> list[str]:
-    """Return the names of the programs that a level's results are compared with.
-
-    The level's solution is the first; "" is none.
-    """
+    """Return the programs a level's results are compared with; its solution comes first."""
     if not solution:
         return []
     files = _folders()[1].glob(f"{solution}-*{SUFFIX}")
@@ -119,7 +105,6 @@ def reference_names(solution: str) -> list[str]:
 
 
 def _folders() -> tuple[Path, Path, Path]:
-    """Return the folders of the shipped programs, the other references, and those for arenas."""
     folder = shipped_folder("programs")
     return folder, folder / "references", folder / ARENAS
 
@@ -129,10 +114,7 @@ def load_program(
 ) -> Source:
     """Read a program by path, or by name from the player's own and the shipped ones.
 
-    With `pipes` it may be a pipe or a device, which may block.
-
-    Raises:
-        InputError: There is no such program, it is hidden, or it is not a text of at most 1 MB.
+    With `pipes` it may block. Raises InputError unless it is a visible text of at most 1 MB.
     """
     path = Path(path_or_name)
     try:
@@ -163,11 +145,8 @@ def programs_for(
 ) -> dict[str, Source]:
     """Return the program of each team of a level, or of "" if it has no teams.
 
-    `names` are by the order of the teams. The level says who plays the teams that are not named; if
-    none is, the first team is the player's and begins with the starter.
-
-    Raises:
-        InputError: A program can't be read, or the level has no such team.
+    `names` are by the order of the teams; the level names the others. If none is named, the
+    first team is the player's and begins with the starter. Raises InputError.
     """
     usual = level.starter or DEFAULT_PROGRAM
     wanted = {team.name: team.program or usual for team in level.teams} or {"": usual}
@@ -192,17 +171,12 @@ def programs_for(
 
 @lru_cache(maxsize=1)
 def shipped_texts() -> Mapping[str, str]:
-    """Return the texts of the shipped programs by name."""
     files = [file for folder in _folders() for file in sorted(folder.glob(f"*{SUFFIX}"))]
     return {file.stem: _text_of(file) for file in files}
 
 
 def save_program(path: Path, text: str) -> None:
-    """Write a program's text atomically.
-
-    Raises:
-        InputError: The file can't be written.
-    """
+    """Write a program's text atomically, or raise InputError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, text)
@@ -268,12 +242,9 @@ def target(
     suffixes: tuple[str, ...] = (SUFFIX,),
     usual: str = SUFFIX,
 ) -> Path:
-    """Return the file for a name; a name with a slash is a path.
+    """Return the file for a name (a path, if it has a slash), or raise InputError.
 
-    `suffixes` are the allowed endings, and `usual` the one that is added to a name without one.
-
-    Raises:
-        InputError: The name can't be used for a player's file.
+    The ending `usual` is added to a name without one.
     """
     if not name:
         raise InputError(f"A {folder.removesuffix('s')} needs a name.")
@@ -340,10 +311,7 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
 
 
 async def mistake_in_question(program: Program, query: str) -> str:
-    """Return what is wrong with a question about a program, in words, or "".
-
-    Cancelling the call ends the compilation.
-    """
+    """Return what is wrong with a question about a program, or ""; cancellable."""
     try:
         await _in_thread(lambda stop: program.question(query, stop=stop))
     except ProgramError as error:
@@ -353,7 +321,7 @@ async def mistake_in_question(program: Program, query: str) -> str:
 
 
 async def _in_thread(work: Callable[[threading.Event], T]) -> T:
-    """Run work in a thread; cancelling the call sets the event that stops it."""
+    """Run work in a thread; cancelling the call sets the event passed to the work."""
     stop = threading.Event()
     try:
         return await asyncio.to_thread(work, stop)

@@ -47,14 +47,13 @@ class Thinker:
     def replay(
         self, program: Program, before: TickState, known: RecordedTick, limits: Limits
     ) -> tuple[Frame, Mind]:
-        """Restore a stored tick, and return it with a mind for it; call it in the thread."""
         if self._worlds is None:
             self._worlds = Worlds(known.level)
         frame = known_frame(self._worlds, before, known)
         return frame, self.mind(program, known.level, limits)
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:
-        """Run work in the thread, passing the event that tells it to stop."""
+        """Run work in the thread, passing it the event that asks it to stop."""
         stop = self._stop = threading.Event()
 
         def unless_stopped() -> T:
@@ -69,11 +68,9 @@ class Thinker:
             raise
 
     def stop(self) -> None:
-        """Tell the current work to stop."""
         self._stop.set()
 
     async def close(self) -> None:
-        """Stop the current work and free the mind."""
         self._stop.set()
         await asyncio.get_running_loop().run_in_executor(self._pool, self._forget)
         self._pool.shutdown(wait=False)

@@ -26,7 +26,6 @@ FIELDS = ("level", "program", "ticks", "rules", "distance", "wins", "starts", "g
 
 
 def is_shipped(level: Level) -> bool:
-    """Return whether a level is a shipped one."""
     if not level.source:
         return False
     return Path(level.source).resolve().parent == shipped_folder("levels").resolve()
@@ -43,13 +42,11 @@ def references_for(level: Level) -> Mapping[str, Measures]:
 
 
 def reference_for(level: Level) -> Measures | None:
-    """Return the measures of a level's solution, or None if there is none."""
     return references_for(level).get(level.solution)
 
 
 @lru_cache(maxsize=1)
 def reference_table() -> Mapping[str, Mapping[str, Measures]]:
-    """Return the measures of all reference programs by level and name, solutions first."""
     import csv  # takes time that the first picture needs
 
     table: dict[str, dict[str, Measures]] = {}
@@ -74,11 +71,7 @@ def _measures(row: dict[str, str]) -> Measures:
 
 
 def count_rules(text: str) -> int:
-    """Return the number of rules of a program that compiles.
-
-    Every statement counts as one, however long it is and however many cases it has; annotations,
-    which begin with ``@``, don't.
-    """
+    """Return the number of statements of a program that compiles, without annotations."""
     from logical_robots_tui.language.source_text import prepare, statements
 
     source = prepare(text)
@@ -113,15 +106,11 @@ class Victory(NamedTuple):
 
     @property
     def refusal(self) -> str:
-        """Why it is not saved, one sentence, or ""."""
         return _REFUSALS.get(self.verdict, "")
 
 
 def victory_of(game: Game, level: Level) -> Victory | None:
-    """Return the victory at the current tick of a game, or None.
-
-    The level is as in its file.
-    """
+    """Return the victory at a game's current tick, or None; the level is as in its file."""
     tick, program, history = game.frame.tick, game.program.first, game.history
     if game.won_at != tick:
         return None
@@ -142,10 +131,7 @@ def victory_of(game: Game, level: Level) -> Victory | None:
 def measures_of(
     level: Level, program: Program, ticks: int, distance: float, is_blocked: bool
 ) -> Measures:
-    """Return the measures of a victory from the given start.
-
-    The distance is in map units, of all robots together.
-    """
+    """Return the measures of a victory; the distance is map units of all robots together."""
     rules = count_rules(program.text)
     mentions = sum(used.count("Memory") for used in program.uses.values())
     found = {
@@ -160,23 +146,21 @@ def measures_of(
 
 
 def is_reference(level: Level, text: str) -> bool:
-    """Return whether a program is one of a level's reference programs."""
     return any(text == shipped_texts().get(name) for name in reference_names(level.solution))
 
 
 def is_by_the_book(history: History, level: Level, tick: int) -> bool:
-    """Return whether the level was as in its file in all ticks up to one."""
+    """Return whether the level matched its file in every tick up to this one."""
     return not history.is_changed_up_to(tick) and alike(history.level_at(0), level)
 
 
 def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
-    """Save a victory that counts in the record of the level with that key. Blocks."""
+    """Save a victory that counts under a level's key. Blocks."""
     if victory.verdict == "counts":
         progress.win(key, victory.program.text, victory.measures)
 
 
 def result_line(level: Level, measures: Measures) -> str:
-    """Return a result as a line of text to share."""
     ticks, rules = counted(measures.ticks, "tick"), counted(measures.rules, "rule")
     line = f"Logical Robots · {level.title} · {ticks} · {rules}"
     line += f" · {measures.distance:,.0f} units driven"

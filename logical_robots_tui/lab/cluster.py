@@ -28,12 +28,9 @@ _RECONNECT_SECONDS = 600.0
 
 
 class ClusterEngine:
-    """Tasks on a cluster. Each future is released as soon as its answer is there.
+    """Tasks on a Dask scheduler, such as ``tcp://HOST:8786``; raises InputError without one.
 
-    `address` is that of the scheduler, such as ``tcp://HOST:8786``.
-
-    Raises:
-        InputError: Dask is not installed, or there is no scheduler.
+    Each future is released as soon as its answer is there.
     """
 
     def __init__(self, address: str) -> None:
@@ -53,7 +50,6 @@ class ClusterEngine:
 
     @property
     def slots(self) -> int:
-        """The number of tasks at a time."""
         if monotonic() > self._counted_at + _COUNT_SECONDS:
             with suppress(Exception):  # the scheduler may be gone
                 self._threads = max(1, sum(self._client.nthreads().values()))
@@ -62,11 +58,9 @@ class ClusterEngine:
 
     @property
     def free(self) -> int:
-        """The number of tasks that it takes now."""
         return max(0, _AHEAD * self.slots - len(self._tasks) - len(self._lost))
 
     def submit(self, key: object, task: Task) -> None:
-        """Hand a task to the scheduler."""
         # A task that ends its worker is not tried again by Dask: the coordinator tries it alone.
         try:
             future = self._client.submit(execute, task, pure=False, retries=0)
@@ -76,7 +70,6 @@ class ClusterEngine:
             self._tasks[future] = key, task
 
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
-        """Wait for tasks that end within some time; yield their keys and answers."""
         if self._client.status != "running" or self._lost:
             self._reconnect()
         with suppress(TimeoutError, CancelledError, ValueError):  # or there are none
@@ -96,7 +89,7 @@ class ClusterEngine:
             future.release()  # it is recorded now: should its worker die, nothing runs again
 
     def close(self, *, at_once: bool = False) -> None:
-        """Cancel what is left, and leave the cluster."""
+        """Cancel the remaining tasks, and leave the cluster."""
         with suppress(Exception):  # the scheduler may be gone
             self._client.cancel(list(self._tasks))
         with suppress(Exception):
@@ -111,11 +104,7 @@ class ClusterEngine:
             raise InputError(message, place=self._address, hint=hint) from error
 
     def _reconnect(self) -> None:
-        """Submit again what the scheduler has lost, once there is one again.
-
-        Raises:
-            InputError: There is none for a long time.
-        """
+        """Resubmit lost work once a scheduler is back; raises InputError if that takes long."""
         until = monotonic() + _RECONNECT_SECONDS
         left = [*self._lost, *self._tasks.values()]
         self._lost.clear()

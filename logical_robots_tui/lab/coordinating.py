@@ -23,7 +23,7 @@ _LOOK_SECONDS = 0.2
 
 
 class Engine(Protocol):
-    """What runs tasks."""
+    """Runs tasks, in processes or on a cluster."""
 
     @property
     def slots(self) -> int:
@@ -44,14 +44,7 @@ class Engine(Protocol):
 
 
 class Tally(NamedTuple):
-    """How far the work is.
-
-    Attributes:
-        done: Runs with a result.
-        due: Runs that are known to be left.
-        failed: Runs that could not be done.
-        differing: Runs of which two results differ, which is a defect of this package.
-    """
+    """How far the work is, in runs; `differing` ones are a defect of this package."""
 
     done: int
     due: int
@@ -60,7 +53,7 @@ class Tally(NamedTuple):
 
     @property
     def is_complete(self) -> bool:
-        """Whether there is nothing left to do, and nothing wrong."""
+        """Whether no run is left and none failed or has differing results."""
         return not (self.due or self.failed or self.differing)
 
 
@@ -104,7 +97,7 @@ def starts_due(
 
 
 class Coordinator:
-    """Hands out what is left to run, and is the only one that writes the ledger."""
+    """Hands out the remaining runs; the only writer of the ledger."""
 
     def __init__(self, folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
         self._folder, self._manifest, self._ledger = folder, manifest, ledger
@@ -121,7 +114,6 @@ class Coordinator:
             self._plan(cell)
 
     def tally(self) -> Tally:
-        """Return how far the work is."""
         failed = sum(count >= ATTEMPTS for count in self._failures.values())
         differing = len(self._ledger.differences())
         return Tally(self._done, self._left - failed, failed, differing)
@@ -129,12 +121,9 @@ class Coordinator:
     def work(
         self, engine: Engine, is_stopped: Callable[[], bool], show: Callable[[], None]
     ) -> None:
-        """Have everything run that is left. Blocks.
+        """Run everything that is left. Blocks.
 
-        `show` is called often, to show how far the work is.
-
-        Raises:
-            InputError: An input is damaged, a worker has another engine, or the disk is full.
+        Raises InputError for a damaged input, a worker with another engine, or a full disk.
         """
         at_work = 0
         while at_work or (self._waiting and not is_stopped()):
@@ -148,7 +137,7 @@ class Coordinator:
             show()
 
     def _plan(self, cell: Cell) -> None:
-        """Put what is left of a cell into the queue, unless an earlier cell is the same."""
+        """Queue the rest of a cell, unless it equals an earlier cell."""
         cell = cell_to_run(self._manifest, cell, self._outcomes)
         key = self._manifest.job(cell, 0)
         if key in self._planned:
@@ -167,7 +156,6 @@ class Coordinator:
         return self._failures.get(self._manifest.job(group.cell, start), 0)
 
     def _next(self, engine: Engine) -> tuple[_Group, tuple[int, ...]]:
-        """Take runs from the queue: a group, and those of its starts to hand out now."""
         group = self._waiting.popleft()
         most = 1 if group.is_alone else _MOST_STARTS
         if self._manifest.given_first and group.starts[0] == 0:
@@ -195,7 +183,6 @@ class Coordinator:
         )
 
     def _take(self, group: _Group, handed: tuple[int, ...], answer: Answer) -> None:
-        """Record what a worker gave back, and put what is left of the group into the queue."""
         if answer.refused:
             hint = "Install the same versions everywhere."
             raise InputError("a worker has another version of Logical Robots", hint=hint)
@@ -225,7 +212,6 @@ class Coordinator:
                 self._plan(cell)
 
     def _note_failure(self, group: _Group, start: int, answer: Answer) -> _Group:
-        """Count a failed attempt at a run; return the group with what to try now."""
         job = self._manifest.job(group.cell, start)
         self._ledger.fail(job, answer.failure, answer.worker)
         self._failures[job] = self._failures.get(job, 0) + 1

@@ -25,8 +25,6 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 class Done(NamedTuple):
-    """A run with its result."""
-
     cell: Cell
     start: int
     job: str
@@ -41,14 +39,11 @@ class Done(NamedTuple):
 
 
 class Table(NamedTuple):
-    """Rows under the names of their columns."""
-
     columns: tuple[str, ...]
     rows: list[Row]
 
 
 def done_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
-    """Yield all runs with a result, in the order of the manifest."""
     results = ledger.results()
     outcomes = {job: result.outcome for job, result in results.items()}
     for cell in manifest.cells:
@@ -60,7 +55,6 @@ def done_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
 
 
 def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
-    """Yield all runs that could not be done, in the order of the manifest."""
     failures = {
         job: found[-1] for job, found in ledger.failures().items() if len(found) >= ATTEMPTS
     }
@@ -75,11 +69,7 @@ def failed_runs(manifest: Manifest, ledger: Ledger) -> Iterator[Done]:
 
 
 def export_runs(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Write the runs, and the rows of questions, as tables; return the names of the files.
-
-    Raises:
-        InputError: A file can't be written, or an input that the tables name is damaged.
-    """
+    """Write runs and questions' rows as tables; return the files' names, or raise InputError."""
     named = {name for cell in manifest.cells for name in (cell.level, cell.program, *cell.parts)}
     for name in sorted(named - {""}):
         folder.text(name)
@@ -142,7 +132,6 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
 
 
 def _series(manifest: Manifest, done: list[Done]) -> Table:
-    """Return the rows of all questions: for each value its run, question, tick, row and column."""
     rows: list[Row] = []
     for each in done:
         run = manifest.run(each.job)
@@ -162,7 +151,7 @@ def _series(manifest: Manifest, done: list[Done]) -> Table:
 
 
 def csv_of(table: Table) -> str:
-    """Return a table as CSV. No cell begins a formula or holds a control character."""
+    """Return a table as CSV in which no cell is a formula or holds a control character."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(map(harmless_cell, table.columns))
@@ -172,7 +161,6 @@ def csv_of(table: Table) -> str:
 
 
 def harmless_cell(value: Any) -> Any:
-    """Return what to write into a cell: text that is no formula, or the number as it is."""
     if isinstance(value, bool):
         return str(value).lower()
     if not isinstance(value, str):
@@ -187,14 +175,12 @@ def harmless_text(text: str) -> str:
 
 
 def has_extra(module: str) -> bool:
-    """Return whether a library of the extra `lab` is installed."""
     from importlib.util import find_spec
 
     return find_spec(module) is not None
 
 
 def _parquet(table: Table) -> bytes | None:
-    """Return a table as Parquet, or None without the library for it."""
     if not has_extra("pyarrow"):
         return None
     import pyarrow as pa
@@ -208,7 +194,6 @@ def _parquet(table: Table) -> bytes | None:
 
 
 def _of_one_type(values: Sequence[Any]) -> list[Any]:
-    """Return the values of a column as they are, or as numbers or texts if they are mixed."""
     kinds = {type(value) for value in values if value is not None}
     if kinds <= {int, float}:
         return [float(v) if v is not None and float in kinds else v for v in values]
@@ -218,11 +203,7 @@ def _of_one_type(values: Sequence[Any]) -> list[Any]:
 
 
 def check_extra(module: str, purpose: str) -> None:
-    """Refuse what needs a library that is not installed.
-
-    Raises:
-        InputError: It is not installed.
-    """
+    """Raise InputError if a library is not installed."""
     if not has_extra(module):
         hint = "Install it with: pip install 'logical-robots-tui[lab]'"
         raise InputError(f"{purpose} needs {module}", hint=hint)

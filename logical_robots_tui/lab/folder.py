@@ -62,15 +62,7 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A student of a class, or somebody who submitted something.
-
-    Attributes:
-        id: As in the roster; without one, the name of the submission.
-        name: As in the roster, or "".
-        submission: The name of the submission's folder or file, or "".
-        late: Whether the submission is late.
-        remarks: What is odd about the submission.
-    """
+    """A student, or anybody who submitted something; the id is then the submission's name."""
 
     id: str
     name: str = ""
@@ -80,13 +72,7 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Player(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A player of a tournament.
-
-    Attributes:
-        name: The name of the program's file or folder.
-        program: Digest of the program's text, or "".
-        lost: Why all matches are lost without being played, or "".
-    """
+    """A player of a tournament; `lost` is why all matches are lost without being played."""
 
     name: str
     program: Digest = ""
@@ -94,28 +80,14 @@ class Player(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Everything that is needed to do it again, beside the inputs.
+    """Everything that is needed to repeat the work, beside the inputs.
 
     Attributes:
-        kind: What it is.
-        title: A title.
-        specification: The text of the specification.
         starts: The number of shifted starts, beside the given one.
         given_first: Whether shifted starts are for programs that win from the given one.
-        measures: Names of the measures to export.
-        asked: Measures by questions.
         steps: The most steps of a think.
         seconds: Seconds after which a run is given up.
-        cells: Programs in levels, in order.
-        students: In order.
-        assignment: The assignment, as read.
-        players: Of a tournament, by name.
-        teams: Names of the level's teams.
-        match: What all matches have in common.
         rounds: Pairs of players by index, for each round of a tournament that is known so far.
-        most_rounds: The number of rounds.
-        engine: Versions of everything that can affect a result.
-        format: The version of this format.
     """
 
     kind: Literal["sweep", "grade", "tournament"]
@@ -151,23 +123,18 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 def digest(text: str) -> str:
-    """Return the SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 class Folder:
-    """A folder with results."""
+    """A folder with a manifest, its inputs and the results."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keep other coordinators out of the folder, which is made if it is missing.
-
-        Raises:
-            InputError: Another one has it, or it can't be made.
-        """
+        """Make and lock the folder; raises InputError if another coordinator has it."""
         try:
             (self.path / "inputs").mkdir(parents=True, exist_ok=True)
             handle = os.open(self.path / ".lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
@@ -185,7 +152,7 @@ class Folder:
             os.close(handle)
 
     def write(self, manifest: Manifest, inputs: Mapping[str, str]) -> Manifest:
-        """Keep a manifest, and the texts that it names by their digests; return the manifest."""
+        """Write a manifest and its inputs by digest; return the manifest with this engine."""
         try:
             for name, text in inputs.items():
                 file, content = self.path / "inputs" / name, text.encode()
@@ -199,11 +166,7 @@ class Folder:
         return manifest
 
     def put(self, file: Path, content: str | bytes) -> None:
-        """Write a file of this folder in one step.
-
-        Raises:
-            InputError: It can't be written.
-        """
+        """Write a file of this folder in one step, or raise InputError."""
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(file, content)
@@ -211,11 +174,7 @@ class Folder:
             raise self._unwritable(file, error) from error
 
     def manifest(self) -> Manifest:
-        """Return the manifest.
-
-        Raises:
-            InputError: There is none, or it is damaged or from a newer version.
-        """
+        """Return the manifest; raises InputError if it is missing, damaged or newer."""
         file = self.path / "manifest.json"
         try:
             content = read_ordinary(file, _MOST_BYTES + 1)
@@ -246,11 +205,7 @@ class Folder:
             raise InputError("this manifest is damaged", place=str(file), hint=hint) from error
 
     def text(self, name: str) -> str:
-        """Return an input by its digest.
-
-        Raises:
-            InputError: It is missing or damaged.
-        """
+        """Return an input by its digest; raises InputError if it is missing or damaged."""
         file = self.path / "inputs" / name
         hint = "Run the same command with -o again; results in the ledger are kept."
         try:
@@ -263,7 +218,6 @@ class Folder:
 
     @contextmanager
     def ledger(self, *, mixed: bool = False) -> Iterator[Ledger]:
-        """Open the ledger."""
         ledger = Ledger(self.path / "ledger.db", fingerprint(), mixed=mixed)
         try:
             yield ledger

@@ -26,21 +26,10 @@ _LONGEST_FILE = 60
 
 
 class LevelGrade(msgspec.Struct, frozen=True):
-    """What a student has achieved in a level.
+    """What a student has achieved in a level; `distance` is in map units.
 
-    Attributes:
-        level: Its name.
-        points: The points, to two decimals; None if runs are missing through no fault of theirs.
-        most: The most points.
-        won: Whether the program wins from the given start.
-        outcome: How the run from the given start ended, or "nothing was submitted".
-        ticks: Ticks to win from the given start, or None.
-        rules: Rules of the program, or None.
-        distance: Map units driven from the given start.
-        wins: Shifted starts that were won.
-        starts: Shifted starts to win.
-        lost: The numbers of the shifted starts that were tried and not won.
-        messages: Mistakes in the program, or the first notice.
+    `points` is None if runs are missing through no fault of the student's; `lost` are numbers
+    of shifted starts. Outcome, ticks and distance are from the given start.
     """
 
     level: str
@@ -60,12 +49,8 @@ class LevelGrade(msgspec.Struct, frozen=True):
 class Grade(msgspec.Struct, frozen=True):
     """What a student has achieved.
 
-    Attributes:
-        student: The student.
-        levels: In the order of the assignment.
-        points: All points, less what being late costs; without levels that are not graded yet.
-        most: The most points.
-        ungraded: Levels whose runs are missing through no fault of the student's.
+    `points` are less what being late costs, without `ungraded` levels, whose runs are missing
+    through no fault of the student's.
     """
 
     student: Student
@@ -76,7 +61,6 @@ class Grade(msgspec.Struct, frozen=True):
 
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
-    """Return the grades of all students, in the order of the manifest."""
     assignment = msgspec.convert(manifest.assignment, Assignment)
     cells: dict[tuple[str, str], Cell] = {(c.student, c.level_name): c for c in manifest.cells}
     runs: dict[tuple[str, str], list[Done]] = defaultdict(list)
@@ -105,7 +89,6 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
 
 
 def _stem(name: str) -> str:
-    """Return the name of the level in a file."""
     return re.sub(r"\.(toml|json)$", "", name.rpartition("/")[2])
 
 
@@ -117,7 +100,6 @@ def _level(
     is_submitted: bool,
     results: dict[int, Result],
 ) -> LevelGrade:
-    """Return the grade of one program in one level, from its results by start."""
     first = results.get(0)
     won = first is not None and first.outcome == "won"
     shifted = {start: result for start, result in results.items() if start}
@@ -167,12 +149,12 @@ def _share(assignment: Assignment, name: str, first: Result, robust: float) -> f
 
 
 def _rounded(points: float) -> float:
-    """Return points to two decimals, halves up."""
+    """Return points rounded to two decimals, halves up."""
     return float(Decimal(f"{points:.9f}").quantize(Decimal("0.01"), ROUND_HALF_UP))
 
 
 def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Return programs that several students have: the level, the program's digest, and who."""
+    """Return programs shared by students: the level, the program's digest, the students."""
     who: dict[tuple[str, str], list[str]] = defaultdict(list)
     for cell in manifest.cells:
         who[cell.level_name, cell.program].append(cell.student)
@@ -180,11 +162,7 @@ def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
 
 
 def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Write the gradebook, feedback, and what other programs read; return what was written.
-
-    Raises:
-        InputError: A file can't be written.
-    """
+    """Write gradebook, feedback and exports; return what was written, or raise InputError."""
     grades = grades_of(manifest, ledger)
     show = manifest.assignment["assignment"]["show"]
     kept = manifest.assignment["late"]["keep"]
@@ -218,7 +196,6 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
 
 
 def _file_names(ids: list[str]) -> list[str]:
-    """Return a name of a file for each student, without anything that a file system minds."""
     names: list[str] = []
     taken: set[str] = set()
     for each in ids:
@@ -251,7 +228,6 @@ def _gradebook(grades: list[Grade]) -> Table:
 
 
 def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
-    """Return what a student gets to read, in Markdown."""
     student = grade.student
     lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
     lines[-1] += f"{grade.points:g} of {grade.most:g} points"
@@ -266,7 +242,6 @@ def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
 
 
 def _said(level: LevelGrade, show: list[str]) -> list[str]:
-    """Return what there is to say about a level, as far as students see it."""
     said = []
     if "won" in show or level.outcome in ("does not compile", "nothing was submitted"):
         said.append(f"From the given start: {level.outcome}.")
@@ -286,12 +261,10 @@ def _said(level: LevelGrade, show: list[str]) -> list[str]:
 
 
 def _markdown(text: str) -> str:
-    """Return a text whose characters stand for themselves in Markdown, on one line."""
     return re.sub(r"([\\`*_{}\[\]<>#|!&~])", r"\\\1", harmless_text(text))
 
 
 def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
-    """Return the grade as Gradescope's autograder reports it."""
     tests = []
     for level in grade.levels:
         test = {"name": level.level, "score": level.points or 0, "max_score": level.most}
@@ -306,7 +279,6 @@ def _json(data: Any) -> bytes:
 
 
 def _junit(title: str, grades: list[Grade]) -> bytes:
-    """Return the grades as JUnit XML: a test case for each student and level."""
     top = ElementTree.Element("testsuites", name=harmless_text(title))
     for grade in grades:
         suite = ElementTree.SubElement(top, "testsuite", name=harmless_text(grade.student.id))

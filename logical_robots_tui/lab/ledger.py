@@ -38,21 +38,11 @@ CREATE TABLE differences(run TEXT NOT NULL, first TEXT NOT NULL, second TEXT NOT
 
 
 class LedgerError(InputError):
-    """A ledger can't be read or written."""
-
     title = "The ledger can't be used"
 
 
 class Entry(NamedTuple):
-    """A run that was done.
-
-    Attributes:
-        job: What was run, without the engine.
-        run: The run's identity: the same, with the engine.
-        result: The result, as JSON.
-        seconds: How long it took.
-        worker: Where.
-    """
+    """A run that was done; `job` leaves out the engine, `run` includes it."""
 
     job: str
     run: str
@@ -66,12 +56,10 @@ Results: TypeAlias = "dict[str, Result]"
 
 
 class Ledger:
-    """The results of runs by content of what was run. One process writes it.
+    """The results of runs by content of what was run, written by one process.
 
-    The results of one engine count, or of all if `mixed`. The file is made if it is missing.
-
-    Raises:
-        LedgerError: It is damaged or from a newer version, or holds results of another engine.
+    The results of one engine count, or of all if `mixed`. Raises LedgerError for a damaged or
+    newer file, or results of another engine.
     """
 
     def __init__(self, file: Path, engine: str, *, mixed: bool = False) -> None:
@@ -103,12 +91,10 @@ class Ledger:
             raise LedgerError(message, place=str(self._file), hint=hint)
 
     def outcomes(self) -> dict[str, str]:
-        """Return the outcomes of all runs that count, by job."""
         with self._in_words():
             return dict(self._db.execute(f"SELECT job, outcome {self._counting()}"))
 
     def results(self) -> Results:
-        """Return all results that count, by job."""
         with self._in_words():
             found = self._db.execute(f"SELECT job, result {self._counting()}").fetchall()
         read = msgspec.json.Decoder(Result).decode
@@ -118,22 +104,19 @@ class Ledger:
             raise LedgerError("a result in it is damaged", place=str(self._file)) from error
 
     def engines(self) -> Mapping[str, str]:
-        """Return the fingerprint of the engine of each result that counts, by job."""
         with self._in_words():
             return dict(self._db.execute(f"SELECT job, engine {self._counting()}"))
 
     def _counting(self) -> str:
-        """Return the rest of a query for the results that count, those of this engine last."""
         quoted = "'" + self._engine + "'"
         which = "" if self._mixed else f"WHERE engine = {quoted}"
         return f"FROM results {which} ORDER BY engine = {quoted}, engine"
 
     def record(self, entries: Iterable[Entry]) -> dict[str, str]:
-        """Record runs, in one transaction; return their outcomes by job.
+        """Record runs in one transaction; return outcomes by job. An earlier result is kept.
 
-        A run that was recorded before keeps its result; if the second one differs, that is noted.
-        What is recorded survives the death of this process; a power failure may take a few seconds
-        of it, so that many small records a second don't wait for the disk.
+        A differing second result is noted. A power failure may lose a few seconds of records, so
+        that these needn't wait for the disk.
         """
         outcomes = {}
         with self._in_words(), self._transaction():
@@ -157,13 +140,12 @@ class Ledger:
         return outcomes
 
     def fail(self, job: str, reason: str, worker: str) -> None:
-        """Note that an attempt at a run failed, for which the run is not to blame."""
+        """Record a failed attempt at a run that the run did not cause."""
         with self._in_words(), self._transaction():
             values = (job, self._engine, reason, worker, time())
             self._db.execute("INSERT INTO failures VALUES (?, ?, ?, ?, ?)", values)
 
     def failures(self) -> dict[str, list[str]]:
-        """Return the reasons of failed attempts at runs that have no result, by job."""
         sql = """SELECT job, reason FROM failures WHERE engine = ?1 AND job NOT IN
             (SELECT job FROM results WHERE engine = ?1) ORDER BY rowid"""
         found: dict[str, list[str]] = {}
@@ -173,12 +155,10 @@ class Ledger:
         return found
 
     def forget_failures(self) -> None:
-        """Give all runs that could not be finished another try."""
         with self._in_words(), self._transaction():
             self._db.execute("DELETE FROM failures")
 
     def differences(self) -> list[str]:
-        """Return the runs of which two results differ."""
         with self._in_words():
             found = self._db.execute("SELECT DISTINCT run FROM differences ORDER BY run")
             return [run for (run,) in found]
@@ -189,7 +169,6 @@ class Ledger:
             return float(self._db.execute("SELECT total(seconds) FROM times").fetchone()[0])
 
     def close(self) -> None:
-        """Close the file."""
         self._db.close()
 
     @contextmanager
@@ -205,11 +184,7 @@ class Ledger:
 
     @contextmanager
     def _in_words(self) -> Iterator[None]:
-        """Turn errors of SQLite into sentences.
-
-        Raises:
-            LedgerError: SQLite raised an error.
-        """
+        """Turn errors of SQLite into LedgerErrors."""
         try:
             yield
         except (sqlite3.Error, UnicodeDecodeError) as error:  # damage in a name it would tell

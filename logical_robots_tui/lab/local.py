@@ -29,7 +29,7 @@ _GRACE = 60.0
 
 
 class LocalEngine:
-    """Worker processes, made when they are needed and made anew when they die.
+    """Worker processes, made when needed and anew when they die.
 
     Each is a pool of its own, so that a death is blamed on the one task that the worker had.
     """
@@ -39,23 +39,17 @@ class LocalEngine:
 
     @property
     def slots(self) -> int:
-        """The number of tasks at a time."""
         return len(self._workers)
 
     @property
     def free(self) -> int:
-        """The number of workers without a task."""
         return sum(worker.task is None for worker in self._workers)
 
     def submit(self, key: object, task: Task) -> None:
-        """Give a task to a free worker."""
         next(worker for worker in self._workers if worker.task is None).start(key, task)
 
     def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
-        """Wait for tasks that end within some time; yield their keys and answers.
-
-        The answer of a worker that died has no results and the reason as its failure.
-        """
+        """Yield keys and answers of tasks that end in time; a dead worker's has a failure."""
         wait([w.future for w in self._workers if w.future], seconds, FIRST_COMPLETED)
         for worker in self._workers:
             worker.end_if_stuck()
@@ -63,13 +57,12 @@ class LocalEngine:
                 yield worker.finish()
 
     def close(self, *, at_once: bool = False) -> None:
-        """End the workers, after the tasks that they have or at once."""
         for worker in self._workers:
             worker.close(at_once=at_once)
 
 
 class _Worker:
-    """One worker process and its task."""
+    """A worker process and its task."""
 
     def __init__(self) -> None:
         self.task: Task | None = None
@@ -101,11 +94,7 @@ class _Worker:
         self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
 
     def finish(self) -> tuple[object, Answer]:
-        """Return the key and the answer of the finished task.
-
-        Raises:
-            InputError: Its process died again and again before it could begin.
-        """
+        """Return the finished task's key and answer; raises InputError if workers keep dying."""
         assert self.task is not None
         assert self.future is not None
         error = self.future.exception()
@@ -144,7 +133,7 @@ class _Worker:
 
 
 def _begin() -> None:
-    """Prepare a worker process: keyboard interrupts are for the coordinator alone."""
+    """Prepare a worker process: ignore interrupts, which the coordinator handles."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     collect_seldom()
     threading.Thread(target=_end_with_coordinator, daemon=True).start()

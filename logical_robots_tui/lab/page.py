@@ -30,7 +30,6 @@ svg {{ max-width: 48rem; display: block }}
 
 
 def as_page(title: str, parts: Iterable[str]) -> str:
-    """Return a page with parts that are HTML already."""
     return _PAGE.format(title=html.escape(harmless_text(title)), body="\n".join(parts))
 
 
@@ -41,8 +40,6 @@ class Html(str):
 
 
 def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """Return a table; numbers to the right, texts made harmless."""
-
     def cell(value: Any) -> str:
         if isinstance(value, Html):
             return f"<td>{value}</td>"
@@ -61,16 +58,14 @@ def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def as_code(text: str) -> Html:
-    """Return a text to be typed."""
     return Html(f"<code>{html.escape(text)}</code>")
 
 
 def as_percent(share: float) -> str:
-    """Return a share from 0 to 1 in whole percent."""
     return f"{100 * share:.0f} %"
 
 
 def shaded(share: float, text: str) -> Html:
-    """Return a text before a colour from red, for a share of 0, to green for 1."""
+    """Return a text on a colour between red, for a share of 0, and green, for 1."""
     shade = f"background: hsl({120 * share:.0f} 60% 80%); padding: .2rem"
     return Html(f'<span style="{shade}">{html.escape(text)}</span>')

@@ -28,11 +28,7 @@ _BARS = 20
 
 
 def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
-    """Write the report into the folder; return its path.
-
-    Raises:
-        InputError: The library for plots is not installed, or the file can't be written.
-    """
+    """Write the report; return its path, or raise InputError, also for a missing library."""
     done = list(done_runs(manifest, ledger))
     failures = _failures(manifest, ledger, done)
     if manifest.kind == "tournament":
@@ -91,7 +87,6 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
 
 
 def _varied(manifest: Manifest, done: list[Done]) -> str:
-    """Return a curve over the one thing, or a map over the two things, that were varied."""
     cells = by_cell(done)
     names = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
     full = [(cell, runs) for cell, runs in cells if len(cell.settings) == len(names)]
@@ -137,7 +132,6 @@ def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> s
 
 
 def _ticks(done: list[Done]) -> str:
-    """Return a histogram of the ticks to win, for each level."""
     parts = ["<h2>Ticks to win</h2>"]
     for level, runs in by_level(done).items():
         ticks = sorted(each.result.ticks for each in runs if each.result.outcome == "won")
@@ -155,7 +149,6 @@ def _ticks(done: list[Done]) -> str:
 
 
 def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
-    """Return how the runs ended that were not won, each kind with a run to look at."""
     kinds: dict[tuple[str, str, str], list[Done]] = {}
     for each in done:
         result = each.result
@@ -183,7 +176,6 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
 
 
 def _cells(manifest: Manifest, done: list[Done]) -> str:
-    """Return a row for each program in each level, with the command to look at a run."""
     rows: list[Sequence[Any]] = []
     for cell, runs in by_cell(done):
         share = share_of(runs)
@@ -207,10 +199,7 @@ def _cells(manifest: Manifest, done: list[Done]) -> str:
 
 
 def _pygal() -> Any:
-    """Return the library for plots, without the importer that it leaves behind.
-
-    Python 3.11 warns of that one at the next import that finds nothing.
-    """
+    """Return the library for plots, without its importer, which makes Python 3.11 warn."""
     import pygal
 
     sys.meta_path[:] = [each for each in sys.meta_path if hasattr(each, "find_spec")]
@@ -228,7 +217,7 @@ def _style(title: str) -> dict[str, Any]:
 
 
 def _svg(chart: Any, title: str) -> str:
-    """Return a chart as SVG, without what differs from one time to the next."""
+    """Return a chart as SVG that is identical each time."""
     text: str = chart.render(is_unicode=True)
     text = re.sub(r"<!--.*?-->|<script.*?</script>", "", text, flags=re.DOTALL)
     return text.replace(chart.uuid, f"plot-{digest(title)[:12]}")

@@ -57,7 +57,7 @@ Outcome: TypeAlias = Literal[
 
 
 class Asked(msgspec.Struct, frozen=True):
-    """A measure by a question, asked every so many ticks; 0 is in the last one only."""
+    """A question asked as a measure every so many ticks; 0 means in the last one only."""
 
     name: str
     query: str
@@ -91,7 +91,7 @@ class Task(msgspec.Struct, frozen=True):
 
 
 class Series(msgspec.Struct, frozen=True):
-    """The rows of a question: each begins with its tick. They may be cut off at a limit."""
+    """The rows of a question, each starting with its tick; they may be cut off at a limit."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
@@ -99,18 +99,12 @@ class Series(msgspec.Struct, frozen=True):
 
 
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
-    """What a run resulted in; it depends on nothing but what is run.
+    """The result of a run, determined by its inputs alone.
 
     Attributes:
-        outcome: How it ended.
-        ticks: The last tick.
         distance: Map units driven by all robots together.
-        rules: The rules of the program.
         notices: For each kind, the number of ticks with such a notice.
         first: The first notice: tick, robot and message.
-        series: The rows of each question.
-        mistakes: Why the program does not compile.
-        points: In a level with teams, the points of each.
         forfeit: Teams that have lost because their programs failed.
     """
 
@@ -127,13 +121,10 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Answer(msgspec.Struct, frozen=True):
-    """What a worker gives back.
+    """The answer of a worker (host and process).
 
-    Attributes:
-        results: For each finished run its start, its result as JSON, and the seconds it took.
-        worker: Where it was: host and process.
-        failure: Why the next run could not be finished here, or "".
-        refused: Whether the worker's engine is another one.
+    `results` are start, result as JSON and seconds of each run; `refused` means that the
+    worker's engine is another one.
     """
 
     results: tuple[tuple[int, str, float], ...] = ()
@@ -160,7 +151,6 @@ def engine() -> dict[str, str]:
 
 @cache
 def fingerprint() -> str:
-    """Return the digest of `engine`."""
     return hashlib.sha256(msgspec.json.encode(engine(), order="deterministic")).hexdigest()
 
 
@@ -199,8 +189,6 @@ def _reason(error: Exception, task: Task) -> str:
 
 
 class _Prepared:
-    """A task's level, and its program with its questions, compiled."""
-
     def __init__(self, task: Task) -> None:
         self.task = task
         self.level: Level = _level(task.level)
@@ -220,9 +208,7 @@ class _Prepared:
     def run(self, start: int) -> Result:
         """Return the result from a start.
 
-        Raises:
-            LateError: The clock or too little memory cut off a thought.
-            Stopped: It took too long.
+        Raises LateError if the clock or lack of memory cut off a thought, Stopped if it took long.
         """
         if self.mistakes:
             return Result("does not compile", mistakes=self.mistakes)
@@ -262,21 +248,17 @@ def _level(text: str) -> Level:
 
 
 def _reads_clock(program: Program) -> bool:
-    """Return whether the robots' decisions may depend on the clock."""
     tuned = program.tuned.get("Robot")
     return tuned is None or not {"clock", "sensor"}.isdisjoint(tuned.columns.get("Sensor", ()))
 
 
 class _Watcher:
-    """Watches a run: counts notices, asks questions, and notices when nothing can change any more.
+    """Counts notices, asks questions, and detects when nothing can change any more.
 
-    Nothing can change if world and memories are exactly as after an earlier tick. They are compared
-    with those after the last tick that is a power of two (Brent's algorithm), which finds every
-    cycle soon. Questions may be about the clock, so a run with questions goes on; so does a match,
-    in which time may bring points.
-
-    A team loses a match as soon as ten of its thoughts took too many steps, or at the end if all of
-    its robots failed in every tick.
+    That is when world and memories are exactly as after the last tick that is a power of two
+    (Brent's algorithm). Runs with questions, which may be about the clock, and matches go on. A
+    team loses a match after ten thoughts with too many steps, or if all its robots failed in
+    every tick.
     """
 
     def __init__(self, prepared: _Prepared) -> None:
@@ -300,7 +282,7 @@ class _Watcher:
         self.first: tuple[int, str, str] | None = None
 
     def is_over(self, thought: Thought) -> bool:
-        """Take note of a tick; return whether the run ends with it. Takes a few microseconds."""
+        """Record a tick; return whether the run ends with it. Takes a few microseconds."""
         self._state = thought.state
         for decision in thought.decisions:
             if decision.notices:
@@ -341,7 +323,7 @@ class _Watcher:
             self.ended = "too many steps"
 
     def _compare(self, thought: Thought) -> None:
-        """Compare a tick with the one that is kept, and keep it if it is its turn."""
+        """Compare a tick with the stored one; store it instead when due."""
         state, kept = thought.state, self._kept
         if (
             kept is not None
@@ -373,7 +355,7 @@ class _Watcher:
 
 
 def _exactly(thought: Thought) -> str:
-    """Return world and memories as text, in which 1, 1.0 and true are three values."""
+    """Return world and memories as text that distinguishes 1, 1.0 and true."""
     memories = [decision.memory for decision in thought.decisions]
     return repr((thought.state.robots, thought.state.areas, memories))
 

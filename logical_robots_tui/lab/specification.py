@@ -36,11 +36,7 @@ Name: TypeAlias = Annotated[str, msgspec.Meta(min_length=1)]
 
 
 class SpecificationError(LogicalRobotsError):
-    """A specification is wrong.
-
-    Attributes:
-        problems: All that is wrong with it, each with file and line, in the order of the text.
-    """
+    """All problems of a specification, in the order of the text, with file and line."""
 
     title = "This specification can't be used"
 
@@ -54,14 +50,14 @@ class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Limit(_Table, frozen=True):
-    """``[limits]``: steps of one think, which belong to a result, and seconds of one run."""
+    """``[limits]``: steps per think, which affect the result, and seconds per run."""
 
     steps: Positive = 100_000_000
     seconds: Annotated[float, msgspec.Meta(gt=0)] = 600.0
 
 
 class Query(_Table, frozen=True):
-    """A question in Logica; it is asked every so many ticks, or with 0 in the last tick."""
+    """A Logica question, asked every so many ticks; 0 means in the last tick only."""
 
     query: Name
     every: Annotated[int, msgspec.Meta(ge=0)] = 0
@@ -84,8 +80,6 @@ class Case(_Table, frozen=True):
 
 
 class ExperimentTable(_Table, frozen=True):
-    """``[experiment]``."""
-
     level: Name | Annotated[list[Name], msgspec.Meta(min_length=1)]
     program: Name | Annotated[list[Name], msgspec.Meta(min_length=1)]
     title: str = ""
@@ -95,8 +89,6 @@ class ExperimentTable(_Table, frozen=True):
 
 
 class Experiment(_Table, frozen=True):
-    """An experiment: everything that a sweep runs and measures."""
-
     experiment: ExperimentTable
     vary: list[Vary] = []
     case: list[Case] = []
@@ -105,8 +97,6 @@ class Experiment(_Table, frozen=True):
 
 
 class LevelTable(_Table, frozen=True):
-    """``[[level]]`` of an assignment."""
-
     name: Name
     points: Share = 10.0
 
@@ -121,7 +111,7 @@ class Split(_Table, frozen=True):
 
 
 class Late(_Table, frozen=True):
-    """``[late]``: from when, or who, is late, and the share of the points that is kept then."""
+    """``[late]``: the deadline or a file of late students, and the share of points they keep."""
 
     after: Annotated[datetime, msgspec.Meta(tz=True)] | None = None
     students: str = ""
@@ -129,8 +119,6 @@ class Late(_Table, frozen=True):
 
 
 class AssignmentTable(_Table, frozen=True):
-    """``[assignment]``."""
-
     title: str = ""
     starts: Starts = 20
     ticks: Positive | Name = "2*reference+200"
@@ -142,8 +130,6 @@ class AssignmentTable(_Table, frozen=True):
 
 
 class Assignment(_Table, frozen=True):
-    """An assignment: the levels, their points, and the students."""
-
     assignment: AssignmentTable
     level: Annotated[list[LevelTable], msgspec.Meta(min_length=1)]
     points: Split = Split()
@@ -152,7 +138,7 @@ class Assignment(_Table, frozen=True):
 
 
 class TournamentTable(_Table, frozen=True):
-    """``[tournament]``; a match has the ticks that the level says, or fewer."""
+    """``[tournament]``; a match lasts as many ticks as the level says, or fewer."""
 
     level: Name
     title: str = ""
@@ -162,8 +148,6 @@ class TournamentTable(_Table, frozen=True):
 
 
 class Tournament(_Table, frozen=True):
-    """A tournament: where it is held, and how."""
-
     tournament: TournamentTable
     limits: Limit = Limit()
 
@@ -172,16 +156,9 @@ T = TypeVar("T", Experiment, Assignment, Tournament)
 
 
 class Specification:
-    """A specification's text, and what is found to be wrong with it.
+    """A specification's text and its problems; other files are relative to `folder`.
 
-    Attributes:
-        file: The TOML file.
-        folder: Other files are named as seen from here.
-        text: Its text.
-        data: As parsed.
-
-    Raises:
-        SpecificationError: It can't be read, or is not TOML.
+    Raises SpecificationError if it can't be read or is not TOML.
     """
 
     def __init__(self, file: Path) -> None:
@@ -204,7 +181,6 @@ class Specification:
         self._lines = dict(_lines(self.text))
 
     def problem(self, path: Path_, message: str) -> None:
-        """Note that something is wrong at a path of keys and numbers."""
         while path and path not in self._lines:
             path = path[:-1]
         where = self._lines.get(path, 1)
@@ -212,11 +188,7 @@ class Specification:
             self._problems.append((where, message))
 
     def refuse(self) -> None:
-        """Refuse the specification if something is wrong.
-
-        Raises:
-            SpecificationError: Something is.
-        """
+        """Raise SpecificationError if something is wrong."""
         if self._problems:
             found = sorted(self._problems)
             raise SpecificationError(
@@ -224,18 +196,14 @@ class Specification:
             )
 
     def read(self, kind: type[T]) -> T:
-        """Return the specification as a record.
-
-        Raises:
-            SpecificationError: Something is missing, unknown or of another type.
-        """
+        """Return the specification as a record, or raise SpecificationError."""
         found = self._read(kind, self.data, ())
         self.refuse()
         assert isinstance(found, kind)
         return found
 
     def _read(self, kind: Any, data: Any, path: Path_) -> Any:
-        """Convert a value; every part of a table is checked, also if another part is wrong."""
+        """Convert a value, reporting errors in all parts of a table, not only the first."""
         if get_origin(kind) is Annotated and isinstance(data, list) and data:
             kind = get_args(kind)[0]  # only the least length of lists of tables
         if get_origin(kind) is list and _is_table(get_args(kind)[0]) and isinstance(data, list):
@@ -267,11 +235,7 @@ class Specification:
 
 
 def read_experiment(spec: Specification) -> Experiment:
-    """Return an experiment whose tables are in order; names in them are not looked up yet.
-
-    Raises:
-        SpecificationError: Something is wrong; says all of it.
-    """
+    """Return an experiment, without looking up names, or raise SpecificationError."""
     found = spec.read(Experiment)
     for number, vary in enumerate(found.vary):
         path = ("vary", number)
@@ -301,11 +265,7 @@ def read_experiment(spec: Specification) -> Experiment:
 
 
 def read_assignment(spec: Specification) -> Assignment:
-    """Return an assignment whose tables are in order; names in them are not looked up yet.
-
-    Raises:
-        SpecificationError: Something is wrong; says all of it.
-    """
+    """Return an assignment, without looking up names, or raise SpecificationError."""
     found = spec.read(Assignment)
     if not any(msgspec.structs.astuple(found.points)):
         spec.problem(("points",), "at least one share of the points must be more than 0")
@@ -320,12 +280,11 @@ def read_assignment(spec: Specification) -> Assignment:
 
 
 def values_of(vary: Vary) -> list[Scalar]:
-    """Return the values of what is varied."""
     return _in_range(vary.range) if vary.range is not None else vary.values
 
 
 def _in_range(bounds: list[float]) -> list[Scalar]:
-    """Return the numbers from, to and by a step; none if there is no end to them."""
+    """Return the numbers of a range by step; [] if there are infinitely or too many."""
     first, last, step = (*bounds, 1.0)[:3]
     if not all(map(math.isfinite, bounds)) or step == 0 or (last - first) / step < 0:
         return []
@@ -358,7 +317,6 @@ _KEY = re.compile(r"""\s*([\w-]+|"[^"]*"|'[^']*')\s*(?:=|\.)""")
 
 
 def _lines(text: str) -> list[tuple[Path_, int]]:
-    """Return the lines of headers and keys, by their paths."""
     found: list[tuple[Path_, int]] = []
     table: Path_ = ()
     counts: dict[str, int] = {}

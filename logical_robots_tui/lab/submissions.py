@@ -36,14 +36,7 @@ _MOST_REMARKS = 20
 
 
 class Submission:
-    """What somebody has submitted.
-
-    Attributes:
-        name: The name of the folder, or of the file without its ending.
-        programs: Texts by the level's name; "" is for all levels.
-        remarks: What is odd about it.
-        changed: When it was last changed.
-    """
+    """A submission: its texts by level's name ("" for all levels), with remarks on oddities."""
 
     def __init__(self, path: Path, stems: Mapping[str, str]) -> None:
         is_single = not path.is_dir()
@@ -91,13 +84,9 @@ class Submission:
 
 
 def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str]]:
-    """Return what an assignment is to run, and the texts of its levels and programs by digest.
+    """Return what to run for an assignment, and the texts of levels and programs by digest.
 
-    `submissions` holds one folder or file per student.
-
-    Raises:
-        SpecificationError: The assignment is wrong; says all that is.
-        InputError: The submissions can't be read.
+    `submissions` has one folder or file per student. Raises SpecificationError, InputError.
     """
     spec = Specification(file)
     assignment = read_assignment(spec)
@@ -111,7 +100,6 @@ def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str
 
 
 def _levels(spec: Specification, assignment: Assignment) -> dict[str, tuple[str, int]]:
-    """Return the text and the last tick of each level, by name."""
     levels: dict[str, tuple[str, int]] = {}
     for number, each in enumerate(assignment.level):
         path, ticks = ("level", number, "name"), assignment.assignment.ticks
@@ -131,7 +119,6 @@ def _check_reference(spec: Specification, assignment: Assignment, level: Level) 
 
 
 def _table(spec: Specification, path: tuple[str, str], name: str) -> list[dict[str, str]]:
-    """Return the rows of a CSV file with a column ``id``; none without a file."""
     if not name:
         return []
     try:
@@ -151,17 +138,12 @@ def _table(spec: Specification, path: tuple[str, str], name: str) -> list[dict[s
 
 
 def stems_of(levels: Iterable[str]) -> dict[str, str]:
-    """Return the levels by the names that their programs may have: with and without a number."""
     stems = {name: name for name in levels}
     return stems | {name.partition("-")[2]: name for name in levels if name[:2].isdecimal()}
 
 
 def entries_of(folder: Path, stems: Mapping[str, str]) -> dict[str, Submission]:
-    """Return what was submitted, by names that can be shown.
-
-    Raises:
-        InputError: The folder can't be read, or two entries have the same name.
-    """
+    """Return submissions by names to show; raises InputError if unreadable or names are equal."""
     if not is_folder(folder):
         hint = "It has one folder or file for each student or player."
         raise InputError("this is not a folder", place=str(folder), hint=hint)
@@ -187,7 +169,7 @@ def _students(
     roster: list[dict[str, str]],
     late: set[str],
 ) -> list[Student]:
-    """Return the students of the roster, and then whoever else has submitted something."""
+    """Return the students of the roster, then those who submitted without being on it."""
     known: list[tuple[str, dict[str, str]]]
     known = [(row.get("submission") or row["id"], row) for row in roster]  # several may share one
     used = {name for name, _ in known}
@@ -215,13 +197,11 @@ def _students(
 
 
 def _first(remarks: list[str]) -> list[str]:
-    """Return the first remarks, and how many more there are."""
     more = len(remarks) - _MOST_REMARKS
     return remarks if more <= 0 else [*remarks[:_MOST_REMARKS], f"and {more:,} more"]
 
 
 def _readable(name: str) -> str:
-    """Return a name of a file, which may be any bytes, as text that can be shown and kept."""
     return printable(os.fsencode(name).decode(errors="replace"))[:_LONGEST_NAME]
 
 
@@ -232,7 +212,7 @@ def _manifest(
     students: list[Student],
     entries: Mapping[str, Submission],
 ) -> tuple[Manifest, dict[str, str]]:
-    """Return the manifest and its inputs; texts that are normally the same run once."""
+    """Return the manifest and its inputs; programs that normalise to the same text run once."""
     inputs = {digest(text): text for text, _ in levels.values()}
     cells: list[Cell] = []
     first: dict[str, str] = {}
@@ -269,7 +249,6 @@ def _manifest(
 
 
 def normalised(text: str) -> str:
-    """Return a program without comments, and without space that means nothing."""
     source = prepare(text)
     if source.problems or '"""' in source.text:
         return text

@@ -20,15 +20,7 @@ _MOST_BARS = 40
 
 
 class Share(NamedTuple):
-    """The share of runs that were won.
-
-    Attributes:
-        won: The number of runs that were won.
-        tried: The number of runs.
-        low: The least share within the interval.
-        high: The greatest.
-        ticks: The median of the ticks to win, or None.
-    """
+    """The share of runs that were won, its interval, and the median of ticks to win, or None."""
 
     won: int
     tried: int
@@ -38,7 +30,6 @@ class Share(NamedTuple):
 
     @property
     def share(self) -> float:
-        """The share itself, from 0 to 1."""
         return self.won / self.tried if self.tried else 0.0
 
 
@@ -59,7 +50,6 @@ def share_of(done: Iterable[Done]) -> Share:
 
 
 def by_cell(done: Iterable[Done]) -> list[tuple[Cell, list[Done]]]:
-    """Return the runs of each program in each level, in the order of the manifest."""
     found: dict[int, tuple[Cell, list[Done]]] = {}
     for each in done:
         found.setdefault(id(each.cell), (each.cell, []))[1].append(each)
@@ -67,7 +57,6 @@ def by_cell(done: Iterable[Done]) -> list[tuple[Cell, list[Done]]]:
 
 
 def by_level(done: Iterable[Done]) -> dict[str, list[Done]]:
-    """Return the runs in each level."""
     found: dict[str, list[Done]] = defaultdict(list)
     for each in done:
         found[each.cell.level_name].append(each)
@@ -80,11 +69,7 @@ def setting_text(cell: Cell) -> str:
 
 
 def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Return the short form of a report, with plots in characters.
-
-    Raises:
-        InputError: The library for plots is not installed.
-    """
+    """Return a short report with text plots; raises InputError without the library."""
     if manifest.kind == "tournament":
         from logical_robots_tui.lab.tournament.reporting import tournament_lines
 

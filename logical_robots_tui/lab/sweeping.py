@@ -36,23 +36,13 @@ _MOST_CELLS = 100_000
 
 
 def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
-    """Return what an experiment is to run, and the texts of its levels and programs by digest.
-
-    Raises:
-        SpecificationError: The specification is wrong; says all that is.
-    """
+    """Return what to run, and levels and programs by digest, or raise SpecificationError."""
     spec = Specification(file)
     return _Plan(spec, read_experiment(spec)).manifest()
 
 
 def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
-    """Return a level, shipped or in a file, and its text.
-
-    A path is relative to `folder`.
-
-    Raises:
-        InputError: There is no such level, or it can't be used.
-    """
+    """Return a shipped level or one relative to `folder`, and its text, or raise InputError."""
     is_path = Path(name).suffix in SUFFIXES or "/" in name
     level = load_level(folder / name if is_path else name)
     if not Path(level.source).exists():
@@ -62,11 +52,7 @@ def level_with_text(name: str, folder: Path) -> tuple[Level, str]:
 
 
 def _last_tick(level: Level, ticks: int | str) -> int:
-    """Return the last tick of a run in a level.
-
-    Raises:
-        ValueError: It is not such an expression, or the level has no reference program.
-    """
+    """Return a run's last tick; raises ValueError for no expression or no reference program."""
     if isinstance(ticks, int):
         return ticks
     found = _TICKS.fullmatch(ticks.strip())
@@ -82,7 +68,7 @@ def _last_tick(level: Level, ticks: int | str) -> int:
 def level_to_run(
     spec: Specification, path: Path_, name: str, ticks_path: Path_, ticks: int | str
 ) -> tuple[Level, str, int] | None:
-    """Return a level, its text and the last tick of a run; None after noting what is wrong."""
+    """Return a level, its text and the run's last tick; None after reporting a problem."""
     try:
         level, text = level_with_text(name, spec.folder)
     except InputError as error:
@@ -96,7 +82,7 @@ def level_to_run(
 
 
 class _Plan:
-    """An experiment on its way to a manifest; notes everything that is wrong."""
+    """Plans an experiment, and reports everything that is wrong with it."""
 
     def __init__(self, spec: Specification, experiment: Experiment) -> None:
         self._spec, self._experiment = spec, experiment
@@ -154,7 +140,7 @@ class _Plan:
             self._programs[name] = text
 
     def _asked(self) -> list[Asked]:
-        """Return the measures by questions, each of which all programs can answer."""
+        """Return the measures that are questions; report programs that can't answer one."""
         asked = []
         for name, measure in self._experiment.measure.items():
             if not isinstance(measure, Query):
@@ -169,7 +155,7 @@ class _Plan:
         return asked
 
     def _combinations(self) -> list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]]:
-        """Return for each combination its place, its constants, and its fields of the level."""
+        """Return the place, constants and level fields of each combination; add the cells."""
         varied = [
             [(bool(vary.constant), vary.constant or vary.level, v) for v in values_of(vary)]
             for vary in self._experiment.vary
@@ -238,7 +224,6 @@ def _several(names: str | list[str]) -> list[str]:
 
 
 def _literal(value: Scalar) -> str:
-    """Return a value as an expression of Logica; the specification has checked it."""
     if isinstance(value, bool):
         return str(value).lower()
     return f'"{value}"' if isinstance(value, str) else format(Decimal(repr(value)), "f")
@@ -246,12 +231,9 @@ def _literal(value: Scalar) -> str:
 
 @lru_cache(maxsize=1000)
 def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
-    """Return the text of a level with other values of some fields.
+    """Return a level's text with other values of some fields, or raise InputError.
 
     A key looks like ``robots.*.battery.capacity``.
-
-    Raises:
-        InputError: The level has no such key.
     """
     if is_of_web(text):
         data = json.loads(text)
@@ -267,7 +249,7 @@ def _with_fields(text: str, fields: tuple[tuple[str, Scalar], ...]) -> str:
 
 
 def _set(data: Any, keys: list[str], whole: str, value: Scalar) -> None:
-    """Set a key within data; an asterisk stands for all items of a list that have the rest."""
+    """Set a key in nested data; ``*`` stands for all list items that have the other keys."""
     *path, last = keys
     found = [data]
     for key in path:

@@ -161,7 +161,6 @@ _ARGUMENTS: dict[str, tuple[type[Expression], str, str]] = {
 
 
 def _fits(annotation: Annotation, kind: type[Expression]) -> bool:
-    """Return whether an annotation has a predicate followed by literals of a kind."""
     rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
     is_enough = bool(rest) or annotation.name == "@Recursive"
     has_subject = bool(annotation.subject)
@@ -178,7 +177,6 @@ def _supplied(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
 def _names(
     program: Sequence[Statement], text: str, doubtful: frozenset[str], runs: Runs
 ) -> Iterator[Diagnostic]:
-    """Find names that are not defined, or that robots may not use."""
     own = {*(each.name for each in program if isinstance(each, Rule)), *definitions(program)}
     known = {*own, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
     left_open = parameters(program) - {lacking(program).get(MAIN)}
@@ -211,7 +209,6 @@ def _names(
 
 
 def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    """Find functions and predicates that are named where a value belongs."""
     known = {*definitions(program), *INPUTS} - {*_types(program)}
     for node in walk(each for each in program if isinstance(each, Rule)):
         if not isinstance(node, PredicateName):
@@ -223,7 +220,6 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
 
 
 def _types(program: Sequence[Statement]) -> Iterator[str]:
-    """Return names that stand for types: in `TryCast` and after `~`."""
     for call in calls(program):
         if call.name in ("TryCast", "~"):
             for name in called(call.arguments[1:]):
@@ -250,7 +246,6 @@ _INSTEAD = {
 
 
 def _instead(name: str, known: set[str], runs: Runs) -> str:
-    """Return a hint about what a name may have meant, or ""."""
     if name in _INSTEAD:
         return f"Use {_INSTEAD[name]}."
     working = {n for n in built_in_names() if n.isidentifier() and n[:1].isupper()}
@@ -267,7 +262,6 @@ _LONG = 7  # letters in a word that may have two errors
 
 
 def typos(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    """Warn about variables that are probably misspelt."""
     for rule in program:
         if isinstance(rule, Annotation | Functor):
             continue
@@ -294,7 +288,6 @@ def _is_shorthand(node: Node) -> TypeGuard[Argument]:
 
 
 def _looks_like(name: str, other: str) -> bool:
-    """Return whether two names differ only by a typo in one long word."""
     left, right = name.split("_"), other.split("_")
     if len(left) != len(right):
         return False
@@ -321,7 +314,6 @@ _EXAMPLE = (
 
 
 def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    """Find what is missing in the heads of `Robot`, or report that there is none."""
     found = definitions(program).get(MAIN, [])
     if not found:
         message = "there is no Robot predicate"
@@ -341,7 +333,6 @@ def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnost
 
 
 def engines(program: Sequence[Statement], inference: Inference, text: str) -> Iterator[Diagnostic]:
-    """Find misspelt or missing engines in a desire."""
     literals = [
         [each.field for each in node.arguments if isinstance(each.field, str)]
         for node in walk(program)
@@ -406,7 +397,6 @@ _ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IG
 def verbatim(
     program: Sequence[Statement], known: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
-    """Find invalid types and columns, and flags that would end an SQL text."""
     for call in calls(program):
         for argument in call.arguments[1:2] if call.name == "Cast" else ():
             name = text_of(argument.expression)

@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 def with_constants(text: str, values: Mapping[str, str]) -> str:
-    """Return the text of a program in whose parsed rules some constants have other values.
-
-    The rest of the text stays as it is, and so do the numbers of its lines.
-
-    Args:
-        text: The program.
-        values: Expressions on one line by the constants' names.
+    """Set constants to one-line expressions; all other text and line numbers stay the same.
 
     Raises:
         ProgramError: The program has errors, or a name is not that of a constant.

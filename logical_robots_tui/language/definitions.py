@@ -121,7 +121,6 @@ def parameters(program: Sequence[Statement]) -> frozenset[str]:
 
 
 def lacking(program: Sequence[Statement]) -> dict[str, str]:
-    """Return for each predicate that uses an unsubstituted parameter the name of that parameter."""
     own, left_open = definitions(program), parameters(program)
 
     def first_open(name: str, given: frozenset[str], seen: set[str]) -> Iterator[str]:
@@ -163,7 +162,6 @@ def built_in_names() -> frozenset[str]:
 
 
 def is_built_in(name: str) -> bool:
-    """Return whether the package treats a call of this name as a built-in function."""
     return name in built_in_names()
 
 

@@ -49,14 +49,7 @@ _OWN = (parse.ParsingException, rule_translate.RuleCompileException, functors.Fu
 def explain(
     error: BaseException, source: Prepared, within: tuple[int, int] | None = None
 ) -> Diagnostic:
-    """Return the diagnostic for an exception of the package.
-
-    Args:
-        error: The exception.
-        text: The program.
-        source: The same, prepared.
-        within: Start and end of the statement that it is about, if known.
-    """
+    """Return the diagnostic for an exception raised within a statement (its start and end)."""
     start, end = within or _rule(error, source)
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
         hint = "Give parts of it names of their own."
@@ -86,7 +79,6 @@ def explain(
 
 
 def plain_message(error: BaseException) -> str:
-    """Return the package's message in one line, without colours."""
     if not isinstance(error, _OWN):
         return "Logica can't compile this"
     message = _plain_text(error)
@@ -97,7 +89,6 @@ def plain_message(error: BaseException) -> str:
 
 
 def unassigned(error: BaseException) -> list[str]:
-    """Return the variables that the package says have no value."""
     found = _UNASSIGNED.search(_plain_text(error))
     return [n.split(" in rule for ")[0] for n in found.group(1).split(", ")] if found else []
 
@@ -249,7 +240,6 @@ def _hint(message: str) -> str:
 
 
 def _rule(error: BaseException, source: Prepared) -> tuple[int, int]:
-    """Return start and end of the rule that an exception of the compiler is about."""
     rule = getattr(error, "rule_str", "")
     if isinstance(rule, parse.HeritageAwareString) and rule.heritage == source.text:
         return rule.start, rule.stop

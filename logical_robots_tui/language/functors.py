@@ -49,16 +49,13 @@ class Expanded:
     bases: dict[str, str] = field(default_factory=dict)
 
     def name_of(self, predicate: str, within: str) -> str:
-        """Return the name of a predicate, or of its copy in a made one."""
         return self.names.get((predicate, within), predicate)
 
     def reach(self, name: str) -> set[str]:
-        """Return the names of the predicates that one uses, directly or indirectly."""
         return reached(self.rules.get(name, ()), self.rules)
 
 
 def expand(program: Iterable[Statement]) -> Expanded:
-    """Expand every ``:=``."""
     program = list(program)
     functors: dict[str, Functor] = {}
     rules: dict[str, list[Rule]] = {}

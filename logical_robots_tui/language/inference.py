@@ -1,8 +1,7 @@
 """Fields that certainly do not exist, found by tracing shapes through the rules.
 
-The shape of a variable is known if it comes from `Sensor`, from a record in the text, or from a
-column or argument that has the same shape wherever it is defined or passed. All other shapes are
-unknown, and nothing is reported about them.
+A variable's shape is known if it comes from `Sensor`, a record literal, or a column or
+argument that has the same shape everywhere.
 """
 
 from __future__ import annotations
@@ -35,21 +34,13 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """A list."""
-
     element: Shape | None
     title: str = field(default="this list", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A record whose fields are all known.
-
-    Attributes:
-        fields: Shapes by name; None if unknown.
-        title: Its name in messages.
-        names: The names as in the program's text, with their places.
-    """
+    """A record whose fields are all known; a shape of None is unknown."""
 
     fields: Mapping[str, Shape | None]
     title: str = field(default="this record", compare=False)
@@ -88,8 +79,6 @@ class _TooManyStepsError(Exception):
 
 
 class Inference:
-    """The known shapes of a program's values."""
-
     def __init__(self, program: Sequence[Statement], text: str, doubtful: frozenset[str]) -> None:
         self._text = text
         self._definitions = definitions(program)
@@ -111,7 +100,6 @@ class Inference:
         return list(self._problems.values())
 
     def column(self, predicate: str, name: str) -> list[Shape | None]:
-        """Return the shapes of a column in each rule of a predicate."""
         found: list[Shape | None] = []
         for rule in rules_of(self._definitions.get(predicate, ())):
             for column in rule.head.columns:
@@ -154,7 +142,6 @@ class Inference:
         }
 
     def _parameters(self, rule: Rule) -> Scope:
-        """Return the known shapes of a function's arguments, from all its calls."""
         scope: Scope = {}
         for column in rule.head.columns:
             if isinstance(column.value, tree.Variable):
@@ -164,7 +151,6 @@ class Inference:
         return scope
 
     def _scope(self, body: Proposition | None, outer: Mapping[str, Shape | None]) -> Scope:
-        """Return the known shapes of the variables of a rule or aggregate."""
         scope = dict(outer)
         before: Scope | None = None
         while body is not None and scope != before:
@@ -217,7 +203,6 @@ class Inference:
         self._shape(node.element, scope)
 
     def _bind(self, pattern: Expression, shape: Shape | None, scope: Scope) -> None:
-        """Record the shape of a variable, or of a record of variables."""
         if shape is None:
             return
         if isinstance(pattern, tree.Variable):
@@ -234,7 +219,6 @@ class Inference:
     # -- expressions ---------------------------------------------------------------------------
 
     def _shape(self, node: Expression, scope: Scope) -> Shape | None:
-        """Return the shape of an expression, or None if uncertain; visits all its parts."""
         match node:
             case tree.Variable():
                 return scope.get(node.name)
@@ -311,7 +295,6 @@ class Inference:
         return None
 
     def _give(self, name: str, argument: int | str, shape: Shape | None) -> None:
-        """Record the shape of an argument in a call."""
         if isinstance(argument, str) and (found := re.fullmatch(r"col(\d+)", argument)):
             argument = int(found.group(1))
         self._given.setdefault((name, argument), []).append(shape)
@@ -344,6 +327,5 @@ class Inference:
 
 
 def _common(shapes: list[Shape | None]) -> Shape | None:
-    """Return the shape that all share, or None."""
     first = shapes[0] if shapes else None
     return first if all(shape == first for shape in shapes) else None

@@ -1,12 +1,7 @@
-"""Replacements for functions of the `logica` package, most of which halve the compile time.
+"""Replacements for functions of the `logica` package; most halve the compile time.
 
-The package shares subtrees of expressions and visits a shared subtree once for each of its parents;
-here it is visited once. For every character that its parser looks at, the package creates a text
-that knows its place, which is not needed for characters that are only compared. And it repeatedly
-deep-copies whole programs with all their texts, although texts never change.
-
-Columns and predicates with the name of an SQL keyword, such as ``from`` or ``Index``, are quoted or
-renamed: the package writes names unchanged, and SQLite fails on some of them.
+They visit shared subtrees once and don't copy texts. They also quote or rename columns and
+predicates named like an SQL keyword, such as ``from`` or ``Index``, on which SQLite fails.
 """
 
 from __future__ import annotations
@@ -27,7 +22,7 @@ _NEVER_CHANGE = {parse.HeritageAwareString, Name, str, int, float, bool, type(No
 
 
 def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any]) -> None:
-    """Replace a variable in a syntax tree, in place, by one that is not copied."""
+    """Replace a variable in a syntax tree, in place, without copying the new expression."""
     assert isinstance(s, dict | list)
     waiting: list[Any] = [s]
     seen = set()
@@ -49,14 +44,7 @@ def replace_variable(old_var: Any, new_expr: Any, s: dict[str, Any] | list[Any])
 def mentioned_variables(
     x: Any, dive_in_combines: bool = False, this_is_select: bool = False
 ) -> set[Any]:
-    """Return the names of the variables in a syntax tree of the package.
-
-    Args:
-        x: The tree.
-        dive_in_combines: Whether to include aggregating expressions.
-        this_is_select: Whether the tree is a record of columns, one of which may be called
-            ``variable``.
-    """
+    """Return the variables' names; in a select, ``variable`` may also be a column."""
     found = set()
     waiting = [x]
     seen = set()
@@ -77,10 +65,7 @@ def mentioned_variables(
 
 
 def deep_copy(tree: Any) -> Any:
-    """Return a copy of a syntax tree that shares its texts.
-
-    A subtree that is shared in the tree is shared in the copy, too.
-    """
+    """Copy a syntax tree; texts are shared with the original, and shared subtrees stay shared."""
     return _copied(tree, {})
 
 
@@ -104,7 +89,6 @@ def _copied(node: Any, done: dict[int, Any]) -> Any:
 
 
 def _slice(self: parse.HeritageAwareString, start: int, stop: int) -> parse.HeritageAwareString:
-    """Return a part of a text that knows its place."""
     size = len(self)
     part = parse.HeritageAwareString.__new__(
         parse.HeritageAwareString, str.__getitem__(self, slice(start, stop))
@@ -128,17 +112,13 @@ _traverse = parse.Traverse
 
 
 def _traverse_plain(text: str) -> Iterator[tuple[int, str | None, str]]:
-    """Yield a text's places with the brackets that are open there, as the package does."""
+    """Yield each position with the brackets open there, as the package does."""
     found: Iterator[tuple[int, str | None, str]] = _traverse(str(text))
     return found
 
 
 def split(text: parse.HeritageAwareString, separator: str) -> list[parse.HeritageAwareString]:
-    """Return the parts of a text between separators outside brackets, as `SplitRaw` does.
-
-    Raises:
-        parse.ParsingException: Brackets or quotes don't match.
-    """
+    """Split at separators outside brackets, as `SplitRaw` does; raise ParsingException."""
     plain = str(text)
     parts = []
     begin = 0
@@ -189,7 +169,6 @@ _as_it_is = rule_translate.LogicaFieldToSqlField
 
 
 def sql_field(field: Any) -> Any:
-    """Return the name of a column in SQL."""
     name = _as_it_is(field)
     return f'"{name}"' if isinstance(name, str) and name.lower() in _RESERVED else name
 
@@ -198,14 +177,13 @@ _allocate = rule_translate.NamesAllocator.AllocateTable
 
 
 def table_name(self: Any, hint_for_user: Any = None) -> Any:
-    """Return a name for a table of a query."""
     if isinstance(hint_for_user, str) and hint_for_user.lower() in _NO_ALIASES:
         self.allocated_tables.add(hint_for_user)
     return _allocate(self, hint_for_user)
 
 
 def install() -> None:
-    """Replace the package's functions."""
+    """Patch the package's functions, for the whole process."""
     parse.HeritageAwareString.GetSlice = _slice
     parse.HeritageAwareString.__getitem__ = _item
     parse.Traverse = _traverse_plain

@@ -17,16 +17,7 @@ Kind = Literal["function", "aggregate", "operator"]
 
 
 class FunctionHelp(NamedTuple):
-    """Help on one function, aggregate or operator.
-
-    Attributes:
-        name: As written in a program.
-        signature: How it is called.
-        summary: What it returns, one line.
-        example: An expression that can be used in any rule.
-        result: The value of the example, as JSON.
-        kind: ``function``, ``aggregate`` (used with braces or in a head) or ``operator``.
-    """
+    """Help on a function, aggregate or operator; `result` is the value of `example` as JSON."""
 
     name: str
     signature: str
@@ -212,11 +203,9 @@ REFERENCE: tuple[FunctionHelp, ...] = (
 
 
 def find_help(name: str) -> FunctionHelp | None:
-    """Return the help on a name, ignoring case if necessary, or None."""
     exact = next((h for h in REFERENCE if h.name == name), None)
     return exact or next((h for h in REFERENCE if h.name.lower() == name.lower()), None)
 
 
 def similar(name: str) -> str:
-    """Return the known name closest to a misspelt one, or ""."""
     return closest(name, (h.name for h in REFERENCE), 0.6)

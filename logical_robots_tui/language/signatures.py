@@ -42,14 +42,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """The columns of a predicate.
-
-    Attributes:
-        count: The number of positional columns.
-        named: Names of the named columns.
-        has_value: Whether it is a function.
-        required: The positional columns that its value depends on.
-    """
+    """A predicate's columns; `required`: the positional ones that its value depends on."""
 
     count: int
     named: frozenset[str]
@@ -63,7 +56,6 @@ class Signature:
 
 
 def signatures(program: Sequence[Statement]) -> dict[str, Signature]:
-    """Return the signatures of predicates whose rules agree."""
     found = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
     for name, own in {**definitions(prelude()), **definitions(program)}.items():
         candidates = {_signature(each) for each in own}
@@ -74,7 +66,6 @@ def signatures(program: Sequence[Statement]) -> dict[str, Signature]:
 
 
 def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    """Find rules that disagree with the first rule of the same predicate."""
     for name, (first, *others) in definitions(program).items():
         if name.isidentifier() and (problem := _hides_built_in(name, first, program)):
             yield diagnostic_for(text, name, problem, "Give your predicate another name.")
@@ -89,7 +80,6 @@ def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
 def wrong_calls(
     program: Sequence[Statement], known: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
-    """Find calls with arguments that the predicate does not have."""
     own = definitions(program)
     used = {MAIN, *reached(own[MAIN], own)} if MAIN in own else {*own}
     for rule in rules_of(program):
@@ -110,7 +100,6 @@ def wrong_calls(
 
 
 def given_twice(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    """Find fields and arguments with two values."""
     for node in walk(program):
         seen = set()
         for each in children(node):
@@ -134,7 +123,6 @@ def _signature(rule: Rule | Functor) -> Signature | None:
 
 
 def _in_value(rule: Rule) -> frozenset[int]:
-    """Return the places of arguments in the value of a function without conditions."""
     value = rule.head.column(VALUE)
     mentioned = variables(value, inside=True) if value else ()
     return frozenset(
@@ -145,7 +133,6 @@ def _in_value(rule: Rule) -> frozenset[int]:
 
 
 def _difference(first: Rule | Functor, other: Rule | Functor) -> tuple[str, str] | None:
-    """Describe how two rules of one name contradict each other, with a hint."""
     if isinstance(first, Functor) or isinstance(other, Functor):
         return "{0} is already defined in line {1}", "Give one of them another name."
     one, two = _signature(first), _signature(other)
@@ -195,10 +182,7 @@ def _wrong_call(call: Call | Atom, signature: Signature, text: str) -> Iterator[
 
 
 def _left_out(call: Call | Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
-    """Report a function that is called without arguments that its value needs.
-
-    Without other arguments it returns all its values.
-    """
+    """Report a call without arguments that the value needs; leaving out others is allowed."""
     given = {each.field for each in call.arguments}
     missing = any(not {place, f"col{place}"} & given for place in signature.required)
     if missing and REST not in given:

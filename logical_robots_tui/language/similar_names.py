@@ -10,17 +10,13 @@ if TYPE_CHECKING:
 
 
 def closest(name: str, known: Iterable[str], cutoff: float = 0.76) -> str:
-    """Return the known name closest to a name, ignoring case, or ""."""
     by_lower = {k.lower(): k for k in sorted(known, reverse=True) if k.isidentifier()}
     found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=cutoff)
     return by_lower[found[0]] if found else ""
 
 
 def distance(left: str, right: str) -> int:
-    """Return the number of edits (insert, delete, change, swap letters) between two names.
-
-    The optimal string alignment distance.
-    """
+    """Return the optimal string alignment distance (insert, delete, change, swap letters)."""
     rows = [list(range(len(right) + 1))]
     for i, a in enumerate(left, 1):
         row = [i]

@@ -24,15 +24,12 @@ INNER_QUOTE = "\ue022"
 
 
 class Prepared(NamedTuple):
-    """A program's text prepared for the parser.
+    """A program's text prepared for the parser, of unchanged length.
 
     Attributes:
-        original: The text as the player wrote it.
-        text: The same, of the same length, without comments, with ``Name {`` as ``Name{ ``, and
-            with double-quoted texts.
+        text: Without comments, with ``Name {`` as ``Name{ ``, and with double-quoted texts.
         skeleton: The same with quoted texts blanked, to search for names.
-        problems: Errors that the parser would explain worse.
-        broken: Offsets of those errors; the statements around them need not be parsed.
+        problems: Errors that the parser would explain worse; `broken` are their offsets.
         ends: Offsets of the ``;`` that end statements.
     """
 
@@ -106,7 +103,6 @@ class _Brackets:
         self.places.append(at)
 
     def string(self, at: int, token: str) -> None:
-        """Process a quoted text."""
         quote = '"""' if token.startswith('"""') else token[0]
         if not _is_closed(token, quote, quote):
             self._complained = True
@@ -114,7 +110,6 @@ class _Brackets:
             self.report(at, len(token), message, f"Add {quote} at its end.")
 
     def see(self, at: int, character: str) -> None:
-        """Process a character outside texts and comments."""
         if character == ";":
             self.ends.append(at)
             self.end_statement()
@@ -128,7 +123,7 @@ class _Brackets:
             self._close(at, character)
 
     def end_statement(self) -> None:
-        """End a statement; open brackets are never closed."""
+        """End a statement, and report its first bracket that was never closed."""
         if self._opened and not self._complained:
             bracket, place = self._opened[0]
             self.report(place, 1, f"this '{bracket}' is never closed", "Add the closing bracket.")
@@ -167,7 +162,6 @@ def diagnostic_at(
     hint: str = "",
     severity: Literal["error", "warning"] = "error",
 ) -> Diagnostic:
-    """Return a diagnostic for a place in the text given as an offset."""
     start = max(0, min(start, len(source)))
     before = source[:start]
     line_start = before.rfind("\n") + 1
@@ -189,13 +183,11 @@ def diagnostic_for(
     hint: str = "",
     severity: Literal["error", "warning"] = "error",
 ) -> Diagnostic:
-    """Return a diagnostic for a piece of a syntax tree, which knows its place."""
     start: int = getattr(piece, "start", 0)
     return diagnostic_at(source, start, len(piece), message, hint, severity)
 
 
 def _token(source: str, at: int) -> tuple[int, str]:
-    """Return end and kind of the token at an offset: a comment, a quoted text, or one character."""
     if source[at] == "#":
         end = source.find("\n", at)
         return (len(source) if end < 0 else end), "comment"
@@ -216,7 +208,6 @@ def _token(source: str, at: int) -> tuple[int, str]:
 
 
 def _in_double_quotes(token: str) -> str:
-    """Return a text in double quotes, the only ones that the parser knows, with the same length."""
     if token[0] != "'" or len(token) < len("''"):
         return token
     return '"' + token[1:-1].replace('"', INNER_QUOTE) + '"'

@@ -127,11 +127,7 @@ def _is_truth(argument: Argument) -> bool:
 
 
 def _type(node: Expression) -> Any:
-    """Return the type that an expression names: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``.
-
-    Raises:
-        KeyError: It is not a type but an example.
-    """
+    """Return a type: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``; else raise KeyError."""
     if isinstance(node, Record):
         return {str(a.field): _type(a.expression) for a in node.arguments if a.expression}
     if isinstance(node, List) and len(node.elements) == 1:
@@ -144,7 +140,6 @@ def _type(node: Expression) -> Any:
 
 
 def _sql_type(spelled: str) -> Any:
-    """Return the type that an SQL text describes, such as ``STRUCT(a BIGINT, b VARCHAR[])``."""
     spelled = spelled.strip()
     if spelled.endswith("[]"):
         return [_sql_type(spelled[:-2])]
@@ -177,7 +172,6 @@ def expand_rows(program: list[Statement]) -> list[Statement]:
 
 
 def _columns(program: Sequence[Statement]) -> dict[str, list[str]]:
-    """Return the columns of predicates that have the same named columns in all rules."""
     open_ = {name for each in program for name in substitutions(each)}
     known = {name: list(columns) for name, columns in INPUTS.items()}
     own = {**definitions(prelude()), **definitions(program)}
@@ -195,7 +189,6 @@ def _columns(program: Sequence[Statement]) -> dict[str, list[str]]:
 
 
 def _columns_of(rule: Rule | Functor, known: Mapping[str, list[str]]) -> list[str] | None:
-    """Return the columns in the head of a rule, or None if some have no names."""
     if not isinstance(rule, Rule):
         return None
     columns: list[str] = []
@@ -214,7 +207,6 @@ def _columns_of(rule: Rule | Functor, known: Mapping[str, list[str]]) -> list[st
 
 
 def _rows(rule: Rule, known: Mapping[str, list[str]]) -> dict[str, list[str]]:
-    """Return the variables for whole rows in a body, with their columns."""
     return {
         row: _left(node, known)
         for node in walk(rule)

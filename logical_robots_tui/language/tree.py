@@ -432,7 +432,6 @@ def conjuncts(body: Proposition | None) -> list[Proposition]:
 
 
 def equated(part: Node) -> tuple[Expression, Expression] | None:
-    """Return the two sides of an equation in a body, or None for any other part."""
     if isinstance(part, Equation):
         return part.left, part.right
     if isinstance(part, Atom) and part.name == "=":

@@ -1,9 +1,8 @@
-"""The mind: Logica programs compiled to SQLite; sensors and memories in, decisions out.
+"""Logica programs compiled to SQLite: sensors and memories in, decisions out.
 
-In the compile process, `checking` looks for mistakes, `compiling` turns text into SQL, `tuning`
-makes that faster, `clauses` decomposes rules, and `diagnosis` prepares programs to be watched over
-a whole run. In the main process, `sqlite` holds the rows of a moment, a `Mind` queries them, and
-`why` explains.
+The compile process runs `checking` (mistakes), `compiling` (text to SQL), `tuning` (faster
+SQL), `clauses` (decomposed rules) and `diagnosis` (what a checkup watches). In the main
+process, `sqlite` holds the rows of a moment, `Mind` queries them, and `why` explains them.
 """
 
 from typing import TYPE_CHECKING

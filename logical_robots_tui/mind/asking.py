@@ -33,7 +33,7 @@ Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 
 
 class _OrPlainly:
-    """Ends a tuned query that fails, so that the plain one decides what the failure means."""
+    """Ends a tuned query that fails; the plain query then determines the error."""
 
     def __enter__(self) -> None:
         pass
@@ -48,7 +48,7 @@ _OR_PLAINLY = _OrPlainly()
 class Asking:
     """The databases of a mind.
 
-    Tuned queries compute some things earlier than the program asks for them. When one fails, the
+    Tuned queries evaluate some expressions earlier than the program does. When one fails, the
     plain query decides whether that matters and which error to report.
     """
 
@@ -69,7 +69,6 @@ class Asking:
     def each(
         self, predicate: str, moment: Moment, within: Within
     ) -> Iterator[tuple[View, Answer | FailureError]]:
-        """Return the rows of a predicate for each view of a moment, or the error."""
         # All at once: the caller may query something else in between.
         answers = self._quick_answers(self._program.tuned.get(predicate), moment, within)
         yield from zip(moment.views, answers, strict=False)
@@ -87,17 +86,7 @@ class Asking:
         *,
         in_order: bool,
     ) -> Iterator[tuple[View, Answer]]:
-        """Return the rows of a question for each view of a moment.
-
-        Args:
-            question: Compiled for the program.
-            moment: The moment.
-            within: Limits; rows beyond them are left out.
-            in_order: Whether the order of a view's rows matters.
-
-        Raises:
-            FailureError: It failed, or took too long.
-        """
+        """Yield each view's rows, truncated to the limits; raise FailureError."""
         tuned = question.tuned
         answers = self._quick_answers(tuned, moment, within, in_order=in_order)
         yield from zip(moment.views, answers, strict=False)
@@ -105,11 +94,7 @@ class Asking:
             yield view, self._ask(tuned, question.sql, moment, view, within)
 
     def rows(self, predicate: str, moment: Moment, view: View, within: Within) -> Answer:
-        """Return the rows of a predicate for one view.
-
-        Raises:
-            FailureError: It can't be computed, failed, took too long, or has too many rows.
-        """
+        """Return a predicate's rows for one view; raise FailureError, also for too many."""
         tuned, sql = self._program.tuned.get(predicate), self._program.statements.get(predicate)
         if sql is None:
             raise FailureError(f"{predicate} can't be computed")
@@ -121,11 +106,7 @@ class Asking:
     def plan(
         self, predicate: str, moment: Moment, view: View, within: Within
     ) -> tuple[str, tuple[str, ...]]:
-        """Return the tuned SQL of a predicate, or "", and SQLite's plan for the SQL that is run.
-
-        Raises:
-            FailureError: It can't be prepared.
-        """
+        """Return the tuned SQL, or "", and SQLite's plan for the SQL run; raise FailureError."""
         tuned = None if self._tuned is None else self._program.tuned.get(predicate)
         if self._tuned is not None and tuned is not None:
             with _OR_PLAINLY:
@@ -136,7 +117,6 @@ class Asking:
         return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
     def still_grew(self, moment: Moment, view: View, within: Within) -> Iterator[tuple[str, int]]:
-        """Return recursions that still changed in their last step, and the number of steps."""
         for predicate, (steps, sql) in self._program.recursions.items():
             try:
                 tuned = self._program.tuned.get(f"{predicate} grows")
@@ -147,7 +127,6 @@ class Asking:
                 yield predicate, steps
 
     def close(self) -> None:
-        """Close the databases."""
         self.plain_tables.close()
         if self._tuned is not None:
             self._tuned.close()
@@ -160,11 +139,7 @@ class Asking:
         within: Within,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
-        """Return the rows of any query over ``Sensor`` and ``Memory`` for one view.
-
-        Raises:
-            FailureError: It failed, or took too long.
-        """
+        """Return the rows of any query over ``Sensor`` and ``Memory``; raise FailureError."""
         with failures_in_words(within):
             columns, rows = self.plain_tables.ask(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
@@ -180,7 +155,6 @@ class Asking:
     def _quick_answers(
         self, tuned: Tuned | None, moment: Moment, within: Within, *, in_order: bool = True
     ) -> Sequence[Answer]:
-        """Return answers for the first views, up to the first one without a tuned answer."""
         if self._tuned is None or tuned is None:
             return ()
         if tuned.together and moment.apart and len(moment.views) > 1:
@@ -198,11 +172,7 @@ class Asking:
     def _joint_answers(
         self, tuned: Tuned, moment: Moment, within: Within, *, in_order: bool
     ) -> list[Answer] | None:
-        """Return answers for all views from one query, or None.
-
-        None if the order matters and a view has several rows: only the query of one view gives the
-        order of its rows.
-        """
+        """Answer all views with one query, or return None where that may lose the row order."""
         assert self._tuned is not None
         most = len(moment.views) if in_order else _MOST_TOGETHER
         with _OR_PLAINLY:
@@ -222,7 +192,7 @@ class Asking:
         *,
         in_order: bool,
     ) -> list[Answer] | None:
-        """Return answers for all views from rows that end with the number of their viewer."""
+        """Split rows that end with a viewer's number into answers; None if that isn't safe."""
         numbers = [row[-1] for row in found]
         viewers = set(numbers)
         if in_order and len(viewers) < len(found):
@@ -250,7 +220,6 @@ class Asking:
         return None
 
     def _finished(self, raw: RawAnswer, tuned: Tuned, within: Within) -> Answer | None:
-        """Return an answer with its records assembled, or None if that fails."""
         columns, rows = raw
         if not tuned.result:
             return columns, self._read_all(rows, within)
@@ -287,7 +256,6 @@ _READY = frozenset({float, int, type(None)})
 
 
 def _put_together(values: Sequence[Value], places: Sequence[_Place]) -> tuple[Value, ...]:
-    """Return a row with its records assembled from their fields."""
     return tuple(
         [
             dict(zip(fields, values[first:last], strict=True)) if fields else values[first]
@@ -304,7 +272,6 @@ _Place: TypeAlias = "tuple[tuple[str, ...], int, int]"
 def _places(
     result: tuple[tuple[str, tuple[str, ...]], ...],
 ) -> tuple[tuple[str, ...], Sequence[_Place], Sequence[int]]:
-    """Return a result's columns, their places in the flat row, and the places of booleans."""
     ends = [*accumulate(len(fields) or 1 for _, fields in result)]
     places = [
         (tuple(f.removesuffix(TRUTH_MARK) for f in fields), last - (len(fields) or 1), last)

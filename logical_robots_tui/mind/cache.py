@@ -1,8 +1,4 @@
-"""Results of the compile process on disk, keyed by the content of the request.
-
-An entry is a digest and JSON. Entries are checked when they are read, and a mind trusts them no
-more than it trusts a program.
-"""
+"""Checked results of the compile process on disk, keyed by the content of the request."""
 
 from __future__ import annotations
 
@@ -34,7 +30,6 @@ def folder() -> Path | None:
 
 
 def find(request: bytes, kind: type[T]) -> T | None:
-    """Return what this version of the compiler returned for a request, or None."""
     entries, name = _entries(), _name(request)
     content = entries.read(name, _LARGEST)
     if content is None:
@@ -53,7 +48,6 @@ def find(request: bytes, kind: type[T]) -> T | None:
 
 
 def keep(request: bytes, made: DataclassInstance) -> None:
-    """Store the result of a request, and evict the oldest entries if there are too many."""
     entries = _entries()
     if entries.place is None:
         return
@@ -78,7 +72,6 @@ def _digest(body: bytes) -> bytes:
 
 @cache
 def _maker() -> bytes:
-    """Return a digest of everything that affects compilation."""
     package = Path(schema.__file__).parent
     places = [package / part for part in ("language", "mind", "explain", "schema.py")]
     return digest_of_code(places, ("logica", "sqlglot"))

@@ -46,7 +46,7 @@ def compiled(
     limits: Limits | None = None,
     report: Report | None = None,
 ) -> T:
-    """Return the compile process's result for a request, possibly from the cache. Blocks.
+    """Return the compile process's result, possibly from the cache. Blocks.
 
     Raises:
         ProgramError: The program has errors, is too large, or takes too long to compile.
@@ -56,11 +56,7 @@ def compiled(
 
 
 def check_text(text: str, limits: Limits | None) -> None:
-    """Refuse text that is too long to compile, or that is not text.
-
-    Raises:
-        ProgramError: The text is refused.
-    """
+    """Raise ProgramError for text that is too long to compile, or that is not text."""
     most = (limits or Limits()).program_characters
     if len(text) > most:
         raise _refusal(
@@ -74,7 +70,6 @@ def check_text(text: str, limits: Limits | None) -> None:
 
 
 def stop_compiling() -> None:
-    """End the compile process, if it runs."""
     _compiler.close()
 
 
@@ -93,7 +88,7 @@ class _Compiler:
         stop: threading.Event | None,
         report: Report | None,
     ) -> T:
-        """Return the process's result for a request, possibly from memory."""
+        """Return the compiler's result for a request, cached if possible."""
         line = json.dumps(request).encode()
         key = hashlib.sha256(line).digest()
         deadline = monotonic() + _PATIENCE * limits.compile_seconds
@@ -130,7 +125,7 @@ class _Compiler:
         stop: threading.Event | None,
         report: Report | None,
     ) -> T:
-        """Have the request compiled; end the process if it does not answer completely."""
+        """Compile a request; end the process if its answer is incomplete."""
         try:
             found: dict[str, Any] = {}
             for answer in self._exchange(line + b"\n", limits, deadline, stop):
@@ -157,7 +152,6 @@ class _Compiler:
     def _exchange(
         self, request: bytes, limits: Limits, deadline: float, stop: threading.Event | None
     ) -> Iterator[bytes]:
-        """Yield the lines of the process's answer to a request."""
         process = self._started(limits)
         assert process.stdin is not None
         assert process.stdout is not None
@@ -202,7 +196,7 @@ def _check(stop: threading.Event | None) -> None:
 
 
 def _not_text(text: str) -> int | None:
-    """Return the offset of a character that is not valid in text, or None."""
+    """Return the offset of a lone surrogate or a NUL in a text, or None."""
     try:
         text.encode()
     except UnicodeEncodeError as error:

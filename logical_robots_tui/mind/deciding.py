@@ -92,10 +92,7 @@ _SPELLED = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
 
 
 def _power(value: Value) -> float | None:
-    """Return an engine's power as a finite number, or None if it is not one.
-
-    A text that spells a number counts as that number, as in the platform's JavaScript.
-    """
+    """Return a power as a finite number, or None; numeric text counts, as in JavaScript."""
     if not isinstance(value, (int, float)) and not (
         isinstance(value, str) and _SPELLED.fullmatch(value)
     ):
@@ -122,7 +119,6 @@ def blame(
     view: View,
     within: Within,
 ) -> Notice:
-    """Return a notice about the predicate that failed first, and on whose rows."""
     whose = " and ".join(view.viewers[:3])
     if len(view.viewers) > 3:
         whose += " and others"
@@ -156,7 +152,6 @@ def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: W
 
 
 def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
-    """Return a notice for each recursion that was still changing at its last step."""
     for predicate, steps in asking.still_grew(moment, view, within):
         yield Notice(
             "recursion",

@@ -27,13 +27,7 @@ UNRELIABLE: frozenset[NoticeKind] = frozenset({"late", "no room"})
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something unusual about a decision; it never stops the game.
-
-    Attributes:
-        kind: The kind. ``late`` means that a time limit cut the thought short, ``no room`` that the
-            machine had too little memory; both depend on the machine.
-        message: One plain sentence.
-    """
+    """Something unusual about a decision, in one plain sentence; it never stops the game."""
 
     kind: NoticeKind
     message: str

@@ -25,9 +25,7 @@ _logged: set[type[Exception]] = set()  # each class of our bugs is logged once
 class FailureError(Exception):
     """A query failed; the message is for the player.
 
-    Attributes:
-        slow: Whether it took too long, so that trying again would, too.
-        late: Whether the time limit ended it.
+    `slow` means that trying again would take too long, too; `late`, that a time limit ended it.
     """
 
     def __init__(self, message: str, *, slow: bool = False, late: bool = False) -> None:
@@ -68,7 +66,6 @@ def _slow(within: Within) -> FailureError:
 
 
 def in_plain_words(error: Exception) -> str:
-    """Return what an error of SQLite means to a player, without SQL."""
     text = str(error)
     for pattern, words in _WORDS:
         if found := re.search(pattern, text):

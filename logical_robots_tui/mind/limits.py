@@ -1,6 +1,6 @@
 """Limits for programs, and the sizes of values as Python objects.
 
-JSON text says little about that: an empty record has two characters and takes 64 bytes.
+JSON text tells little about sizes: an empty record has two characters and takes 64 bytes.
 """
 
 from __future__ import annotations
@@ -18,32 +18,28 @@ _LEAST_WEIGHT = 8_000  # also for one of a thousand robots
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Limits for programs; each can be set.
+    """Limits for programs.
+
+    A step is one of SQLite's virtual machine, the same on every machine; a call of one of our
+    functions counts 10, plus one per character of its arguments and result. Seconds are
+    processor seconds; `*_weight` and `aggregate_bytes` are bytes of Python objects.
 
     Attributes:
-        compile_seconds: The longest compilation, in processor seconds.
         compile_bytes: Address space of the compile process.
-        program_characters: The longest program.
-        think_steps: The longest think of all robots in one tick, in steps of SQLite's virtual
-            machine; a call of one of our functions counts 10, plus one for each character
-            of its arguments and result. The same on every machine.
-        think_seconds: The time limit for a think that does much in few steps, in processor
-            seconds. A think that it ends is marked as unreliable, because another machine may
-            differ.
-        query_steps: The longest query of the inspector, in the same steps.
-        query_seconds: The time limit for such a query.
+        think_steps: For all robots in one tick.
+        think_seconds: For a think that does much in few steps. One that it ends is marked as
+            unreliable, because another machine may differ.
+        query_steps, query_seconds: For one query of the inspector.
         mind_bytes: SQLite's memory in this process, for all minds together. The smallest value
             that a process has seen applies, because SQLite never raises it again.
-        aggregate_bytes: What all aggregates of one evaluation or query may hold at a time, as
-            Python objects.
-        value_bytes: The largest single text, list or record during a think, as SQLite stores it.
+        aggregate_bytes: For all aggregates of one evaluation or query at a time.
+        value_bytes: The largest text, list or record during a think, as SQLite stores it.
         think_rows: The most rows of `Robot` in one evaluation.
         rows: The most rows that a query of the inspector shows.
         result_bytes: The most text in the result of one evaluation or query.
         memory_bytes: The largest memory of one robot, as JSON in UTF-8.
-        memory_weight: The largest memory of one robot, as Python objects.
-        memories_weight: The same for all robots together; each has an equal share.
-        think_weight: The same for all rows of one think or query.
+        memory_weight, memories_weight: For one robot's memory; for all, in equal shares.
+        think_weight: For all rows of one think or query.
         depth: The deepest nesting of records and lists in a result.
     """
 
@@ -67,7 +63,7 @@ class Limits:
     depth: int = 100
 
     def weight_of_each(self, robots: int) -> int:
-        """Return the bytes of objects for the memory of each of so many robots."""
+        """Return the bytes that each robot's memory may take as objects, by number of robots."""
         part = self.memories_weight // max(robots, 1)
         return min(self.memory_weight, max(part, _LEAST_WEIGHT))
 
@@ -88,7 +84,7 @@ _ROW, _COLUMN = 400, 64  # a row, and the same as a record of its columns
 
 
 def weight_of(value: Value, most: int) -> int:
-    """Return the bytes of a value as objects, or any number above `most`."""
+    """Return the bytes that a value takes as objects, or any number above `most`."""
     weight = 0
     left: list[Value] = [value]
     while left and weight <= most:
@@ -108,7 +104,7 @@ def weight_of(value: Value, most: int) -> int:
 
 
 def weight_of_text(text: str) -> int:
-    """Return an upper bound for the bytes of objects that JSON text stands for."""
+    """Return an upper bound for the bytes that JSON text takes as objects."""
     parts = text.count(",") * (_ITEM + _FIELD + _NUMBER) + text.count('"') * _TEXT
     records = text.count("{") * (_RECORD + _FIELD + _NUMBER)
     lists = text.count("[") * (_LIST + _ITEM + _NUMBER)
@@ -116,12 +112,11 @@ def weight_of_text(text: str) -> int:
 
 
 def weight_of_row(row: Sequence[object]) -> int:
-    """Return an upper bound for the bytes of objects that a row of SQLite's values stands for."""
+    """Return an upper bound for the bytes that a row of SQLite's values takes as objects."""
     return _ROW + _COLUMN * len(row) + sum([weight_of_scalar(v) for v in row if v.__class__ is str])
 
 
 def weight_of_scalar(value: object) -> int:
-    """Return an upper bound for the bytes of objects that a value of SQLite stands for."""
     if not isinstance(value, str):
         return _NUMBER
     if value[:1] in ("{", "["):

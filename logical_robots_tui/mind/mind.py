@@ -363,7 +363,6 @@ class Mind:
         return self._collected(answers(within.again()))
 
     def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
-        """Return the answers for all views as one table."""
         separate = not (self.memory == "all" and self.sensor == "all")
         by_viewer = ((view.viewers[0], *answer) for view, answer in answers)
         return table_of(by_viewer, self.limits.rows, separate=separate)

@@ -26,15 +26,11 @@ TRUTH_MARK = "?"
 
 @dataclass(frozen=True, slots=True)
 class Predicate:
-    """A predicate that the inspector can show.
+    """A predicate that the inspector can show, on line `line` from 1.
 
     Attributes:
-        name: As written in the program.
         kind: ``input`` (Sensor, Memory), ``program`` (defined in the text) or ``prelude``.
-        line: Line of its first rule in the program's text, from 1, or None.
-        has_rows: False for a function of its arguments, which has no rows of its own.
-        reason: Why it has no rows, one sentence, or "".
-        is_function: Whether it needs arguments.
+        reason: Why it has no rows of its own, one sentence, or "".
     """
 
     name: str
@@ -49,12 +45,8 @@ class Predicate:
 class Question:
     """A compiled question about a program.
 
-    Attributes:
-        text: The question as typed.
-        sql: The query.
-        gives: The kind of its rows: the ``rows`` of a predicate or of conditions, the single
-            ``value`` of an expression, or the ``truth`` of conditions without variables.
-        tuned: The same query for tuned tables, if it could be rewritten.
+    It gives the ``rows`` of a predicate or of conditions, the ``value`` of an expression, or
+    the ``truth`` of conditions without variables.
     """
 
     text: str
@@ -68,19 +60,16 @@ class Tuned:
     """A query rewritten for tables with all robots' rows and with fields in columns.
 
     Attributes:
-        sql: The query. Its parameters are the numbers of the first and the last visible row of
-            ``Sensor``, then of ``Memory``.
-        bounds: The number of these parameters.
-        columns: For each table, the columns that are read besides ``id``.
-        result: Names of the answer's columns, each with the fields of its record if the query
-            returns them as separate columns, boolean ones with `TRUTH_MARK`; () if the
-            answer needs no assembly.
-        together: The query for all viewers at once, if each sees only its own sensor, or "". It has
-            one more column, the viewer's number, and as last parameter the offset between the
-            visible rows of ``Memory`` of successive viewers.
-        together_alike: The same for viewers that all see the same memories, without that parameter.
-        crowd: The first query and the two together for many robots, if they differ from those for
-            few; else ().
+        sql: Its parameters, `bounds` in number, are the numbers of the first and the last
+            visible row of ``Sensor``, then of ``Memory``.
+        columns: The columns read of each table, besides ``id``.
+        result: The answer's columns, each with the fields of its record if the query returns
+            them separately, boolean ones with `TRUTH_MARK`; () if it needs no assembly.
+        together: The query for all viewers, if each sees only its own sensor, or "". Its last
+            column is the viewer's number, its last parameter the offset between the visible
+            rows of ``Memory`` of successive viewers.
+        together_alike: The same, without that parameter, if all see the same memories.
+        crowd: The variants of all three for many robots, if they differ; else ().
     """
 
     sql: str
@@ -92,14 +81,14 @@ class Tuned:
     crowd: tuple[str, ...] = ()
 
     def for_crowd(self) -> Tuned:
-        """Return the same for many robots."""
+        """Return the queries for many robots."""
         if not self.crowd:
             return self
         one, together, alike = self.crowd
         return replace(self, sql=one, together=together, together_alike=alike, crowd=())
 
     def for_all(self, *, alike: bool) -> tuple[str, int]:
-        """Return the query for all viewers, or "", and its number of parameters."""
+        """Return the query for all viewers at once, or "", and the number of its parameters."""
         memories = 2 if alike else 3
         bounds = 2 + memories if "Memory" in self.columns else 2
         return self.together_alike if alike else self.together, bounds

@@ -36,7 +36,7 @@ _CLOSE = 1e-12
 
 
 def with_given(sql: str, number: int) -> str:
-    """Return a query with the table of so many given values, which are its first parameters."""
+    """Prepend a table of given values to a query; they become its first parameters."""
     if not number:
         return sql
     names = ", ".join(f"g{i}" for i in range(number))
@@ -45,8 +45,6 @@ def with_given(sql: str, number: int) -> str:
 
 
 class Relations:
-    """The rows that predicates have in one view of a moment, and queries over them."""
-
     def __init__(self, asking: Asking, moment: Moment, view: View, within: Within) -> None:
         self._asking, self._plain = asking, asking.plain_tables
         self._moment, self._view, self.within = moment, view, within
@@ -57,15 +55,7 @@ class Relations:
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
 
     def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
-        """Return the rows of a predicate, by the names of the columns.
-
-        Args:
-            predicate: Its name.
-            sql: A query for them, or "" for that of the program.
-
-        Raises:
-            FailureError: It failed, or has too many rows.
-        """
+        """Return a predicate's rows, by default with the program's query; raise FailureError."""
         if predicate not in self._rows:
             if sql:
                 columns, rows = self._asking.plainly(sql, *self._where)
@@ -78,21 +68,13 @@ class Relations:
         return found
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
-        """Return the rows of a question about a program, by the names of the columns.
-
-        It may be another program than that of the mind.
-
-        Raises:
-            ProgramError: The question has errors.
-            FailureError: It failed.
-        """
+        """Return a question's rows, about any program; raise ProgramError or FailureError."""
         self.renew()
         question = program.question(query, stop=self.within.stop, limits=limits)
         columns, rows = self._asking.plainly(question.sql, *self._where)
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
     def renew(self) -> None:
-        """Start again with an unused budget."""
         self.within.renew()
 
     @property
@@ -100,12 +82,7 @@ class Relations:
         return self._moment, self._view, self.within
 
     def spend(self, steps: int) -> None:
-        """Count work outside of queries, in steps.
-
-        Raises:
-            FailureError: It was too much.
-            Stopped: It was stopped.
-        """
+        """Count steps outside of queries; FailureError if over budget, Stopped if stopped."""
         within = self.within
         within.budget.steps -= steps
         if within.stop is not None and within.stop.is_set():
@@ -115,11 +92,7 @@ class Relations:
                 raise TooSlowError
 
     def fill(self, table: str, predicate: str, rows: Sequence[Mapping[str, Value]]) -> None:
-        """Fill a table with some of a predicate's rows, unless it holds just these.
-
-        Raises:
-            FailureError: It takes too much memory.
-        """
+        """Fill a table with some of a predicate's rows, unless it has them; raise FailureError."""
         if self._loaded.get(table) is not rows:
             self._loaded.pop(table, None)
             stored = [tuple(map(to_sql, row.values())) for row in rows]
@@ -138,19 +111,7 @@ class Relations:
         most: int = 1,
         compared: str = SAME,
     ) -> list[Way]:
-        """Return rows of a query.
-
-        Args:
-            sql: The query.
-            given: The given values that it reads.
-            alike: Columns and the values that they are to have.
-            what: What to select.
-            most: Most rows.
-            compared: The function that compares these.
-
-        Raises:
-            FailureError: It failed.
-        """
+        """Return rows whose `alike` columns match by function `compared`; raise FailureError."""
         query, parameters = _limited(sql, given, alike, what, most, compared)
         columns, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
@@ -163,17 +124,12 @@ class Relations:
         alike: Sequence[tuple[str, Value]] = (),
         most: int = 1,
     ) -> int:
-        """Return how many rows a query has, at most so many.
-
-        Raises:
-            FailureError: It failed.
-        """
+        """Return the number of a query's rows, at most `most`; raise FailureError."""
         query, parameters = _limited(sql, given, alike, "1", most, SAME)
         _, rows = self._ask(f"SELECT COUNT(*) FROM ({query})", parameters)  # noqa: S608 - ours
         return int(rows[0][0])
 
     def _ask(self, sql: str, parameters: Sequence[Scalar]) -> Answer:
-        """Return columns and rows of a query, as SQLite has them."""
         with failures_in_words(self.within):
             return self._plain.ask(sql, *self._where, parameters)
 
@@ -186,7 +142,6 @@ def _limited(
     most: int,
     compared: str,
 ) -> tuple[str, list[Scalar]]:
-    """Return a query for at most so many rows, and its parameters."""
     where = " AND ".join(f"{compared}({column}, ?)" for column, _ in alike)
     query = f"SELECT {what} FROM ({with_given(sql, len(given))})"  # noqa: S608 - the compiler's own SQL
     query += f"{' WHERE ' * bool(where)}{where} LIMIT {most}"
@@ -194,16 +149,13 @@ def _limited(
 
 
 def _steps_of(rows: Sequence[Sequence[Any]]) -> int:
-    """Return what the work on rows counts for: a call for each value, and its characters."""
+    """Return the cost of rows in steps: one call for each value, plus its characters."""
     texts = sum(len(value) for row in rows for value in row if value.__class__ is str)
     return texts + STEPS_OF_A_CALL * sum(map(len, rows))
 
 
 def same(one: Value, other: Value) -> bool:
-    """Return whether two values are the same, but for the last digits of a number.
-
-    A number loses these where it passes through text.
-    """
+    """Return whether values are equal up to a number's last digits, which text loses."""
     if isinstance(one, dict):
         return (
             isinstance(other, dict)
@@ -218,11 +170,7 @@ def same(one: Value, other: Value) -> bool:
 
 
 def alike(one: Value, other: Value) -> bool:
-    """Return whether two values are the same, but for the order of lists.
-
-    In which order an aggregate lists its elements is not said by a program, and a list may be in
-    another order where the same is computed in another query.
-    """
+    """Return whether values are equal up to the order of lists, which queries don't determine."""
     return same(one, other) or same(_sorted(one), _sorted(other))
 
 

@@ -15,11 +15,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of a predicate.
+    """Rows of a predicate; records are dicts, lists are lists.
 
     Attributes:
-        columns: Names of the columns.
-        rows: The values; records are dicts, lists are lists.
         viewers: For each row the robot in whose mind it holds; () if all think alike.
         truncated: Whether further rows were left out.
     """
@@ -30,7 +28,6 @@ class Table:
     truncated: bool = False
 
     def in_mind_of(self, robot: str | None) -> Table:
-        """Return only the rows that hold in a robot's mind, if one is given."""
         if not robot or not self.viewers:
             return self
         kept = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
@@ -43,7 +40,6 @@ def table_of(
     *,
     separate: bool,
 ) -> Table:
-    """Return several answers as one table."""
     columns: Sequence[str] = ()
     rows: list[tuple[Value, ...]] = []
     viewers: list[str] = []
@@ -66,9 +62,7 @@ class QueryPlan:
     """How a predicate is computed at a moment, for one robot or for all that think alike.
 
     Attributes:
-        predicate: Its name.
-        generated: The generated SQL.
-        tuned: The tuned SQL that is run instead, or "".
+        tuned: The tuned SQL that is run instead of `generated`, or "".
         plan: SQLite's plan for the SQL that is run, one indented step per line.
         milliseconds: The time for all robots together.
     """

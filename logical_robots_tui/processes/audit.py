@@ -1,7 +1,7 @@
 """A Python audit hook that refuses what a process has no need of.
 
-Once set, nothing in the process can remove it. The installed Python and the game itself can be
-read, because their modules are loaded while it runs. Names are followed through symbolic links.
+It can't be removed. Python and the game stay readable, because modules are loaded late.
+Names are followed through symbolic links.
 """
 
 from __future__ import annotations
@@ -51,9 +51,7 @@ def refuse_all_but(
 ) -> None:
     """Allow this process only files in a folder, and only some programs, permanently.
 
-    Args:
-        own: The folder; None for no files but those of the game and Python, to read.
-        may_start: Whether a program may be started, given its path and its words.
+    Without a folder only the game and Python can be read. `may_start` gets path and words.
     """
     sys.addaudithook(_AuditHook(own, may_start))
 
@@ -124,7 +122,7 @@ def _is_within(path: str, folder: str) -> bool:
 
 
 def _is_visible(relative: str) -> bool:
-    """Return whether a file is in no hidden folder but those of the game."""
+    """Return whether a file is in no hidden folder except those of the game."""
     if not any(part.startswith(".") for part in Path(relative).parts[:-1]):
         return True
     return any(_is_within(relative, folder) or _is_within(folder, relative) for folder in _HIDDEN)

@@ -21,12 +21,11 @@ _shared: list[mmap] = []  # in a game that is supervised, one
 
 
 def is_watched_in(shared: mmap) -> None:
-    """Note that a supervisor watches this process."""
     _shared.append(shared)
 
 
 def keep_beating(loop: AbstractEventLoop) -> None:
-    """Let an event loop show from now on that it is alive, if a supervisor watches."""
+    """Make an event loop signal that it is alive, if a supervisor watches."""
     for shared in _shared:
         if not shared[BEATS]:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the supervisor
@@ -37,7 +36,7 @@ def keep_beating(loop: AbstractEventLoop) -> None:
 
 @contextmanager
 def away() -> Iterator[None]:
-    """Stand still while another program, such as an editor, has the terminal."""
+    """Suspend the heartbeat while another program, such as an editor, has the terminal."""
     for shared in _shared:
         shared[AWAY] = 1
     try:

@@ -1,8 +1,7 @@
 """Helper processes: the game's own modules, isolated from what a player has written.
 
-A helper is started without the variables, the home folder and the user site-packages of the
-player. Before it is given anything, it gives up what it does not need. It has a bound of processor
-time, and ends with the game, whatever either of them is doing.
+A helper gets no variables, home folder or user site-packages of the player, gives up what
+it does not need, has a bound of processor time, and ends with the game in any case.
 """
 
 from __future__ import annotations
@@ -28,14 +27,9 @@ _PASSED_ON = ("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH")
 
 
 class Helper(subprocess.Popen[bytes]):
-    """A process that runs `main` of one of the game's modules, with pipes to it.
+    """A process that runs a module's `main`, with pipes to it, or raises OSError.
 
-    Args:
-        module: The module.
-        arguments: What it finds in `sys.argv`, after the number of the lifeline.
-
-    Raises:
-        OSError: It can't be started.
+    It finds `arguments` in `sys.argv`, after the number of the lifeline.
     """
 
     def __init__(self, module: str, *arguments: str) -> None:
@@ -58,7 +52,7 @@ class Helper(subprocess.Popen[bytes]):
             os.close(lifeline)
 
     def end(self) -> None:
-        """Kill it, wait for that, and close the pipes."""
+        """Kill the process, wait for its end, and close the pipes."""
         self.kill()
         self.wait()
         for pipe in (self.stdin, self.stdout):
@@ -71,7 +65,6 @@ class Helper(subprocess.Popen[bytes]):
 
 
 def is_helper(executable: object, words: object) -> bool:
-    """Return whether a program is this Python with one of the game's helpers."""
     if executable != sys.executable or not isinstance(words, list) or len(words) < len(_FLAGS) + 6:
         return False
     module, lifeline, *arguments = words[len(_FLAGS) + 4 :]
@@ -95,11 +88,7 @@ def _environment() -> dict[str, str]:
 
 
 def begin(processor_seconds: int | None) -> list[str]:
-    """Give up permissions as the first thing a helper does, and return its arguments.
-
-    Args:
-        processor_seconds: The bound of its whole life; None if it has another one.
-    """
+    """Give up permissions, as a helper's first call, and return its arguments."""
     from logical_robots_tui.processes.audit import refuse_all_but
 
     signal_when_closed(int(sys.argv.pop(1)), signal.SIGKILL)
@@ -112,6 +101,6 @@ def begin(processor_seconds: int | None) -> list[str]:
 
 
 def limit(kind: int, amount: int) -> None:
-    """Lower a limit of this process, permanently; some systems lack some limits."""
+    """Lower a limit of this process permanently, on systems that have the limit."""
     with contextlib.suppress(OSError, ValueError):
         resource.setrlimit(kind, (amount, amount))

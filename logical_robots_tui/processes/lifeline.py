@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def signal_when_closed(lifeline: int, number: signal.Signals) -> None:
-    """Let the kernel send this process a signal when the other end of a pipe is closed.
+    """Let the kernel signal this process when the other end of a pipe is closed.
 
     That needs no interpreter, which a call into C may hold for minutes.
     """

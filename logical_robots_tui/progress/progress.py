@@ -61,11 +61,10 @@ AND number NOT IN (SELECT * FROM (
 
 
 class Progress:
-    """A player's progress by level name.
+    """A player's progress by level name, on disk or without a file in memory.
 
-    Methods block, never raise disk errors, and may be called from any thread. Without a file,
-    progress is kept only while the game runs. `tell` is called once about each problem, with a
-    sentence for the player.
+    Methods block, never raise disk errors, and may be called from any thread. `tell` is called
+    once about each problem.
     """
 
     def __init__(self, file: Path | None, tell: Callable[[str], None] = lambda _message: None):
@@ -77,7 +76,6 @@ class Progress:
         return self._store.is_kept
 
     def close(self) -> None:
-        """Close the file."""
         self._store.close()
 
     def record(self, level: str) -> LevelRecord:
@@ -99,14 +97,12 @@ class Progress:
         return self._store.read(look)
 
     def levels(self) -> list[str]:
-        """Return the levels with a record, by name."""
         rows = self._store.read(
             lambda connection: connection.execute("SELECT name FROM level ORDER BY name").fetchall()
         )
         return [name for (name,) in rows]
 
     def begin(self, level: str) -> None:
-        """Record that the player has started a level."""
         level = _storable(level)
         self._store.write(lambda connection: _begin(connection, level))
 
@@ -147,7 +143,7 @@ class Progress:
         self._store.write(lambda connection: _keep(connection, level, text, _now()))
 
     def keep_aside(self, level: str, text: str, otherwise: str) -> None:
-        """Store a version after the newest; if there is none, `otherwise` becomes that."""
+        """Store a version behind the newest; if there is none, `otherwise` becomes the newest."""
         level = _storable(level)
         newest = self.newest(level)
 
@@ -170,14 +166,12 @@ class Progress:
         return [_version(row) for row in rows]
 
     def newest(self, level: str) -> str | None:
-        """Return the text last used in a level, or None."""
         found = self._row(
             "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1", _storable(level)
         )
         return found[0] if found else None
 
     def measures(self, level: str, text: str) -> Measures | None:
-        """Return the known measures of a text in a level, or None."""
         found = self._row(
             "SELECT ticks, rules, distance, wins, coalesce(starts, 0), goals FROM version "
             "WHERE level = ? AND digest = ? AND ticks NOT NULL",
@@ -187,24 +181,19 @@ class Progress:
         return Measures(*found)._replace(goals=_split(found[-1])) if found else None
 
     def holds(self, text: str) -> bool:
-        """Return whether a text is stored as a version for any level."""
         return self._row("SELECT 1 FROM version WHERE digest = ?", _digest(text)) is not None
 
     def fact(self, name: str) -> str | None:
-        """Return a fact about the player, or None."""
         found = self._row("SELECT value FROM fact WHERE name = ?", name)
         return found[0] if found else None
 
     def set_fact(self, name: str, value: str) -> None:
-        """Store a fact about the player."""
-
         def note(connection: sqlite3.Connection) -> None:
             connection.execute("INSERT OR REPLACE INTO fact VALUES (?, ?)", (name, value))
 
         self._store.write(note)
 
     def _row(self, query: str, *values: str) -> Any:
-        """Return the first row of a query as a tuple, or None."""
         return self._store.read(lambda connection: connection.execute(query, values).fetchone())
 
 
@@ -257,10 +246,7 @@ def _now() -> str:
 
 
 def _storable(text: str) -> str:
-    """Return the text with lone surrogates replaced, which SQLite can't store.
-
-    They also occur in paths whose bytes are not UTF-8.
-    """
+    """Return the text with lone surrogates, as in paths, replaced; SQLite can't store them."""
     return text.encode("utf-8", "replace").decode()
 
 

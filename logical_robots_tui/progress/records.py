@@ -13,13 +13,8 @@ State: TypeAlias = Literal["new", "in work", "won"]
 class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins` and `goals`.
 
-    Attributes:
-        ticks: The tick of victory from the given start.
-        rules: Number of rules of the program.
-        distance: Map units driven by all robots together until victory.
-        wins: How many of `starts` shifted starts it wins, or None if not tried.
-        starts: How many shifted starts were tried.
-        goals: The second goals that it reaches, in words.
+    `distance` is map units of all robots together; `wins` of `starts` shifted starts is None if
+    not tried.
     """
 
     ticks: int
@@ -42,8 +37,6 @@ class Bests(NamedTuple):
 
 
 class LevelRecord(NamedTuple):
-    """A player's work on one level."""
-
     state: State = "new"
     hints: int = 0
     bests: Bests = Bests()
@@ -51,10 +44,7 @@ class LevelRecord(NamedTuple):
 
 
 class Version(NamedTuple):
-    """A program that a player has used in a level.
-
-    `kept` is when it was last used, with time zone.
-    """
+    """A program used in a level; `kept` is when it was last used, with time zone."""
 
     number: int
     text: str

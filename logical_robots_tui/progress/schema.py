@@ -1,7 +1,4 @@
-"""The database schema, as a list of migrations; old files apply the missing ones.
-
-A released migration never changes; new ones are appended.
-"""
+"""The database schema as migrations; a released one never changes, new ones are appended."""
 
 from __future__ import annotations
 
@@ -81,13 +78,8 @@ def prepare(
 ) -> None:
     """Check a file and migrate it to the current version in one transaction.
 
-    A file's ``user_version`` is the number of migrations applied to it. The connection is in
-    autocommit mode.
-
-    Raises:
-        DamagedError: It is not ours, or parts of it are missing or broken.
-        NewerError: It has migrations that are unknown here.
-        sqlite3.Error: It can't be read or written.
+    ``user_version`` is the number of migrations applied. The connection must be in autocommit
+    mode. Raises DamagedError, NewerError or sqlite3.Error.
     """
     version = _checked_version(connection, len(migrations))
     if version == len(migrations):
@@ -112,7 +104,6 @@ def prepare(
 
 
 def _checked_version(connection: sqlite3.Connection, known: int) -> int:
-    """Return the number of migrations applied to the file."""
     version = _pragma(connection, "user_version")
     names = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
     if not names and version == 0:

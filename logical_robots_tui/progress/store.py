@@ -1,7 +1,7 @@
 """One SQLite file that several games can share and that survives crashes and full disks.
 
-It uses a rollback journal instead of a write-ahead log, because home folders may be on a network:
-each transaction is short, waits for its turn, and is on disk when it ends.
+A rollback journal, not a write-ahead log, because home folders may be on a network; so each
+transaction is short, waits for its turn, and is on disk when it ends.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ _REASONS = {
 
 
 class Store:
-    """A database file, or an in-memory database if no file can be used.
+    """A database file, made at the first write, or in memory if no file can be used.
 
-    Methods block, never raise disk errors, and may be called from any thread. The file is created
-    at the first write. `tell` is called once about each problem, with a sentence for the player.
+    Methods block, never raise disk errors, and may be called from any thread. `tell` is called
+    once about each problem.
     """
 
     def __init__(self, file: Path | None, tell: Callable[[str], None]) -> None:
@@ -57,7 +57,6 @@ class Store:
 
     @property
     def is_kept(self) -> bool:
-        """Whether written data outlives the process."""
         return self._in_memory is None
 
     def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
@@ -79,7 +78,6 @@ class Store:
             return self._do(at_once)
 
     def close(self) -> None:
-        """Close the file."""
         with self._guard:
             self._disconnect()
             if self._nothing is not None:
@@ -131,7 +129,7 @@ class Store:
 
     @contextlib.contextmanager
     def _locked(self) -> Iterator[None]:
-        """Keep other games from opening or setting aside the file in the meantime."""
+        """Prevent other games from opening or setting aside the file meanwhile."""
         assert self._file is not None
         handle = os.open(
             self._file.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600
@@ -219,7 +217,6 @@ def _copy_of(file: Path) -> sqlite3.Connection | None:
 
 
 def _is_sound(file: Path) -> bool:
-    """Return whether another game has repaired a file that was found damaged."""
     try:
         with contextlib.closing(_connect(str(file))) as connection:
             prepare(connection)
@@ -233,7 +230,6 @@ def _is_sound(file: Path) -> bool:
 
 
 def _code(error: sqlite3.Error) -> int:
-    """Return the primary result code of an SQLite error."""
     return getattr(error, "sqlite_errorcode", 0) & 0xFF
 
 

@@ -20,7 +20,6 @@ Pose: TypeAlias = tuple[float, float, float]
 
 
 def start_state(level: Level) -> WorldState:
-    """Return the state in which a level begins."""
     robots = tuple(_at_start(robot) for robot in level.robots)
     areas = tuple(_new_area(area) for area in level.areas)
     return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
@@ -29,15 +28,11 @@ def start_state(level: Level) -> WorldState:
 def changed_state(
     state: WorldState, before: Level, after: Level, poses: Mapping[str, Pose]
 ) -> WorldState:
-    """Return the state in which a world continues in a changed level.
+    """Return the state in which a world continues in a changed level, or raise ValueError.
 
-    Robots keep their position and charge; new ones are at their start. Areas keep their state,
-    unless what switches them changed. Visitors of areas are recomputed. Teams keep what they have,
-    unless what is scored changed. At tick 0, robots are at their start in the changed level. The
-    poses are by the robots' names in the new level.
-
-    Raises:
-        ValueError: A pose is for an unknown robot.
+    Robots keep position and charge; new ones are at their start, as are all at tick 0. Areas
+    keep their state unless their switch changed, teams theirs unless the scoring did; visitors
+    are recomputed. The poses are by the robots' names in the new level.
     """
     if strangers := poses.keys() - {robot.name for robot in after.robots}:
         raise ValueError(f"There are no robots {sorted(strangers)}.")
@@ -65,10 +60,7 @@ def changed_state(
 
 
 def former_names(before: Level, after: Level) -> dict[str, str]:
-    """Return the old names of the robots of a changed level; new robots are left out.
-
-    If only one robot is missing and a new one is in its place, the robot was renamed.
-    """
+    """Return old names of robots; a single new one in a missing one's place is renamed."""
     old, new = [r.name for r in before.robots], [r.name for r in after.robots]
     names = {name: name for name in new if name in set(old)}
     if len(old) == len(new):
@@ -86,7 +78,6 @@ def _carried(robot: Robot, before: Robot, body: RobotState) -> RobotState:
 
 
 def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
-    """Return a robot at its new pose if it has one, else unchanged."""
     if body.name not in poses:
         return body
     x, y, angle = poses[body.name]
@@ -115,12 +106,10 @@ def _switched_as_before(state: WorldState, before: Level, after: Level) -> list[
 
 
 def _switch(area: Area) -> tuple[object, ...]:
-    """Return the properties of an area that determine how it is switched."""
     return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
 
 
 def _scored(level: Level) -> tuple[object, ...]:
-    """Return what the tallies of a level depend on."""
     return level.scores, level.teams, [beacon.name for beacon in level.beacons]
 
 

@@ -34,13 +34,7 @@ _ALL_RAYS = range(RADAR_RAYS + 1)
 class Pairs(NamedTuple):
     """Robots and circles that may be within reach of their rays; all of shape (pairs,).
 
-    Attributes:
-        robot: Index of the robot among those that cast rays.
-        circle: Index of the circle among those that can be hit.
-        dx: From the robot to the centre, map units.
-        dy: The same.
-        squared: The square of that distance.
-        radius: Of the circle.
+    `dx` and `dy` are map units from robot to centre; `robot` is an index among those that cast.
     """
 
     robot: NDArray[np.intp]
@@ -51,18 +45,14 @@ class Pairs(NamedTuple):
     radius: NDArray[np.float64]
 
     def some(self, which: NDArray[np.intp]) -> Pairs:
-        """Return some of them, by index."""
         return Pairs._make(part[which] for part in self)
 
 
 class Chords(NamedTuple):
     """Rays that may cross a circle, possibly behind their start; all of shape (chords,).
 
-    Attributes:
-        pair: Index of robot and circle among the pairs.
-        ray: Index of the ray among all rays of all robots.
-        along: From the robot to the middle of the chord, map units; negative behind it.
-        half_squared: The square of half its length, plus a small margin.
+    `along` is from the robot to the chord's middle, map units, negative behind; `half_squared`
+    is the square of half its length, plus a small margin.
     """
 
     pair: NDArray[np.intp]
@@ -72,14 +62,10 @@ class Chords(NamedTuple):
 
 
 def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> None:
-    """Lower hits where a circle is closer than what was hit so far.
+    """Lower hits where a circle is closer than what was hit so far; no robot hits itself.
 
-    Args:
-        hits: ``distance * codes + code`` of shape (robots, rays), changed in place. The code of a
-            circle is its number plus 1.
-        codes: The number of codes.
-        rays: The rays to cast.
-        circles: The circles to hit, including the robots that cast. No robot hits itself.
+    `hits` are ``distance * codes + code`` of shape (robots, rays), changed in place; the code
+    of a circle is its number plus 1.
     """
     possible = len(rays.robot) * len(circles.number)
     if possible == 1 or (
@@ -108,7 +94,6 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
 
 
 def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> Pairs:
-    """Return the pairs of robots and circles that are not hidden by a wall."""
     to_x = circles.x - rays.x[:, None]
     to_y = circles.y - rays.y[:, None]
     squared = to_x * to_x
@@ -129,7 +114,6 @@ def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circ
 
 
 def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
-    """Return the chords of all rays and all pairs."""
     cos, sin = rays.cos.take(pairs.robot, axis=0), rays.sin.take(pairs.robot, axis=0)
     dx, dy = pairs.dx[:, None], pairs.dy[:, None]
     along = dx * cos
@@ -182,10 +166,7 @@ def _between_tangents(
 
 
 def _widened(pairs: Pairs) -> NDArray[np.float64]:
-    """Return the squared radii of circles enlarged by more than any rounding error.
-
-    So no grazed circle is missed; a chord becomes longer by far less than a step.
-    """
+    """Return squared radii enlarged by more than any rounding error, so no circle is missed."""
     squared = pairs.radius * pairs.radius
     return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)
 
@@ -198,11 +179,7 @@ def _take(
     pairs: Pairs,
     chords: Chords,
 ) -> None:
-    """Lower hits where rays enter circles.
-
-    A chord gives the entry to within less than a step; the exact distance then decides which of
-    the three steps around it are inside.
-    """
+    """Lower hits where rays enter circles; exact distances decide among three steps."""
     pair, ray, along, half_squared = chords
     if not len(pair):
         return
@@ -227,10 +204,7 @@ def _take(
 def _is_nearer(
     dx: NDArray[np.float64], dy: NDArray[np.float64], radius: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Return where ``math.hypot(dx, dy) < radius``; the last axis is that of ``radius``.
-
-    Squares decide everything except points on the edge to within rounding.
-    """
+    """Return where ``math.hypot(dx, dy) < radius``; squares decide all but the rounded edge."""
     limit = radius * radius
     over = dx * dx
     over += dy * dy
@@ -246,11 +220,7 @@ def _is_nearer(
 def _take_one_by_one(
     hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
 ) -> bool:
-    """Do the same as `take_nearer_circles`, one circle at a time.
-
-    If there are more than `most` pairs of a robot and a circle within its reach, nothing is done.
-    Returns whether it was done.
-    """
+    """Do as `take_nearer_circles`; for more than `most` pairs return False, unchanged."""
     found = hits.tolist()
     each = list(zip(*(part.tolist() for part in circles), strict=True))
     starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
@@ -285,7 +255,6 @@ def _take_one_by_one(
 def _rays_between_tangents(
     ahead: float, right: float, radius: float, angle: float
 ) -> Iterable[int]:
-    """Return the rays that may hit a circle, given its centre ahead and to the right."""
     away = math.hypot(ahead, right)
     if radius >= away * (1 - 1e-9):
         return _ALL_RAYS
@@ -299,7 +268,7 @@ def _rays_between_tangents(
 
 
 def _steps_around_entry(along: float, aside: float, radius: float) -> Iterable[int]:
-    """Return the steps among which is the first one inside the circle, if there is one."""
+    """Return the steps that include the first one inside the circle, if there is one."""
     half_squared = radius * radius - aside * aside
     half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
     if half_squared < 0:

@@ -24,7 +24,7 @@ PUSH_MARGIN = 0.1
 
 @dataclass(slots=True, eq=False)
 class Mover:
-    """A robot in the middle of a tick; the fields are those of ``RobotState``."""
+    """A robot during a tick; the fields are those of ``RobotState``."""
 
     x: float
     y: float
@@ -37,11 +37,10 @@ class Mover:
 
 
 def drive(mover: Mover, left: float, right: float, level: Level) -> None:
-    """Turn and move a robot for one tick.
+    """Turn and move a robot, in place, for one tick.
 
-    The turn comes first and always succeeds. The move is cancelled if it ends in a wall; there are
-    no walls outside the map. The wanted power of the engines is finite; the mover is changed in
-    place.
+    The turn always succeeds. The move is cancelled if it ends in a wall; there are none outside
+    the map. The wanted power is finite.
     """
     left, right = _clamped(left), _clamped(right)
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
@@ -56,11 +55,7 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
-    """Move a robot that is inside a solid area to just outside its edge, one area after another.
-
-    The new position is not checked for walls. The areas are the solid active ones, in file order;
-    the mover is changed in place.
-    """
+    """Move a robot, in place, out of solid active areas in file order; ignores walls."""
     for area in areas:
         dx, dy = mover.x - area.x, mover.y - area.y
         distance = math.hypot(dx, dy)
@@ -98,11 +93,7 @@ Source: TypeAlias = Beacon | Mover
 
 
 def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
-    """Return the sources that charge in this tick: stations, then robots with charge to give.
-
-    The list is valid for the whole tick, even if a robot on it runs dry in the meantime. The movers
-    are in file order, before any of them moved.
-    """
+    """Return this tick's sources, before any move: stations, then robots with charge to give."""
     stations = [beacon for beacon in level.beacons if beacon.charging_station]
     givers = [
         mover
@@ -115,10 +106,9 @@ def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
 def run_battery(
     robot: Robot, mover: Mover, left: float, right: float, sources: Iterable[Source]
 ) -> None:
-    """Charge one robot from the sources around it; without any, let it pay for its engines.
+    """Charge one robot from sources around it, or let it pay for its engines.
 
-    Robots that give charge are drained in place. The wanted power of the engines is finite and not
-    clamped.
+    Giving robots are drained in place. The wanted power is finite and not clamped.
     """
     if not robot.has_battery:
         return
@@ -143,11 +133,10 @@ def run_batteries(
     engines: Sequence[tuple[float, float]],
     sources: Sequence[Source],
 ) -> None:
-    """Charge all robots at once; each source divides what it gives among those around it.
+    """Charge all robots before they move; each source divides what it gives.
 
-    The order of robots and sources makes no difference. A share that a battery has no room for is
-    lost. A robot that no source charges pays for its engines. The wanted power of the engines is
-    finite and not clamped; no robot has moved yet in this tick.
+    The order makes no difference. A share that a battery has no room for is lost. A robot that
+    no source charges pays for its engines, whose wanted power is finite and not clamped.
     """
     shares: list[list[float]] = [[] for _ in movers]
     given: dict[int, float] = {}
@@ -189,15 +178,12 @@ def is_dead(robot: Robot, mover: Mover) -> bool:
 
 
 def starts_active(area: Area) -> bool:
-    """Return whether an area is on at the start: it is, unless a beacon switches it on."""
+    """Return whether an area is on at the start: yes, unless a beacon switches it on."""
     return not area.on_beacon
 
 
 def switched(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
-    """Return whether an area is on after this tick.
-
-    `seen` are the names of the beacons on any robot's radar in this tick.
-    """
+    """Return whether an area is on after this tick; `seen` are beacons on any radar."""
     if area.off_beacon and area.off_beacon in seen:
         return False
     if area.on_beacon and area.on_beacon in seen:
@@ -208,7 +194,7 @@ def switched(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
 
 
 def is_won(areas: Iterable[tuple[Area, AreaState]]) -> bool:
-    """Return whether some active goal contains all the robots that it is for."""
+    """Return whether an active goal contains all the robots that it requires."""
     return any(
         state.active and area.victory_robots and set(area.victory_robots) <= set(state.visitors)
         for area, state in areas

@@ -159,7 +159,7 @@ class SecondGoal(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The goal as a level file and the screen write it."""
+        """The goal as a level file says it."""
         if self.kind == "blocked":
             return "never blocked"
         if self.kind == "memory":
@@ -168,7 +168,7 @@ class SecondGoal(NamedTuple):
 
     @classmethod
     def of(cls, words: str) -> SecondGoal | None:
-        """Return the goal that is written with these words, or None."""
+        """Return the goal that a level file says, or None."""
         number = re.search("[0-9]{1,9}", words)
         most = int(number[0]) if number else 0
         goals = (cls(kind, most) for kind in get_args(_GoalKind))
@@ -240,7 +240,7 @@ COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source
 
 
 def alike(one: Level, other: Level) -> bool:
-    """Whether two levels are the same, whatever file they came from."""
+    """Whether two levels are the same, regardless of their files."""
     return one is other or (
         all(getattr(one, name) == getattr(other, name) for name in COMPARED)
         and one.walls.shape == other.walls.shape

@@ -36,17 +36,10 @@ _TURNS = np.insert(_TURNS, FORWARD, 0.0)
 
 
 class Rays(NamedTuple):
-    """The rays of some robots.
+    """The rays of some robots: number in file order, start and heading, of shape (robots,).
 
-    Attributes:
-        robot: The robots' numbers in file order, of shape (robots,).
-        x: Where they start, of shape (robots,).
-        y: The same.
-        angle: The robots' headings in radians, of shape (robots,).
-        aside: Reported angles of the rays in radians, left positive, of shape (robots, rays), from
-            left to right with the forward ray at ``FORWARD``.
-        cos: Of the rays' headings, of the same shape.
-        sin: The same.
+    `aside`, of shape (robots, rays), are reported angles in radians, left positive, from left
+    to right with the forward ray at ``FORWARD``; `cos` and `sin` are of the rays' headings.
     """
 
     robot: NDArray[np.intp]
@@ -58,18 +51,14 @@ class Rays(NamedTuple):
     sin: NDArray[np.float64]
 
     def some(self, which: NDArray[np.intp]) -> Rays:
-        """Return the rays of some of the robots."""
         return Rays._make(part[which] for part in self)
 
 
 class Circles(NamedTuple):
-    """What rays can meet; all of shape (circles,).
+    """What rays can meet, in map units; all of shape (circles,).
 
-    Attributes:
-        number: To tell them apart, ascending. The robots, in file order, have the first ones.
-        x: Centres in map units; infinite for what is not there.
-        y: The same, but finite.
-        radius: Map units.
+    `number` tells circles apart, robots first, ascending; `x` is infinite for what is not
+    there.
     """
 
     number: NDArray[np.intp]
@@ -78,7 +67,6 @@ class Circles(NamedTuple):
     radius: NDArray[np.float64]
 
     def around(self, rays: Rays) -> Circles:
-        """Return those of the circles that could be in reach of any of the rays."""
         far = self.radius + SENSOR_RANGE
         near = (self.x + far >= rays.x.min()) & (self.x - far <= rays.x.max())
         near &= (self.y + far >= rays.y.min()) & (self.y - far <= rays.y.max())
@@ -86,7 +74,6 @@ class Circles(NamedTuple):
 
 
 def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
-    """Return the rays that some of the robots cast from their positions."""
     some = [robots[place] for place in which]
     x = np.array([robot.x for robot in some])
     y = np.array([robot.y for robot in some])

@@ -18,10 +18,7 @@ _PER_UNIT = 1000
 
 
 def points(level: Level, state: WorldState) -> dict[str, tuple[float, ...]]:
-    """Return what each team has, by its name: points for each part of the score, in file order.
-
-    After the last tick of the match they stay the same.
-    """
+    """Return each team's points for each part of the score; constant after the match."""
     parts = [
         [score.points * _worth(level, score, tally) for tally in tallies]
         for score, tallies in zip(level.scores, state.tallies, strict=True)
@@ -30,7 +27,6 @@ def points(level: Level, state: WorldState) -> dict[str, tuple[float, ...]]:
 
 
 def _worth(level: Level, score: Score, tally: int) -> float:
-    """Return by how much the points of a part are multiplied."""
     if score.kind == "first":
         return min(tally, 1)
     if score.kind == "beacons":
@@ -43,7 +39,6 @@ def _worth(level: Level, score: Score, tally: int) -> float:
 def tallies_at_start(
     level: Level, robots: Sequence[RobotState], areas: Sequence[AreaState]
 ) -> tuple[tuple[int, ...], ...]:
-    """Return the tallies before the first tick, in which nobody has arrived anywhere."""
     nothing = ((0,) * len(level.teams),) * len(level.scores)
     return tallied(level, nothing, 0, robots, areas, ())
 
@@ -58,12 +53,11 @@ def tallied(
 ) -> tuple[tuple[int, ...], ...]:
     """Return the tallies after a tick of a match, for each part of the score and each team.
 
-    A tally is, by kind of the score: ``hold`` and ``most`` the ticks, for each area of the name;
-    ``first`` the tick of the arrival, 0 for those who were not first; ``near`` the distance of the
-    nearest robot to the edge of the nearest of these areas, in thousandths of a map unit;
-    ``beacons`` a bit for each name of a beacon; ``charged`` the robots that can drive on. Areas
-    that are switched off count for nothing. Robots and areas are as after the tick; rows are what
-    the robots sensed in it.
+    A tally is, by kind: ``hold`` and ``most`` the ticks, for each area of the name; ``first``
+    the tick of arrival, or 0; ``near`` the nearest robot's distance to the nearest of these
+    areas, in thousandths of a map unit; ``beacons`` a bit for each name; ``charged`` the robots
+    that can drive on. Inactive areas count for nothing. Rows are what robots sensed in the
+    tick.
     """
     if tick > level.match_ticks or not before:
         return tuple(before)
@@ -74,7 +68,7 @@ def tallied(
 
 
 class _Moment:
-    """The end of a tick, as the score sees it."""
+    """The state at the end of a tick, as scoring needs it."""
 
     def __init__(
         self,
@@ -96,7 +90,6 @@ class _Moment:
             self._robots[self._team[robot.name]].append(robot)
 
     def tally(self, score: Score, before: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the tallies of one part of the score."""
         areas = self._areas[score.area]
         if score.kind == "beacons":
             return self._beacons(before)
@@ -114,7 +107,6 @@ class _Moment:
         return tuple(map(sum, zip(before, *leading, strict=True)))
 
     def _count(self, state: AreaState) -> list[int]:
-        """Return how many robots of each team are in an area."""
         found = [self._team[name] for name in state.visitors]
         return [found.count(team) for team in range(len(self._robots))]
 

@@ -37,14 +37,7 @@ _View: TypeAlias = dict[str, Any]
 
 
 class _Looked(NamedTuple):
-    """The last reading of all robots, and the state of the world that it depends on.
-
-    Attributes:
-        robots: All robots, in file order.
-        shown: Which of the solid areas were active.
-        hits: Hits of all rays, of shape (robots, rays).
-        views: The same as reported, one per robot.
-    """
+    """The last reading of all robots, as reported in `views`, and the state it depends on."""
 
     robots: Sequence[RobotState]
     shown: list[bool]
@@ -52,14 +45,12 @@ class _Looked(NamedTuple):
     views: list[_View]
 
     def reach(self, codes: int, place: int) -> int:
-        """Return the longest distance that a robot saw."""
         longest: int = self.hits[place].max().item() // codes
         return longest
 
     def but(
         self, places: list[int], hits: NDArray[np.int64], views: list[_View]
     ) -> tuple[NDArray[np.int64], list[_View]]:
-        """Return the hits and views of all robots, with those at some indices replaced."""
         all_hits, all_views = self.hits.copy(), self.views.copy()
         all_hits[places] = hits
         for place, view in zip(places, views, strict=True):
@@ -68,13 +59,11 @@ class _Looked(NamedTuple):
 
 
 class Senses:
-    """Casts the rays of all robots of one level.
+    """Casts the rays of all robots of one level, at 1, 2, ... 199 map units from the centre.
 
-    A ray is tested at 1, 2, ... 199 map units from the robot's centre. The first distance at which
-    anything is hit is reported. At the same distance walls take precedence over robots, robots over
-    beacons, and beacons over solid areas, each in file order. In a level with teams that order must
-    not decide: of several robots, a ray reports the one with its centre nearest to the ray's end.
-    `like` are senses for a level with nearly the same walls, which make these faster to create.
+    At the same distance walls precede robots, robots beacons, and beacons solid areas, each in
+    file order; with teams a ray instead reports the robot nearest to its end. `like` has nearly
+    the same walls, for speed.
     """
 
     def __init__(self, level: Level, *, like: Senses | None = None) -> None:
@@ -110,14 +99,11 @@ class Senses:
     def sense(
         self, robots: Sequence[RobotState], areas: Sequence[AreaState], clock: int
     ) -> tuple[list[SensorRow], frozenset[str]]:
-        """Return every robot's reading, and which beacons are on any radar.
+        """Return every robot's reading, and which switching beacons are on any radar.
 
-        Robots and areas are in file order; the active solid areas are seen as walls.
-
-        Returns:
-            One ``{"robot_name": ..., "sensor": {...}}`` per robot, in file order; distances are
-            whole map units from 1 to 200, angles radians with the robot's left positive. Then the
-            names of the beacons, if some of them switch areas; the forward ray doesn't count.
+        Readings are ``{"robot_name": ..., "sensor": {...}}`` in file order, distances whole map
+        units from 1 to 200, angles radians with left positive. The forward ray doesn't count for
+        beacons; active solid areas are seen as walls.
         """
         last = self._last = self._look(robots, [areas[i].active for i in self._solid])
         each = zip(self._robots, robots, last.views, strict=True)
@@ -175,11 +161,7 @@ class Senses:
         robots: Sequence[RobotState],
         order: NDArray[np.intp],
     ) -> None:
-        """Choose among robots that a ray hits at once by their place instead of by their number.
-
-        The hits are changed in place. `order` are the robots in the order that decides if they are
-        at the very same place.
-        """
+        """Choose, in place, among robots hit at once by position, then by `order`."""
         places = np.array([(robots[i].x, robots[i].y) for i in order])
         between = np.hypot(*(places[:, None] - places).T)
         if np.count_nonzero(between < 2 * ROBOT_RADIUS + _MARGIN) == len(order):
@@ -208,7 +190,6 @@ class Senses:
         )
 
     def _on_radar(self, hits: NDArray[np.int64]) -> frozenset[str]:
-        """Return the names of the beacons on any radar."""
         code = hits % self._codes
         on_radar = np.zeros(self._codes, dtype=np.bool_)
         on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
@@ -252,10 +233,7 @@ _MARGIN = 1.0
 
 
 def _may_have_changed(robots: Sequence[RobotState], last: _Looked, codes: int) -> list[int]:
-    """Return the indices of the robots whose reading may have changed.
-
-    All others have not moved, and no moving robot was or is in their view.
-    """
+    """Return the indices of robots that moved, or had a moving robot in view, then or now."""
     spots: list[_Spot] = []
     found: list[int] = []
     still: list[int] = []

@@ -7,18 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """One robot at the end of a tick.
+    """One robot at the end of a tick, in map units from the top left.
 
-    Attributes:
-        name: The robot's name.
-        x: Map units from the left edge.
-        y: Map units from the top edge.
-        angle: Heading in radians, clockwise as seen on the screen; in [0, 2π) after the first tick.
-        battery_level: Charge left; meaningless without a battery.
-        left_engine: Power of the left engine in this tick, in [-1, 1].
-        right_engine: Power of the right engine in this tick, in [-1, 1].
-        blocked: Whether a wall stopped its move in this tick.
-        dead: Whether its battery was empty in this tick.
+    `angle` is in radians, clockwise as seen on the screen, in [0, 2π) after the first tick;
+    engines are in [-1, 1]. `battery_level` is meaningless without a battery.
     """
 
     name: str
@@ -34,8 +26,6 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class AreaState:
-    """One area at the end of a tick."""
-
     name: str
     active: bool
     visitors: tuple[str, ...] = ()
@@ -43,16 +33,7 @@ class AreaState:
 
 @dataclass(frozen=True, slots=True)
 class WorldState:
-    """A whole world at the end of a tick: everything needed to continue from there.
-
-    Attributes:
-        tick: Number of the last finished tick; 0 is the start.
-        robots: In file order.
-        areas: In file order.
-        won_at: The tick of victory, or None.
-        tallies: For each part of the score what each team has so far, see `scoring.tallied`; ()
-            where nothing is scored.
-    """
+    """A whole world at a tick's end, to continue from; tallies as of `scoring.tallied`."""
 
     tick: int
     robots: tuple[RobotState, ...]

@@ -30,15 +30,10 @@ _SAMPLES = (
 
 
 class Walls:
-    """The walls of a labyrinth; everything outside the map is wall as well.
+    """The walls of a labyrinth, (height, width), not to be changed; outside is wall as well.
 
-    A ray is tested at steps of one map unit, but only at those that could be in a wall: the
-    distance from a cell to the nearest wall tells how many steps to skip.
-
-    Args:
-        walls: Of shape (height, width); True is wall. Kept; must not be changed.
-        reach: Map units; the last step of a ray is one less. At most 254.
-        like: Walls that differ in few places, which make these faster to create.
+    Distances to the nearest wall tell how many steps of a ray to skip. A ray ends one map unit
+    before `reach`, at most 254; `like` has nearly the same walls, for speed.
     """
 
     def __init__(self, walls: NDArray[np.bool_], reach: int, *, like: Walls | None = None) -> None:
@@ -62,16 +57,9 @@ class Walls:
         cos: NDArray[np.float64],
         sin: NDArray[np.float64],
     ) -> NDArray[np.int64]:
-        """Return the first step of every ray that is in a wall, or the reach if none is.
+        """Return the first step of every ray in a wall, map units from 1, or the reach.
 
-        Args:
-            x: Where rays start, of shape (robots,); the start itself may be in a wall.
-            y: The same.
-            cos: Of the rays' headings, of shape (robots, rays).
-            sin: The same.
-
-        Returns:
-            Map units from 1 to the reach, of the shape of ``cos``.
+        Starts are of shape (robots,) and may be in a wall; `cos`, `sin` and result (robots, rays).
         """
         shape = cos.shape
         cos, sin = cos.reshape(-1), sin.reshape(-1)
@@ -122,10 +110,7 @@ class Walls:
         sin: NDArray[np.float64],
         free: int,
     ) -> NDArray[np.int64]:
-        """Return the same as `distances`, of shape (rays,).
-
-        The arrays are of shape (rays,); `free` steps of every ray are known to be outside walls.
-        """
+        """Return the same as `distances`, all (rays,); the first `free` steps are not in walls."""
         # A ray behind a wall may be anywhere; only its first wall matters.
         x, y, cos, sin = x[:, None], y[:, None], cos[:, None], sin[:, None]
         in_wall = self._room_on(x, y, cos, sin, self._ahead[free:, 0] + 1) == _WALL
@@ -164,11 +149,7 @@ class Walls:
         sin: NDArray[np.float64],
         free: int,
     ) -> NDArray[np.int64]:
-        """Return the same: a few steps of each ray show where to look closely.
-
-        A step with enough free space around it stands for its neighbours, with one cell to spare
-        for rounding. A ray behind a step that is in a wall may be anywhere.
-        """
+        """Return the same, looking closely only at steps with little free space around them."""
         first = min(free + 1 + _BESIDE, self._reach)
         some = np.arange(float(first), self._reach + _BESIDE, _APART)
         room = self._room_on(x, y, cos, sin, some[:, None])
@@ -189,7 +170,7 @@ class Walls:
         return found
 
     def _free_around(self, x: float, y: float) -> int:
-        """Return how many steps from a place, in any direction, are outside walls."""
+        """Return the distance from a place, in steps, that is free of walls in any direction."""
         room = self._room.item(math.floor(y) * self._stride + math.floor(x))
         return 0 if room == _WALL else room
 
@@ -213,9 +194,9 @@ class Walls:
 
 
 def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:
-    """Return how many cells around each cell are free in every direction, less than the reach.
+    """Return how many cells around each are free in every direction, less than the reach.
 
-    The -1 of a wall itself wraps to 255, which is also more than any reach, and so ends a ray.
+    The -1 of a wall itself wraps to 255, more than any reach, and so ends a ray.
     """
     room = clearances(walls, reach)
     room -= np.uint8(1)
@@ -230,16 +211,10 @@ _ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
 
 
 def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
-    """Return the distance in cells from every cell to the nearest wall; diagonal steps count as 1.
+    """Return every cell's distance to the nearest wall; diagonal steps count as 1.
 
-    All closer cells, in a square around the cell, are free.
-
-    Args:
-        walls: Of shape (height, width); True is wall.
-        most: Distances are capped here; 1 to 254.
-
-    Returns:
-        An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
+    The shape is that of `walls`, (height, width): 0 in a wall, 1 beside one, `most` (1 to 254)
+    at most.
     """
     found = row_clearances(walls, most)
     # A shortest path to a wall goes to the wall's row first, diagonally as far as that helps,
@@ -250,15 +225,7 @@ def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
 
 
 def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
-    """Return the distance in cells from every cell to the nearest wall in the same row.
-
-    Args:
-        walls: Of shape (height, width); True is wall.
-        most: Distances are capped here; 1 to 254.
-
-    Returns:
-        An array of the shape of ``walls``: 0 in a wall, 1 beside one, ``most`` far from all.
-    """
+    """Return the same as `clearances`, within each row."""
     found = np.empty(walls.shape, dtype=np.uint8)
     for start in range(0, len(walls), _ROWS_AT_ONCE):
         some = slice(start, start + _ROWS_AT_ONCE)
@@ -267,7 +234,7 @@ def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
 
 
 def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
-    """Return the distance to the nearest wall in the same row."""
+    """Return the distance to the nearest wall in the same row, at most `most`."""
     column = np.arange(walls.shape[1], dtype=np.int32)
     left = np.maximum.accumulate(np.where(walls, column, -most), axis=1)
     beyond = np.int32(walls.shape[1] + most)
@@ -276,7 +243,7 @@ def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
 
 
 def _carry_over(found: NDArray[np.uint8]) -> None:
-    """Limit every row, from the second on, to 1 more than its neighbours in the row before."""
+    """Limit each row from the second on to 1 more than its neighbours in the row before."""
     least = np.empty_like(found[0])
     for before, row in pairwise(found):
         np.minimum(before[1:], before[:-1], out=least[1:])
@@ -287,26 +254,21 @@ def _carry_over(found: NDArray[np.uint8]) -> None:
 
 
 class PackedBits(NamedTuple):
-    """A compressed two-dimensional bool array."""
-
     shape: tuple[int, int]
     data: bytes
 
     @classmethod
     def of(cls, bits: NDArray[np.bool_]) -> PackedBits:
-        """Pack an array."""
         height, width = bits.shape
         return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
 
     def bits(self) -> NDArray[np.bool_]:
-        """Return the array."""
         height, width = self.shape
         packed = np.frombuffer(zlib.decompress(self.data), np.uint8)
         return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
 
 
 def changed_box(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[slice, slice] | None:
-    """Return the smallest rows and columns that hold all differences of arrays of one shape."""
     if before is after:
         return None
     rows = np.flatnonzero(_unequal_rows(before, after))

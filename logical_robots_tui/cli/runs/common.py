@@ -54,9 +54,8 @@ def new_run_command(
 ) -> argparse.ArgumentParser:
     """Declare a command that takes a level and a program, which `opened` loads.
 
-    `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``, `robot`
-    the help of ``--robot``; there is no such option by default. `only_json` says that all output is
-    JSON.
+    `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``,
+    `robot` the help of ``--robot``; by default there is no such option.
     """
     command = new_command(
         commands,
@@ -93,12 +92,7 @@ def new_run_command(
 
 
 def opened(options: argparse.Namespace) -> tuple[Level, Program]:
-    """Load the level, compile the program, and check that the level has the named robot.
-
-    Raises:
-        InputError: The level or program can't be read, or there is no such robot.
-        ProgramFileError: The program has errors.
-    """
+    """Load level and program, check the robot; raise InputError or ProgramFileError."""
     from logical_robots_tui.game.robustness import named_start_of
     from logical_robots_tui.game.source import programs_for
     from logical_robots_tui.mind import Program, ProgramError
@@ -124,16 +118,11 @@ def opened(options: argparse.Namespace) -> tuple[Level, Program]:
 
 
 def show(options: argparse.Namespace, data: Any, lines: Iterable[str]) -> None:
-    """Print a result, as JSON or as text."""
     print(line_of_json(data) if prefers_json(options) else "\n".join(lines))
 
 
 def check_name(what: str, name: str, known: Iterable[str]) -> None:
-    """Check that a name exists.
-
-    Raises:
-        InputError: It does not exist; the hint lists the known names.
-    """
+    """Raise InputError, with the known names as a hint, unless the name is known."""
     names = list(known)
     if name not in names:
         listed = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
@@ -147,13 +136,7 @@ def check_name(what: str, name: str, known: Iterable[str]) -> None:
 async def run_shown(
     level: Level, program: Program, ticks: int
 ) -> AsyncIterator[tuple[Run, Callable[[int], None]]]:
-    """Open a run, with a progress bar if it takes long.
-
-    Ticks that an earlier process has computed are not computed again.
-
-    Yields:
-        The run, and a callback to call with each finished tick.
-    """
+    """Open a run, reusing stored ticks; yield it and a progress callback for finished ticks."""
     from logical_robots_tui.game import Run
 
     run = Run(level, program)
@@ -165,7 +148,6 @@ async def run_shown(
 
 
 async def frame_at(level: Level, program: Program, tick: int) -> Frame:
-    """Return the frame of a tick; a victory before it does not end the run."""
     async with run_shown(level, program, tick) as (run, show):
         return await run.frame(tick, show)
 
@@ -175,13 +157,7 @@ _REDRAW_EVERY = 0.1  # seconds
 
 @contextmanager
 def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[[int], None]]:
-    """Show the progress of a run on a terminal; the bar disappears at the end.
-
-    It appears `after` some seconds.
-
-    Yields:
-        A callback to call with each finished tick; it redraws a few times a second only.
-    """
+    """Show a progress bar after some seconds; yield a callback for finished ticks."""
     began = monotonic()
     due = began + after if sys.stderr.isatty() else float("inf")
     bar: Progress | None = None

@@ -37,7 +37,6 @@ exit status: 0 no warnings, 1 warnings, 2 bad level or program
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     new_run_command(
         commands,
         "diagnose",
@@ -50,7 +49,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Run the program and print the findings."""
     level, program = opened(options)
     found = asyncio.run(_diagnose(level, program, options.ticks))
     show(options, _data(found), _lines(found))

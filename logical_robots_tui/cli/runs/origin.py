@@ -37,7 +37,6 @@ exit status: 0 found, 2 bad level, program, robot or value
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_run_command(
         commands,
         "origin",
@@ -59,7 +58,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Trace the value and print its origin."""
     level, program = opened(options)
     origin = asyncio.run(_search(level, program, options))
     data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}

@@ -63,7 +63,6 @@ exit status: 0 found, 1 it never holds, 2 bad level, program or question
 
 
 def declare(commands: Commands) -> None:
-    """Add the commands to the list."""
     query = new_run_command(
         commands,
         "query",
@@ -92,7 +91,6 @@ def declare(commands: Commands) -> None:
 
 @contextmanager
 def _mistakes_in(what: str) -> Iterator[None]:
-    """Report what the compiler finds wrong with a query or question."""
     from logical_robots_tui.mind import ProgramError
 
     try:

@@ -47,7 +47,6 @@ examples:
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     summary = "record a run in a file, play it again, verify it and show it"
     inner = new_group(commands, "replay", summary=summary, epilog=EPILOG)
     _declare_record(inner)
@@ -199,11 +198,7 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 async def _computed(replay: Replay) -> Verifier:
-    """Compute a replay to its end and compare.
-
-    Raises:
-        ProgramError: A program does not compile.
-    """
+    """Compute a replay to its end and compare; raise ProgramError if a program is wrong."""
     from logical_robots_tui.game import Game, compile_program
     from logical_robots_tui.game.replay import play_into
 
@@ -259,7 +254,6 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _paths(replay: Replay) -> dict[str, list[tuple[float, float]]]:
-    """Return where each robot was after each tick, by its name."""
     paths: dict[str, list[tuple[float, float]]] = {}
     for state in replay.states():
         for robot in state.robots:

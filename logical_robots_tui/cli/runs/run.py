@@ -46,7 +46,6 @@ exit status: 0 won or match over, 1 not won in time, 2 bad level or program
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_run_command(
         commands,
         "run",
@@ -60,7 +59,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Run the program in the level and print the result."""
     level, program = opened(options)
     with progress_bar(level.title, options.ticks) as show:
         outcome = asyncio.run(
@@ -78,7 +76,6 @@ async def play_out(
     ticks: int,
     show: Callable[[int], object] = lambda _tick: None,
 ) -> Outcome:
-    """Run until the level is won or the tick limit is reached."""
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.victory import victory_of
 
@@ -104,14 +101,11 @@ async def play_out(
 
 @dataclass
 class Outcome:
-    """What has come of a run so far.
+    """The result of a run so far.
 
     Attributes:
-        frame: The last frame.
-        notices: The number of notices of each kind.
         first: The first few notices, as (tick, robot name, kind, message).
         is_reliable: Whether no time limit cut a thought short.
-        reached: The second goals that were reached, in words.
     """
 
     level: Level
@@ -125,7 +119,6 @@ class Outcome:
     reached: tuple[str, ...] = ()
 
     def count(self, frame: Frame) -> None:
-        """Count a finished tick."""
         self.frame = frame
         self.think_milliseconds += frame.think_milliseconds
         self.is_reliable = self.is_reliable and frame.is_reliable
@@ -138,14 +131,10 @@ class Outcome:
 
     @property
     def won_at(self) -> int | None:
-        """The tick of victory, or None."""
         return self.frame.after.won_at
 
     def as_json(self, *, times: bool = False) -> str:
-        """Return the result as a JSON object.
-
-        Times are left out by default, because they differ from run to run.
-        """
+        """Return the result as JSON, without times by default, because they vary."""
         from logical_robots_tui.game import goals
         from logical_robots_tui.world.scoring import points
 
@@ -181,7 +170,6 @@ class Outcome:
         return json.dumps(finite(found), indent=2, allow_nan=False)
 
     def as_text(self) -> str:
-        """Return the result as a few lines of text."""
         lines = [self._verdict()]
         if self.won_at is not None and self.level.second_goals:
             goals = (goal.words for goal in self.level.second_goals)

@@ -40,7 +40,6 @@ exit status: 0 won, 1 not won in time, 2 bad level or program
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_run_command(
         commands,
         "trace",
@@ -63,7 +62,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Run the program in the level and print every tick."""
     level, program = opened(options)
     for name in options.predicates:
         check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
@@ -101,7 +99,6 @@ async def _trace(level: Level, program: Program, options: argparse.Namespace) ->
 
 
 def _data(level: Level, frame: Frame, robot: str | None, tables: _Tables) -> dict[str, Any]:
-    """Return a tick as data, for all robots or for one."""
     mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
     after = frame.after
     return {

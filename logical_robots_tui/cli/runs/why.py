@@ -50,7 +50,6 @@ _MOST_VALUES = 5  # in a line; --json has more
 
 
 def declare(commands: Commands) -> None:
-    """Add the command to the list."""
     command = new_run_command(
         commands,
         "why",
@@ -89,7 +88,6 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Explain the row."""
     level, program = opened(options)
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
@@ -155,7 +153,6 @@ def _lines(
 
 
 def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
-    """List the single changes that would have given a row to a rule without one."""
     for rule in dict.fromkeys(line for line, _ in found):
         yield from ("", f"Each of these would give the rule in line {rule} a row:")
         for line, each in found:
@@ -176,7 +173,6 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
 
 
 def _deeper(ask: Ask) -> str:
-    """Return the options that explain a called predicate."""
     given = [f"--given {shlex.quote(f'{c}={written(v)}')}" for c, v in ask.given.items()]
     within = [f"--within {ask.within}"] if ask.within else []
     return harmless(" ".join([f"--predicate {ask.predicate}", *given, *within]))
@@ -231,7 +227,6 @@ def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
 
 
 def _node(node: Node) -> dict[str, Any]:
-    """Return a node as data for scripts, without fields that don't apply."""
     data: dict[str, Any] = {"kind": node.kind, "text": node.text}
     if node.said:
         data["said"] = node.said

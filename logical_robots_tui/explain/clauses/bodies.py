@@ -38,12 +38,11 @@ MOST_CLAUSES = 32
 
 
 class Names:
-    """What is known about the predicates that rules may call.
+    """The predicates that rules may call.
 
     Args:
-        functions: For each predicate that needs arguments, the columns that must be given.
-        tables: For each other predicate, the table with its rows.
-        origins: For each copy, its original and the predicate that it belongs to.
+        functions: The required columns of each predicate that needs arguments.
+        origins: For each copy, its original and the predicate made with ``:=``.
     """
 
     def __init__(
@@ -57,16 +56,13 @@ class Names:
         self.origins = origins
 
     def is_own(self, name: str) -> bool:
-        """Return whether the program defines a predicate."""
         return name in self.functions or name in self.tables
 
     def call(self, name: str, arguments: Mapping[str, str]) -> probing.Call:
-        """Return a call of a predicate."""
         return probing.Call(*self.origins.get(name, (name, "")), arguments)
 
 
 def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, Aggregation]]:
-    """Return the expressions of a head's plain columns, and the aggregations of the others."""
     plain: dict[str, Expression] = {}
     others: dict[str, Aggregation] = {}
     for each in rule.head.columns:
@@ -114,7 +110,6 @@ def values_in(node: Node, column: str) -> Iterator[Expression]:
 
 
 def kind_of(node: Node) -> TermKind:
-    """Return the kind of an expression."""
     match node:
         case Literal() | PredicateName():
             return "literal"
@@ -138,7 +133,6 @@ def kind_of(node: Node) -> TermKind:
 
 
 def parts_of(node: Expression) -> list[Expression]:
-    """Return the parts of an expression that explain where its value comes from."""
     match kind_of(node), node:
         case "if", Choice():
             pairs = [part for each in node.branches for part in (each.condition, each.value)]
@@ -178,7 +172,6 @@ def chains(tree: Tree) -> Iterator[FieldAccess]:
 
 
 def chain_root(node: Node) -> str:
-    """Return the variable at the root of a chain of field accesses, or ""."""
     if not isinstance(node, FieldAccess):
         return ""
     while isinstance(node, FieldAccess):

@@ -1,7 +1,7 @@
-"""Decomposing a predicate's rules and compiling them. In the compile process.
+"""Decompose a predicate's rules and compile them. In the compile process.
 
-The predicates that a rule calls are tables for its queries, filled with their rows at the moment in
-question, so that explanations are true for exactly these rows.
+Queries read called predicates from tables with their rows at the moment in question, so an
+explanation refers to exactly these rows.
 """
 
 from __future__ import annotations
@@ -51,15 +51,9 @@ def decompose(
     is_quick: Callable[[str, int], bool],
     define: Callable[[str, tuple[str, ...]], None],
 ) -> Probing:
-    """Decompose the rules of a predicate.
+    """Decompose a predicate's rules.
 
-    Args:
-        text: A program that can be compiled.
-        predicate: One of its own predicates.
-        within: A predicate made with ``:=``, for whose copy of the rules this is, or "".
-        with_rows: Names of predicates that have rows of their own.
-        is_quick: Whether SQLite can prepare a query with so many parameters in reasonable time.
-        define: Creates a table that these queries read.
+    `within` is the predicate made with ``:=`` whose copy of the rules to use, or "".
     """
     source, program = read_program(text)
     expanded = expand(program)
@@ -106,7 +100,6 @@ def _columns(rules: list[Rule]) -> tuple[str, ...]:
 
 
 def _prepared(sql: str) -> tuple[str, int]:
-    """Return a query in its final form, and the fewest parameters that it has."""
     number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
     return with_given(sql, number), number
 
@@ -127,7 +120,6 @@ def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
 
 
 def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
-    """Return the rule for all rows of a function."""
     values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
     taken = {f"g{i}": values[column] for i, column in enumerate(given)}
     named = {_field(column): value for column, value in values.items()}
@@ -140,7 +132,6 @@ def _field(column: str) -> str | int:
 
 
 def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
-    """Return the predicates whose rows the rules of one read, also through functions."""
     found: set[str] = set()
     waiting = [name]
     while waiting:
@@ -155,7 +146,6 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
 
 
 def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Return for each predicate that needs arguments the columns that must be given."""
     found: dict[str, tuple[str, ...]] = {}
     named = {*expanded.rules} - {*expanded.origins}
     grew = True
@@ -174,7 +164,6 @@ def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tupl
 
 
 def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """Return the columns without which some rule has no rows."""
     needed: list[str] = []
     columns = [column for column in head_of(rules[0])[0] if column != VALUE]
     for column in columns:
@@ -202,7 +191,7 @@ def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, .
 
 
 def _circle(name: str, expanded: Expanded) -> set[str]:
-    """Return the predicates in a recursion with one, or none."""
+    """Return the predicates mutually recursive with one, itself included, or none."""
     reach = expanded.reach(name)
     if name not in reach:
         return set()
@@ -212,10 +201,9 @@ def _circle(name: str, expanded: Expanded) -> set[str]:
 def _is_founded(
     circle: set[str], expanded: Expanded, functions: Mapping[str, Collection[str]]
 ) -> bool:
-    """Return whether a recursion's rows can be explained by earlier rows.
+    """Return whether earlier rows can explain a recursion's rows.
 
-    Not if a step needs all rows of the previous one: a negation, an aggregate over them in a body,
-    or a sum in a head.
+    False if a step negates or aggregates all rows of the previous one.
     """
     for name in circle:
         for rule in expanded.rules[name]:
@@ -238,7 +226,6 @@ def _compiled(
     tables: Mapping[str, str],
     source: Prepared,
 ) -> dict[str, str]:
-    """Return SQL by name of a query; predicates other than functions are tables."""
     own = [rule for name in functions for rule in expanded.rules[name]]
     flags = [each for each in expanded.annotations if each.name == "@DefineFlag"]
     wanted: list[Statement] = [*own, *flags, *probes.values()]
@@ -247,7 +234,6 @@ def _compiled(
 
 
 def _sources(wanted: Collection[str], expanded: Expanded, source: Prepared) -> dict[str, str]:
-    """Return SQL for the rows of copies that ``:=`` made."""
     copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
     if not copies:
         return {}

@@ -1,8 +1,7 @@
-"""Decomposing bodies: a clause for each choice of alternatives, with a query for its derivations.
+"""Decompose a body into a clause per choice of alternatives, with a query for derivations.
 
-In the compile process. A call of the program's own predicate in an expression becomes a separate
-part of the body, as in the compiler, so that its value is computed once however often it is
-mentioned.
+As in the compiler, a call of the program's own predicate in an expression becomes a
+separate part of the body, so that its value is computed once.
 """
 
 from __future__ import annotations
@@ -71,11 +70,7 @@ _MOST_COLUMNS = 90  # SQLite's limit is 100
 
 
 class Builder:
-    """Decomposes bodies and collects the queries to be compiled.
-
-    Attributes:
-        probes: The rules that define the queries' rows, by name.
-    """
+    """Decomposes bodies; `probes` collects the rules to compile, by name."""
 
     def __init__(self, source: Prepared, known: Names) -> None:
         self.probes: dict[str, Rule] = {}
@@ -90,28 +85,19 @@ class Builder:
         given: Mapping[str, Expression],
         depth: int = 0,
     ) -> tuple[Clause, ...]:
-        """Return the clauses of a body.
-
-        Args:
-            body: Its parts.
-            head: The expressions of the columns without aggregation.
-            collected: The aggregations of the other columns.
-            given: For each column of the table of given values, its variable.
-            depth: The nesting within other bodies.
-        """
+        """Return a body's clauses; `collected` holds the aggregations, `head` the other columns."""
         return tuple(
             _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
             for parts, taken in self._choices(body)
         )
 
     def span(self, tree: Tree) -> Span:
-        """Return the place of a piece of a syntax tree."""
         return span_of(tree, self._source)
 
     def _choices(
         self, body: Sequence[Proposition]
     ) -> Iterator[tuple[list[Proposition], tuple[Span, ...]]]:
-        """Return the body for each choice of alternatives, or unchanged if there are too many."""
+        """Yield the body for each choice of alternatives, or unchanged if there are too many."""
         try:
             found = alternatives(body)
         except TooManyError:
@@ -160,7 +146,6 @@ class _ClauseBuilder:
         self._all = everything
 
     def clause(self, taken: tuple[Span, ...]) -> Clause:
-        """Return the clause for the chosen alternatives."""
         ordered, left = in_order(self._body, self._scope, self._known)
         if left:
             together = left[0] if len(left) == 1 else Conjunction(tuple(left))
@@ -251,7 +236,6 @@ class _ClauseBuilder:
 
     @staticmethod
     def _shown(part: Proposition) -> Sequence[Expression]:
-        """Return the expressions of a step that explain why it holds."""
         if isinstance(part, Membership):
             return [part.collection]
         if (pair := equated(part)) is not None:
@@ -273,7 +257,6 @@ class _ClauseBuilder:
         return replace(self._names.call(atom.name, columns), terms=terms)
 
     def _reads(self, atom: Atom) -> tuple[Term, ...]:
-        """Return everything read from a sensor or a memory in the clause."""
         found: dict[str, Expression] = {}
         columns = INPUTS.get(atom.name, ())
         for column in (*columns, REST) if columns else ():
@@ -333,7 +316,6 @@ class _ClauseBuilder:
     # -- queries ---------------------------------------------------------------------------------
 
     def _column(self, node: Expression) -> str:
-        """Return the column with the value of an expression, or "" if there are too many."""
         if node not in self._columns and len(self._columns) >= _MOST_COLUMNS:
             return ""
         column = self._columns.setdefault(node, f"c{len(self._columns)}")
@@ -341,7 +323,6 @@ class _ClauseBuilder:
         return column
 
     def _query(self, body: Sequence[Proposition], known: frozenset[str], wanted: set[str]) -> str:
-        """Return a query for the ways in which a body holds, with the wanted columns."""
         columns: dict[str, Expression] = {"one": Number("1")}
         columns |= {
             column: node

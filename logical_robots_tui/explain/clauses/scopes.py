@@ -38,12 +38,7 @@ EVERY_COLUMN = _EveryColumn()
 
 
 class Scope:
-    """The variables of a body and of its surroundings.
-
-    Args:
-        functions: For each predicate that needs arguments, the columns that must be given.
-        variables: Variables that aggregates inside refer to.
-    """
+    """The variables of a body and its surroundings, and those that nested aggregates use."""
 
     def __init__(self, functions: Mapping[str, Container[str]], variables: Iterable[str]) -> None:
         self.functions = functions
@@ -82,7 +77,6 @@ class Scope:
         return found
 
     def _matched(self, pattern: Expression, known: frozenset[str]) -> frozenset[str] | None:
-        """Return the variables bound after matching a value with a pattern."""
         if isinstance(pattern, Variable):
             return known | {str(pattern.name)}
         return known if self.mentioned(pattern) <= known else None
@@ -118,8 +112,7 @@ def in_order(
     """Order parts so that each can be evaluated, in text order where possible.
 
     Returns:
-        The parts, each with the variables bound after it; and the parts whose variables are never
-        bound.
+        The parts, each with the variables bound after it; and those that can't be evaluated.
     """
     waiting = list(parts)
     ordered: list[tuple[Proposition, frozenset[str]]] = []

@@ -55,7 +55,6 @@ def span_of(node: Tree, source: Prepared) -> Span:
 
 
 def span_of_text(start: int, stop: int, text: str) -> Span:
-    """Return a piece of a text, given by its offsets."""
     while start < stop and text[start].isspace():
         start += 1
     lines = (
@@ -65,7 +64,6 @@ def span_of_text(start: int, stop: int, text: str) -> Span:
 
 
 def _closed(skeleton: str, start: int, stop: int) -> int:
-    """Extend a piece to close the brackets that it opens."""
     open_brackets: list[str] = []
     for at in range(start, len(skeleton)):
         character = skeleton[at]
@@ -81,7 +79,6 @@ def _closed(skeleton: str, start: int, stop: int) -> int:
 
 
 def as_expression(part: Proposition) -> Expression:
-    """Return a condition of a body as a boolean expression."""
     pair = equated(part)
     if pair is not None:
         return call("==", left=pair[0], right=pair[1])
@@ -98,7 +95,6 @@ def as_part(condition: Expression, *, holds: bool) -> Proposition:
 
 
 def compared(condition: Expression) -> tuple[str, Expression, Expression] | None:
-    """Return the comparison of a condition and its two sides, or None."""
     if not isinstance(condition, Call) or condition.name not in COMPARISONS:
         return None
     sides = operands(condition.arguments)

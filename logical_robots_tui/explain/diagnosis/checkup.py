@@ -43,7 +43,6 @@ _MOST_PROBES = 400
 
 
 def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int], bool]) -> Checkup:
-    """Prepare a program to be watched."""
     source, program = read_program(text)
     expanded = expand(program)
     rules = [(rule.name, rule) for rule in rules_of(program)]
@@ -99,7 +98,6 @@ def _site(
 
 
 def _key(rule: Rule, span: Span) -> str:
-    """Return a fact's key: the text in its first column, or all of its text."""
     found = None if rule.body else text_of(rule.head.columns[0].expression)
     return span.text if found is None else found
 
@@ -170,7 +168,6 @@ def _meant_for_something(node: Node, own: Container[str], *, is_fact: bool) -> S
 
 
 def _bound(value: Variable, rule: Rule) -> Expression | None:
-    """Return the expression that a variable is equal to in a body, or None."""
     for part in conjuncts(rule.body):
         if isinstance(part, Equation) and part.left == value:
             return part.right

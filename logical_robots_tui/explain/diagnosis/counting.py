@@ -18,20 +18,15 @@ _MOST_VALUES = 60  # compared values that are kept for a place
 
 @dataclass(slots=True)
 class Count:
-    """Statistics of a site; ticks are those that were examined.
+    """Statistics of a site.
 
     Attributes:
-        reached: The first tick in which it was reached, or None.
-        ways: The number of ways in which it was reached, over all looks.
+        reached, true, false, null: The first examined tick in which it was so, or None; a part
+            is true if it gave rows.
+        ways, looks: In how many ways, and looks, it was reached.
         passed: The number of ways in which a part was passed.
-        looks: The number of looks in which it was reached.
-        true: The first tick in which it was true, or a part gave rows; or None.
-        false: The first tick in which it was false, or None.
-        null: The first tick in which it was null, or None.
-        left: Values of the left side of an equation.
-        right: Values of the right side.
-        least: The least difference between the sides of a comparison, or None.
-        greatest: The greatest difference, or None.
+        left, right: Values of the sides of an equation, with their first ticks.
+        least, greatest: The extreme differences between the sides of a comparison, or None.
     """
 
     reached: int | None = None
@@ -49,13 +44,7 @@ class Count:
 
 @dataclass(slots=True)
 class RuleCount:
-    """Statistics of a rule.
-
-    Attributes:
-        asked: The first tick in which it was examined, or None.
-        gave: The first tick in which it gave a row, or None.
-        looks: How often it was examined.
-    """
+    """A rule's examinations, and the first ticks in which it was examined and gave a row."""
 
     asked: int | None = None
     gave: int | None = None
@@ -63,13 +52,10 @@ class RuleCount:
 
 
 class Tally:
-    """Statistics of everything that a checkup watches.
+    """Statistics of everything that a checkup watches, by index of the site or rule.
 
     Attributes:
-        sites: Statistics by number of the site.
-        rules: Statistics by number of the rule.
-        ticks: The examined ticks, in order of examination.
-        given_up: Numbers of probes that failed once, so that they can't prove a "never".
+        given_up: Indices of probes that failed once, so that they can't prove a "never".
         robots: By robot and tick, how many rows each rule of `Robot` had for it.
     """
 
@@ -84,7 +70,6 @@ class Tally:
         self.robots: dict[tuple[str, int], dict[int, int]] = {}
 
     def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
-        """Count the rows of a probe."""
         if not self.ticks or self.ticks[-1] != tick:
             self.ticks.append(tick)
         probe = self.checkup.probes[number]
@@ -121,7 +106,7 @@ class Tally:
                 rule.gave = _first(rule.gave, tick)
 
     def give_up(self, number: int) -> None:
-        """Note that a probe failed: nothing is reported that depends on it."""
+        """Mark a probe as failed; nothing that depends on it is reported."""
         probe = self.checkup.probes[number]
         self.given_up.add(number)
         for place in {probe.after, probe.before, *(column.site for column in probe.columns)} - {-1}:
@@ -136,7 +121,6 @@ class Tally:
             self.rules[probe.gives].gave = _first(self.rules[probe.gives].gave, 0)
 
     def doubtful_probes(self) -> list[int]:
-        """Return the probes that may still show that something does happen."""
         sites = {
             number
             for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True))
@@ -152,7 +136,6 @@ class Tally:
         return found
 
     def stopped(self, rule: int) -> int | None:
-        """Return the last site of a rule's body that was reached and never passed."""
         found = None
         for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True)):
             is_stuck = count.reached is not None and count.true is None
@@ -212,20 +195,17 @@ class Tally:
 
 
 def _is_doubtful(site: Site, count: Count) -> bool:
-    """Return whether a site would be reported if nothing else happens there."""
     if site.kind in ("leaf", "value"):
         return False
     return count.reached is None or count.true is None or is_always_true(site, count)
 
 
 def is_always_true(site: Site, count: Count) -> bool:
-    """Return whether a condition was reached, and never false or null."""
     seen = count.true is not None and count.false is None and count.null is None
     return site.kind in TESTS and seen
 
 
 def is_true(value: Value) -> bool | None:
-    """Return whether a value is true as an SQL condition; None if unknown."""
     if value is None:
         return None
     return bool(value) if isinstance(value, int | float) else False

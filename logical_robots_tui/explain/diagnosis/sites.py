@@ -27,20 +27,16 @@ class Site:
 
     Attributes:
         kind: ``part`` (of a body, with rows: a call, an element of a list, alternatives),
-            ``condition`` (of a body), ``denial`` (of a body), ``branch`` (the condition of an
-            ``if``), ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (passed to a function that
-            compares it), ``leaf`` (a value that an ``if`` chooses, or a rule's value) or ``value``
-            (a part that may be null; true means that it is).
-        span: Its place in the text.
-        rule: Number of its rule.
-        literal: The text that it is compared with, or None.
-        other: The expression that is compared with that text or with a number; or "".
+            ``condition`` or ``denial`` (of a body), ``branch`` (the condition of an ``if``),
+            ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (passed to a comparing function),
+            ``leaf`` (a value that an ``if`` chooses, or a rule's value) or ``value`` (a part
+            that may be null; true means that it is).
+        rule: Index of its rule.
+        literal: The text that `other` is compared with, or None.
+        other: The expression compared with that text or with a number; or "".
         operator: The comparison, ``&&``, ``||`` or "".
-        predicate: The predicate that a call calls, or "".
         within: The predicate made with ``:=`` whose rules it belongs to, or "".
-        places: Where its values come from, the nearest places first.
-        stands: Whether it is in the ``body`` of a rule, within an ``aggregate``, or
-            within something ``denied``.
+        places: Where its values come from, the nearest first.
     """
 
     kind: SiteKind
@@ -65,14 +61,9 @@ class RuleSite:
     """A watched rule.
 
     Attributes:
-        predicate: The predicate that it defines.
-        span: Its place in the text.
-        is_function: Whether it needs arguments.
         is_needed: Whether `Robot` uses it.
-        is_fact: Whether it has no body.
         key: Equal for facts that mean the same.
         memory: The place of a robot's memory in it, or None.
-        body: The place of its body, or None.
     """
 
     predicate: str
@@ -90,11 +81,10 @@ class Column:
     """A column of a probe's answer.
 
     Attributes:
-        site: Number of its site.
+        site: Index of its site.
         guard: Columns that must be true, or must not be, for the site to be reached.
-        kind: ``truth``, ``text`` (the value compared with the site's text), ``pair`` (the two sides
-            of an equation), ``always`` (no column; reaching the site is enough) or ``skip`` (not
-            examined here).
+        kind: ``truth``, ``text`` (compared with the site's text), ``pair`` (both sides of an
+            equation), ``always`` (no column; reaching the site is enough) or ``skip``.
     """
 
     site: int
@@ -106,20 +96,15 @@ class Column:
 class Probe:
     """A query for the ways in which the beginning of a body holds, grouped by boolean values.
 
-    Its columns are c0, c1 ..., and dN for the right sides of pairs; for comparisons of numbers also
-    lN and hN, the least and the greatest difference between the sides; then ``n``, the number of
-    ways.
+    Its columns are c0, c1 ...; dN for right sides of pairs; lN and hN for the least and
+    greatest difference of compared numbers; then ``n``, the number of ways.
 
     Attributes:
-        name: Its name.
-        columns: The meaning of its columns.
-        after: Number of the site, a part, that holds in these rows, or -1.
-        before: Number of the site, a part, that these rows reach, or -1.
-        filters: Columns that must be true for `before` to be reached, or the rule to give a row.
-        gives: Number of the rule that has a row then, or -1.
+        after, before: Indices of the parts that these rows passed and reach; or -1.
+        filters: Columns that must be true to reach `before`, or for the rule to give a row.
+        gives: Index of the rule that has a row then, or -1.
         robot: Whether there is a column ``who`` with the robot.
-        closeness: ``closer`` if it includes values, which takes longer; ``wider`` if it is the same
-            without values.
+        closeness: ``closer`` includes values, which takes longer; ``wider`` does not.
     """
 
     name: str
@@ -134,8 +119,6 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A memory field that is read or written."""
-
     name: str
     span: Span
 
@@ -145,12 +128,8 @@ class Checkup:
     """A program prepared to be watched.
 
     Attributes:
-        rules: Its rules.
-        sites: The watched places.
-        probes: The queries for a tick.
         program: The compiled program that contains the probes.
-        reads: Memory fields that it reads.
-        writes: Memory fields that it writes.
+        reads, writes: Memory fields that it reads and writes.
         reads_all: Whether it may read others, because it uses a memory as a whole.
         writes_all: Whether it may write others, because its memory is not a plain record.
         texts: Texts in its comparisons and facts.
@@ -172,12 +151,7 @@ class Checkup:
 def check_up(
     program: Program, *, stop: threading.Event | None = None, limits: Limits | None = None
 ) -> Checkup:
-    """Prepare a program to be watched; results are cached. Blocks.
-
-    Raises:
-        QueryError: The program is too complex.
-        Stopped: `stop` was set.
-    """
+    """Prepare a program to be watched; cached. Blocks; raises QueryError or Stopped."""
     functions = [p.name for p in program.predicates if p.is_function]
     request = {"text": program.text, "checkup": functions}
     try:

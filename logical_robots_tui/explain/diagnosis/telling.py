@@ -42,18 +42,7 @@ Severity = Literal["warning", "note"]
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A likely mistake.
-
-    Attributes:
-        kind: The kind.
-        severity: ``warning`` for what is hardly intended, ``note`` for what may well be.
-        span: Its place in the program, or None if there is no single place.
-        tick: The first tick in which it happened.
-        message: The finding, one plain sentence.
-        hint: What to look at, one sentence.
-        others: Related places, the nearest first.
-        robot: The robot that it is about, or "".
-    """
+    """A likely mistake: a ``warning`` is hardly intended, a ``note`` may well be."""
 
     kind: FindingKind
     severity: Severity
@@ -70,17 +59,11 @@ _MOST_LISTED = 4  # values
 
 
 def rule_findings(tally: Tally, *, won: bool) -> list[Finding]:
-    """Return findings about rules and conditions, the most significant first.
-
-    Args:
-        tally: The statistics of the run.
-        won: Whether the run was won, so that what never happened was hardly needed.
-    """
+    """Return findings, the most significant first; notes, not warnings, if the run was won."""
     return list(_Reporter(tally, won=won).findings())
 
 
 def shortened(text: str) -> str:
-    """Return a piece of a program, shortened for a message."""
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
@@ -106,7 +89,6 @@ class _Reporter:
     # -- rules ---------------------------------------------------------------------------------
 
     def _silent(self) -> dict[int, int | None]:
-        """Return rules without rows, each with the site at which they failed."""
         silent = {}
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
@@ -188,7 +170,6 @@ class _Reporter:
         )
 
     def _of_truth(self, number: int, site: Site) -> Finding | None:
-        """Return a finding about a condition that was never false."""
         count = self._tally.sites[number]
         if not is_always_true(site, count):
             return None
@@ -197,7 +178,6 @@ class _Reporter:
         return self._finding("never false", "note", site, count, message, hint)
 
     def _is_explained(self, whole: Site) -> bool:
-        """Return whether an operand of ``&&`` was never true, which explains the whole."""
         if whole.operator != "&&":
             return False
         inner = [
@@ -241,7 +221,6 @@ class _Reporter:
 
 
 def _holds_in(whole: Span, part: Span) -> bool:
-    """Return whether a place is a proper part of another one."""
     return (
         whole.start <= part.start
         and part.stop <= whole.stop
@@ -258,7 +237,6 @@ def _in(site: Site) -> str:
 
 
 def _missed(site: Site, count: Count) -> str:
-    """Return by how much a comparison failed."""
     lacks = None
     if site.operator in ("<", "<="):
         lacks, what = count.least, "too much"
@@ -285,7 +263,6 @@ def _listed(values: Iterable[Value]) -> str:
 
 
 def _alike(text: str, values: Iterable[Value]) -> str:
-    """Return the text among some values that another one probably misspells, or ""."""
     texts = [value for value in values if isinstance(value, str) and value]
     by_case = (value for value in texts if value.lower() == text.lower())
     near = (v for v in texts if distance(v.lower(), text.lower()) <= (2 if len(text) > 5 else 1))

@@ -1,7 +1,4 @@
-"""Queries for everything that a rule does: its parts, its conditions, the functions that it calls.
-
-In the compile process.
-"""
+"""Queries for everything that a rule does: its parts, conditions, and called functions."""
 
 from __future__ import annotations
 
@@ -39,17 +36,13 @@ _LEAVES = ("desire", VALUE)
 
 
 class Tracer(ValueTracing):
-    """Traces rules part by part."""
-
     def copy(self, name: str) -> None:
-        """Trace the rules that ``:=`` copied."""
         _, self._within = self.copies[name]
         for rule in self._own[name]:
             self.rule(rule, tells_robot=False)
         self._within = ""
 
     def rule(self, rule: Rule, *, tells_robot: bool) -> None:
-        """Trace a rule that has rows of its own."""
         columns = rule.head.columns
         parts = conjuncts(rule.body)
         number = self._numbers[id(rule)]
@@ -116,7 +109,6 @@ class Tracer(ValueTracing):
         return replace(self._next(at, site, substitute(part, at.given)), known=known)
 
     def _in_part(self, part: Proposition, at: At) -> None:
-        """Trace what is inside a part with rows."""
         if isinstance(part, Disjunction):
             for branch in part.alternatives:
                 self._aside(conjuncts(branch), at, at.scope, at.given, ())
@@ -130,7 +122,6 @@ class Tracer(ValueTracing):
                 self._value(value, at)
 
     def _next(self, at: At, site: int, part: Proposition) -> At:
-        """Continue after a part with rows."""
         trail = at.trail
         body = [*self._all_of(at), part]
         self._emit(trail, before=site)
@@ -155,7 +146,6 @@ class Tracer(ValueTracing):
         return isinstance(part, Atom) and part.name not in self._own and part.name not in INPUTS
 
     def _bound(self, part: Proposition, known: frozenset[str]) -> tuple[str, Expression] | None:
-        """Return the variable that a part binds, and its value; or None."""
         pair = equated(part)
         if pair is None:
             return None

@@ -1,8 +1,4 @@
-"""Conditions in expressions and in the functions that they call. In the compile process.
-
-What a function does depends on its arguments. So its conditions are watched at each call, with the
-arguments in place of its parameters.
-"""
+"""Conditions in expressions and called functions, watched at each call with its arguments."""
 
 from __future__ import annotations
 
@@ -45,10 +41,7 @@ _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
 
 
 class ValueTracing(Watching):
-    """Watches expressions; subclasses trace bodies."""
-
     def _value(self, node: Expression, at: At, *, is_leaf: bool = False) -> None:
-        """Trace an expression that is computed at a place."""
         if isinstance(node, Choice):
             for branch in node.branches:
                 column = self._truth(branch.condition, at, "branch")
@@ -89,7 +82,6 @@ class ValueTracing(Watching):
                 self.reads_all = True
 
     def _nulls(self, node: Expression, at: At) -> None:
-        """Watch whether the values that a leaf is computed from are null."""
         waiting = [node]
         while waiting:
             node = waiting.pop(0)
@@ -176,7 +168,6 @@ class ValueTracing(Watching):
                 self._value(rule.value, found, is_leaf=is_leaf)
 
     def _read(self, node: FieldAccess, at: At) -> None:
-        """Note a field that is read from a record."""
         if self._is_memory(node.record, at):
             name, span = str(node.field), self._span(node)
             self.reads.setdefault((name, span.start), Field(name, span))
@@ -191,7 +182,6 @@ class ValueTracing(Watching):
         return variable_of(value) in self._memories
 
     def _entered(self, rule: Rule, called: Call | Atom, at: At) -> At | None:
-        """Return the place at the beginning of the rule of a function that is called."""
         expected = parameters(rule)
         values = {each.column: each.expression for each in called.arguments}
         if expected is None or id(rule) not in self._numbers:
@@ -225,7 +215,6 @@ class ValueTracing(Watching):
         values: Sequence[tuple[Expression, bool]],
         **changed: Any,
     ) -> None:
-        """Trace a body inside an expression or a part."""
         trail = Trail(Segment(self._all_of(at)))
         within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
         done = self._parts(parts, within)
@@ -239,5 +228,4 @@ class ValueTracing(Watching):
                 del self.probes[name]
 
     def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
-        """Trace the parts of a body; return None if some can never be evaluated."""
         raise NotImplementedError

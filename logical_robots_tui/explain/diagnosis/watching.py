@@ -33,17 +33,11 @@ _DEEPEST = 4
 
 
 class Sources:
-    """Finds where values come from."""
-
     def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
         self._source, self._own = source, own
 
     def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
-        """Return where the values in an expression of a rule come from, the nearest places first.
-
-        These are the expressions equal to its variables, and the rules of the predicates that bind
-        them or that it calls; then recursively the places for the values in these.
-        """
+        """Return where an expression's values come from, recursively, the nearest places first."""
         found: dict[int, Span] = {}
         seen: set[tuple[int, str]] = set()
         waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
@@ -61,7 +55,6 @@ class Sources:
     def _next(
         self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
     ) -> Iterator[tuple[Node, Tree, Rule]]:
-        """Yield places one step away: what to show, what to continue with, and its rule."""
         for name in dict.fromkeys(called(node)):
             yield from self._rules(name, seen)
         for variable in sorted(variables(node, inside=True)):
@@ -106,12 +99,8 @@ class Segment:
     """A body up to a part with rows, and the tests there: the content of one query.
 
     Attributes:
-        body: Conditions that all rows satisfy.
-        columns: The tests.
-        trees: The tests as conditions.
-        asked: For each column, its expression in the query.
-        differences: For each column, the difference of the two compared sides.
-        after: Number of the site of the part at its end, or -1.
+        asked, differences: Per column, its expression, and the difference of compared sides.
+        after: Index of the site of the part at its end, or -1.
     """
 
     body: list[Proposition]
@@ -124,13 +113,7 @@ class Segment:
 
 @dataclass
 class Trail:
-    """The progress of tracing a body; mutable.
-
-    Attributes:
-        segment: The current one.
-        filters: Its columns that must be true.
-        probes: Names of the generated probes.
-    """
+    """The progress of tracing a body; mutable. `filters` are columns that must be true."""
 
     segment: Segment
     filters: tuple[int, ...] = ()
@@ -139,18 +122,7 @@ class Trail:
 
 @dataclass(frozen=True)
 class At:
-    """Where an expression is computed.
-
-    Attributes:
-        trail: The enclosing body.
-        rule: Number of the enclosing rule.
-        scope: Its variables.
-        known: The bound variables.
-        given: What each variable stands for in the query.
-        guard: What holds there besides the filters.
-        inside: Names of the enclosing functions.
-        stands: Whether it is in the body of a rule, in an aggregate or in a negation.
-    """
+    """Where an expression is computed; `given` maps variables to the query's expressions."""
 
     trail: Trail
     rule: int
@@ -162,7 +134,6 @@ class At:
     stands: Stands = "body"
 
     def when(self, column: int, *, holds: bool) -> At:
-        """Return the same place where a column is true, or is not."""
         return replace(self, guard=(*self.guard, (column, holds)))
 
 
@@ -170,12 +141,9 @@ class Watching:
     """Collects the sites of rules and the predicates to be compiled for them.
 
     Attributes:
-        sites: The watched places.
         probes: For each generated predicate its rule, and the meaning of its rows.
-        reads: Memory fields that are read.
-        reads_all: Whether a memory is used as a whole.
         left_out: The number of probes beyond the limits.
-        copies: For each predicate whose rules ``:=`` copies, the original and the made predicate.
+        copies: For each predicate copied by ``:=``, the original and the made predicate.
     """
 
     def __init__(
@@ -206,7 +174,6 @@ class Watching:
         self._fresh = 0
 
     def _all_of(self, at: At) -> list[Proposition]:
-        """Return everything that holds at a place, as parts of a body."""
         segment = at.trail.segment
         conditions = ((segment.trees[column], holds) for column, holds in at.guard)
         return [*segment.body, *(as_part(c, holds=holds) for c, holds in conditions if c)]
@@ -218,7 +185,6 @@ class Watching:
         )
 
     def _called(self, name: str, at: At) -> str:
-        """Return a variable's name in the query, or ""."""
         value = at.given.get(name)
         return name if value is None else variable_of(value)
 
@@ -230,7 +196,7 @@ class Watching:
         return span_of(tree, self._source)
 
     def _site(self, kind: Any, node: Tree, at: At, **details: Any) -> int:
-        """Return the number of a site, the same for the same place."""
+        """Return the index of a site; equal places share one."""
         span = self._span(node)
         key = (kind, span.start, span.stop, self._within)
         if key not in self._known_sites:
@@ -262,13 +228,11 @@ class Watching:
         return number
 
     def _width(self, segment: Segment) -> int:
-        """Return the number of columns of a segment's query."""
         return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
 
     def _emit(
         self, trail: Trail, before: int = -1, gives: int = -1, who: Expression | None = None
     ) -> None:
-        """Generate the predicate that queries a segment."""
         segment = trail.segment
         if not segment.body and not segment.columns and gives < 0:
             return

@@ -1,6 +1,6 @@
 """The rows of predicates, and derivations of a row, for one robot at one moment.
 
-Rows of a recursion are derived from rows that arose before, so that no row is proved by itself.
+Rows of a recursion are derived from earlier rows, so that no row proves itself.
 """
 
 from __future__ import annotations
@@ -32,14 +32,7 @@ Row: TypeAlias = "Mapping[str, Value]"
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """A row and its derivations.
-
-    Attributes:
-        probing: The predicate.
-        row: The row.
-        ways: For each derivation its rule, its clause, and its row of the clause's query. There is
-            one, or where the head aggregates all that contribute.
-    """
+    """A row and its derivations: one, or, if the head aggregates, all that contribute."""
 
     probing: Probing
     row: Row
@@ -47,14 +40,7 @@ class Derived:
 
 
 class Derivations:
-    """Finds rows of predicates and derivations of them.
-
-    Args:
-        relations: The rows of predicates at the moment in question.
-        robot: In whose reasoning.
-        decompose: Returns a decomposed predicate, by its name and the made predicate in whose copy
-            it is.
-    """
+    """Finds rows of predicates and derivations of them, in a robot's reasoning."""
 
     def __init__(
         self, relations: Relations, robot: str, decompose: Callable[[str, str], Probing]
@@ -63,11 +49,7 @@ class Derivations:
         self._stages: dict[tuple[str, ...], Stages] = {}
 
     def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
-        """Return the rows of a predicate with given values.
-
-        Raises:
-            FailureError: They can't be computed.
-        """
+        """Return a predicate's rows with given values; raise FailureError."""
         if probing.given:
             self.prepare(probing)
             sql = probing.queries.get(probing.rows)
@@ -84,11 +66,9 @@ class Derivations:
         return [row for row in found if all(same(row[c], v) for c, v in given.items())]
 
     def first(self, predicate: str, within: str, given: Row) -> Derived:
-        """Return the first row with given values and a derivation of it; all, for aggregates.
+        """Return the first such row and one derivation, or all of an aggregate.
 
-        Raises:
-            QueryError: There is none, or how it came about can't be told.
-            FailureError: A query failed.
+        Raises QueryError if there is none, and FailureError if a query failed.
         """
         probing = self.decompose(predicate, within)
         given = checked(given, probing)
@@ -111,7 +91,6 @@ class Derivations:
         return Derived(probing, row, tuple(ways))
 
     def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
-        """Return derivations of what an aggregate goes over, in one derivation."""
         self.prepare(probing)
         given = [way.get(place) for place in body.given.values()]
         return [
@@ -128,7 +107,6 @@ class Derivations:
         arguments: Sequence[Scalar],
         most: int = 1,
     ) -> Iterator[tuple[Clause, Way]]:
-        """Yield derivations of a row by a rule; of one with aggregates, what contributes to it."""
         for clause in rule.clauses:
             alike = [(place, row[c]) for c, place in clause.head.items() if c in row]
             sql = self.sql(clause, probing)
@@ -140,19 +118,13 @@ class Derivations:
 
     @staticmethod
     def sql(clause: Clause, probing: Probing) -> str:
-        """Return the query for the derivations of a clause."""
         sql = probing.queries.get(clause.query)
         if sql is None:
             raise FailureError("it is put together from too many parts")
         return sql
 
     def prepare(self, probing: Probing, row: Row | None = None) -> None:
-        """Fill the tables that the queries of a predicate read.
-
-        Args:
-            probing: The predicate.
-            row: A row of a recursion, so that only what was there before counts.
-        """
+        """Fill the tables that queries read; for a recursion's `row`, only with earlier rows."""
         for name, table in probing.tables.items():
             rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
             if name in probing.recursive and row is not None:
@@ -160,7 +132,6 @@ class Derivations:
             self.relations.fill(table, name, rows)
 
     def stage(self, probing: Probing) -> Stages:
-        """Which rows of a recursion were there before which."""
         key = tuple(probing.recursive)
         if key not in self._stages:
             members = {}
@@ -173,11 +144,7 @@ class Derivations:
 
 
 def checked(given: Row, probing: Probing) -> Row:
-    """Return the given values, by columns that there are.
-
-    Raises:
-        QueryError: One is not there, or an argument is missing.
-    """
+    """Return the given values; QueryError for an unknown column or a missing argument."""
     if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
         given = {(VALUE if c == "value" else c): v for c, v in given.items()}
     columns = ", ".join(map(shown, probing.columns))
@@ -191,7 +158,6 @@ def checked(given: Row, probing: Probing) -> Row:
 
 
 def is_aggregated(rule: RuleParts) -> bool:
-    """Return whether the head of a rule aggregates."""
     return any(clause.collected for clause in rule.clauses)
 
 
@@ -201,13 +167,9 @@ _NEVER = 10**9
 
 
 class Stages:
-    """The stage at which each row of predicates that call each other was there first.
+    """The stages at which rows of mutually recursive predicates first arose.
 
-    A row is of stage n if rows of stages below n suffice for it.
-
-    Args:
-        relations: The rows of predicates.
-        members: The decomposed predicates, by name; none if there is no recursion.
+    A row is of stage n if rows of stages below n suffice for it. No `members`: no recursion.
     """
 
     def __init__(self, relations: Relations, members: Mapping[str, Probing]) -> None:
@@ -215,7 +177,6 @@ class Stages:
         self._stages: dict[tuple[str, str], int] | None = None
 
     def first(self, probing: Probing, rows: Sequence[Mapping[str, Value]]) -> Mapping[str, Value]:
-        """Return the one of some rows that was there first."""
         if not self._members:
             return rows[0]
         return min(rows, key=lambda row: self._stage(probing.name, row))
@@ -227,7 +188,6 @@ class Stages:
         row: Mapping[str, Value],
         rows: Sequence[Mapping[str, Value]],
     ) -> Sequence[Mapping[str, Value]]:
-        """Return the rows of a predicate that were there before a row of another one."""
         if not self._members:
             return rows
         stage = self._stage(probing.name, row)
@@ -271,7 +231,6 @@ class Stages:
     def _derivable(
         self, probing: Probing, rows: Mapping[str, Mapping[str, Value]]
     ) -> Iterator[str]:
-        """Yield keys of the rows that follow from what the tables hold now."""
         aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.collected}
         if not aggregated:
             found = {
@@ -304,7 +263,7 @@ class Stages:
 
 
 def _key(row: Mapping[str, Value]) -> str:
-    """Return a key that is equal for rows that differ at most in last digits of numbers."""
+    """Return a key that is equal for rows that differ only in last digits of numbers."""
     return json.dumps(_rounded(dict(row)), sort_keys=True)
 
 

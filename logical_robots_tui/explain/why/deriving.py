@@ -33,7 +33,7 @@ _TOLD_ELEMENTS = 40  # with where they come from
 
 
 class Telling:
-    """Tells derivations."""
+    """Describes derivations as nodes."""
 
     def __init__(
         self,
@@ -44,13 +44,7 @@ class Telling:
         self._relations, self._queries, self._refute = relations, queries, refute
 
     def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
-        """Return the nodes of a derivation.
-
-        Args:
-            clause: The clause.
-            way: A row of one of its queries.
-            until: The first step that is left out, with all behind it.
-        """
+        """Return the nodes of a derivation, up to but excluding the step `until`."""
         nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
         for span in reversed(clause.taken if until is None else ()):
             inside = [n for n in nodes if n.span is not None and _is_within(n.span, span)]
@@ -62,7 +56,6 @@ class Telling:
         return tuple(nodes)
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
-        """Return the nodes of a row's columns that are not aggregated, and their sources."""
         return tuple(
             self._column(column, clause.terms[column], way, row[column])
             for column in clause.head
@@ -70,7 +63,7 @@ class Telling:
         )
 
     def step(self, step: Step, way: Way) -> Iterator[Node]:
-        """Yield the node of a step that holds; none for a call that its expression tells about."""
+        """Yield the node of a step that holds; none for a call that its expression explains."""
         span, text = step.span, step.span.text
         given = tuple(
             Node("value", name, values=(value_of(way, place),))
@@ -111,17 +104,14 @@ class Telling:
             yield Node("denial", text, said, True, span=span, children=inside)
 
     def refuted(self, body: Body, way: Way) -> tuple[Node, ...]:
-        """Return why a body within this one has no derivation, or a derivation if it has one."""
         return self._refute(body.clauses, [way.get(place) for place in body.given.values()])
 
     def ask(self, call: Call, way: Way) -> Ask:
-        """Return the question about what a step calls."""
         places = {column: place for column, place in call.arguments.items() if place in way}
         given = {column: value_of(way, place) for column, place in places.items()}
         return Ask(call.predicate, given, call.within)
 
     def term(self, term: Term, way: Way) -> Iterator[Node]:
-        """Yield what is to be told of an expression: its value, and where that comes from."""
         if term.kind == "literal" or term.column not in way:
             return
         value = value_of(way, term.column)
@@ -146,7 +136,6 @@ class Telling:
         )
 
     def reason(self, term: Term, way: Way) -> Iterator[Node]:
-        """Yield where the value of an expression comes from."""
         if term.kind == "if":
             yield from self._branch(term, way)
         elif term.kind == "coalesce":
@@ -177,7 +166,6 @@ class Telling:
         result: Value,
         is_all: bool,
     ) -> tuple[Node, ...]:
-        """Return what contributed to an aggregate."""
         if not found:
             return (Node("note", "goes over nothing"),)
         operator = found[0][1].operator
@@ -265,7 +253,7 @@ class Telling:
 def decided(
     found: Sequence[tuple[Clause, Collected, Way]], result: Value
 ) -> tuple[Clause, Collected, Way] | None:
-    """Return the element whose value is the result of an aggregate, the best of them."""
+    """Return the element that determines an aggregate's result."""
     equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
     if not equal or not equal[0][1].by:
         return equal[0] if equal else None
@@ -278,18 +266,11 @@ def decided(
 
 
 def value_of(way: Way, place: str) -> Value:
-    """Return a value of a derivation."""
     return from_sql(way.get(place))
 
 
 def denied(text: str, *, holds: bool) -> tuple[str, str]:
-    """Return how a denial is written, and what is said of it.
-
-    Args:
-        text: As it stands in the program. The compiler makes ``a => b`` the denial of a
-            counterexample: of ``a`` without ``b``.
-        holds: Whether there is nothing of what is denied.
-    """
+    """Return a denial as written, and the remark on it; ``a => b`` denies ``a`` without ``b``."""
     if text.startswith("~"):
         return text, "there is no such thing" if holds else "there is such a thing"
     if "=>" in text:
@@ -298,12 +279,10 @@ def denied(text: str, *, holds: bool) -> tuple[str, str]:
 
 
 def shown(column: str) -> str:
-    """Return what a column is called on the screen."""
     return "value" if column == VALUE else column
 
 
 def counted(number: int, what: str, *, is_all: bool) -> str:
-    """Return a number of things, in words."""
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
 
@@ -317,7 +296,6 @@ def _is_within(one: Span, other: Span) -> bool:
 
 
 def _is_among(term: Term, step: Step) -> bool:
-    """Return whether a term is just a variable that the step gives a value."""
     return term.kind == "literal" or (
         term.kind == "variable" and term.column in step.gives.values()
     )

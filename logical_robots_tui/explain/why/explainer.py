@@ -67,17 +67,15 @@ class Explainer:
         given: Mapping[str, Value] | None = None,
         within: str = "",
     ) -> Explanation:
-        """Return why a predicate has the rows that it has, or none.
+        """Explain a predicate's rows, or their absence.
 
         Args:
             predicate: One of the program's own.
-            given: Values of some of its columns, where only rows with these are meant; by default
-                the robot's name where there is a column ``robot_name``.
-            within: A predicate made with ``:=`` in whose copy of the rules it is asked, or "".
+            given: Column values of the rows meant; by default the robot's name as ``robot_name``.
+            within: The predicate made with ``:=`` whose copy of the rules to use, or "".
 
         Raises:
-            QueryError: There is no such predicate or column, a function was asked without its
-                arguments, or it failed.
+            QueryError: There is no such predicate or column, arguments are missing, or it failed.
         """
         return self._prover.explain(predicate, self._about(predicate, given, within), within)
 
@@ -90,41 +88,22 @@ class Explainer:
         depth: int = 100,
         nodes: int = 10_000,
     ) -> Proof:
-        """Return the whole proof of a row, down to what was sensed and remembered.
+        """Prove a row down to sensors and memories, up to `depth` predicates and `nodes` nodes.
 
-        Args:
-            predicate: As for `why`.
-            given: Values of some of its columns; the first row with these is proved.
-            within: As for `why`.
-            depth: How many predicates deep.
-            nodes: Where unfolding ends.
-
-        Raises:
-            QueryError: As `why` does.
+        Raises QueryError as `why` does.
         """
         given = self._about(predicate, given, within)
         return unfold(self._prover, predicate, given, within, depth=depth, nodes=nodes)
 
     def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
-        """Return the single changes that would have given a rule a row.
-
-        Returns:
-            Pairs of a rule without a row and a change; the smallest change of a rule first.
-
-        Raises:
-            QueryError: As `why` does.
-        """
+        """Return changes that would give rules a row, smallest first; raise QueryError."""
         given = self._about(predicate, None, "")
         nearest = Nearest(self._program, self._derivations, given, self._limits)
         probing = self._decompose(predicate, "")
         return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
 
     def calls(self, function: str) -> Table:
-        """Return the calls of a function: arguments and results, each once.
-
-        Raises:
-            QueryError: There is no such function, or a rule that calls it failed.
-        """
+        """Return a function's distinct calls, arguments and results; raise QueryError."""
         known = self._program.predicate(function)
         if known is None or not known.is_function:
             raise QueryError(f"{function} is not a function of this program.")
@@ -141,14 +120,7 @@ class Explainer:
         return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
 
     def source(self, path: Path) -> Made:
-        """Return where a part of the memory comes from that the robot has afterwards.
-
-        Args:
-            path: The part: names of fields and places in lists; () for the whole memory.
-
-        Raises:
-            QueryError: There is no such part, or how it came about can't be told.
-        """
+        """Return the origin of a part of the new memory, () for all; QueryError if unknown."""
         self._within.renew()
         return source_of(self._derivations, path)
 
@@ -159,7 +131,6 @@ class Explainer:
     def _about(
         self, predicate: str, given: Mapping[str, Value] | None, within: str
     ) -> Mapping[str, Value]:
-        """Return the given values, with the robot's name unless another one is given."""
         self._within.renew()
         probing = self._decompose(predicate, within)
         given = {} if given is None else given
@@ -178,7 +149,6 @@ def _calls_of(
     derivations: Derivations,
     most: int,
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-    """Return the different calls of a function: columns, and a row for each call and result."""
     search = _Search(callers, derivations, most)
     found = search.arguments(name, 0)
     probing = derivations.decompose(name, "")
@@ -203,7 +173,6 @@ class _Search:
         self._known: dict[str, list[Mapping[str, Value]]] = {}
 
     def arguments(self, name: str, depth: int) -> list[Mapping[str, Value]]:
-        """Return the different arguments that a function is called with."""
         if name in self._known or depth > _DEEPEST:
             return self._known.get(name, [])
         self._known[name] = []
@@ -255,7 +224,6 @@ class _Search:
 
 
 def _bodies(clause: Clause) -> Iterator[Body]:
-    """Yield the aggregates and denials of a clause."""
     for step in clause.steps:
         if step.denied is not None:
             yield step.denied

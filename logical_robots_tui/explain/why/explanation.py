@@ -14,13 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """The question one step deeper.
-
-    Attributes:
-        predicate: The predicate that is asked.
-        given: Values of its columns.
-        within: The predicate made with ``:=`` in whose copy of the rules it is asked, or "".
-    """
+    """The question one step deeper; `within` as in `Explainer.why`."""
 
     predicate: str
     given: Mapping[str, Value] = field(default_factory=dict)
@@ -32,19 +26,15 @@ class Node:
     """One statement of an explanation.
 
     Attributes:
-        kind: ``rule``, ``column`` (of its row), ``call``, ``condition``, ``value``, ``element``,
-            ``denial``, ``alternative``, ``if``, ``coalesce``, ``aggregate``, ``contributor`` (to
-            an aggregate), ``read`` (from a sensor or a memory) or ``note``.
-        text: What it is about, often a piece of the program in one line.
-        said: What is said about it, or "".
-        holds: Whether it gave something; None where that is no question.
+        kind: ``column`` of the rule's row, ``contributor`` to an aggregate, ``read`` from a
+            sensor or a memory; the others by name.
+        text: The subject, often a piece of the program in one line.
+        said: The remark on it, or "".
+        holds: Whether it gave something; None if that is no question.
         values: Its value; several are examples from several ways.
         more: How many more values there are.
-        is_truth: Whether these are truths, which SQLite writes as 0 and 1.
-        span: Its place in the program.
-        robot: The robot that it is about, or "".
+        is_truth: Whether the values are booleans, which SQLite writes as 0 and 1.
         asked: The question one step deeper.
-        children: What it follows from.
     """
 
     kind: Literal[
@@ -84,7 +74,6 @@ class Node:
         return None
 
     def walk(self, depth: int = 0) -> Iterator[tuple[int, Node]]:
-        """This node and all below it, from the top, each with its depth."""
         waiting = [(depth, self)]
         while waiting:
             at, node = waiting.pop()
@@ -94,16 +83,11 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class RuleFound:
-    """What a rule gave.
+    """What a rule gave: its number of rows up to a limit, None if unknown.
 
     Attributes:
-        span: The rule.
-        rows: How many of the rows that are asked for come from it, up to a limit; None if that
-            could not be told.
-        row: The first of the rows, by the names of the columns, if this rule gives that; where
-            columns are aggregated it contributes to it.
-        stopped_by: What none of its ways got past, if it gives no row.
-        node: All that there is to tell.
+        row: The first of the rows, if this rule gives it or contributes to its aggregates.
+        stopped_by: The part that no way got past, if it gives no row.
     """
 
     span: Span
@@ -115,17 +99,12 @@ class RuleFound:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Why a predicate has the rows that it has for a robot, or none.
+    """Explains a predicate's rows, or their absence, for one robot.
 
     Attributes:
-        predicate: Its name.
-        robot: In whose reasoning.
         made_from: The predicate whose rules these are, or "".
-        within: The predicate made with ``:=`` in whose copy of the rules it was asked, or "".
-        given: The values that were asked for, by the names of the columns.
-        rows: How many rows have them, up to a limit.
-        row: The first of these rows, which is the one that is explained.
-        rules: What each rule gave, in the order of the text.
+        within: The predicate made with ``:=`` whose copy of the rules is meant, or "".
+        rows: How many rows have the given values, up to a limit; `row` is the first.
     """
 
     predicate: str
@@ -139,19 +118,12 @@ class Explanation:
 
     @property
     def nodes(self) -> tuple[Node, ...]:
-        """The nodes of all rules."""
         return tuple(rule.node for rule in self.rules)
 
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """A row, or that there is none, with all that it follows from.
-
-    Attributes:
-        explanation: Of the row itself.
-        nodes: The rules of it, unfolded: those that give the row, or all if there is none.
-        complete: Whether everything was unfolded.
-    """
+    """A row, or its absence, and the rules that it follows from."""
 
     explanation: Explanation
     nodes: tuple[Node, ...]

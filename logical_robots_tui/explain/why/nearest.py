@@ -41,13 +41,7 @@ _ARGUMENT = re.compile(r"\s*(?P<name>[a-z_]\w*)\s*:(?P<value>.*)", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A change after which a rule would have had a row; it was tested.
-
-    Attributes:
-        text: What failed, and by how much; one plain sentence.
-        span: The place to change.
-        change: The new text; "" to remove it.
-    """
+    """A tested change of a span, "" to remove it, after which a rule would have had a row."""
 
     text: str
     span: Span
@@ -55,8 +49,6 @@ class Suggestion:
 
 
 class Nearest:
-    """Searches for changes that would have given a rule a row, and tests them."""
-
     def __init__(
         self,
         program: Program,
@@ -69,11 +61,7 @@ class Nearest:
         self._relations = derivations.relations
 
     def of(self, probing: Probing, rule: RuleParts) -> Iterator[Suggestion]:
-        """Yield the single changes that would have given a rule a row, the smallest first.
-
-        Raises:
-            Stopped: It was stopped.
-        """
+        """Yield single changes that give a rule a row, smallest first; raise Stopped."""
         self._relations.renew()
         stop = self._stop(probing, rule, self._given)
         candidates = sorted(self._of_stop(stop, 0), key=itemgetter(0)) if stop else ()
@@ -89,7 +77,6 @@ class Nearest:
     def _stop(
         self, probing: Probing, rule: RuleParts, arguments: Mapping[str, Value]
     ) -> Stop | None:
-        """Return the step of a rule that nothing gets past."""
         wanted = {c: v for c, v in arguments.items() if c not in probing.given}
         given = [to_sql(arguments.get(column)) for column in probing.given]
         try:
@@ -117,7 +104,6 @@ class Nearest:
     def _of_function(
         self, call: Call, ways: Sequence[Way], depth: int
     ) -> Iterator[tuple[float, Suggestion]]:
-        """Yield changes in the rules of a function that is called as a condition."""
         try:
             function = self._derivations.decompose(call.predicate, call.within)
         except QueryError:
@@ -139,7 +125,6 @@ class Nearest:
     def _of_condition(
         self, span: Span, terms: Sequence[Term], ways: Sequence[Way]
     ) -> Iterator[tuple[float, Suggestion]]:
-        """Yield changes of a condition, and of the conditions in it."""
         for term in terms:
             if term.kind == "truth":
                 yield from self._of_condition(term.span, term.parts, ways)
@@ -203,7 +188,6 @@ class Nearest:
         yield min(size, 10.0), Suggestion(said, right.span, new)
 
     def _of_fields(self, stop: Stop) -> Iterator[tuple[float, Suggestion]]:
-        """Yield memory fields that are read but missing, with existing ones."""
         within = stop.step.span
         for step in stop.clause.steps:
             if step.call is None or step.call.predicate != "Memory" or not stop.ways:
@@ -224,7 +208,6 @@ class Nearest:
                         yield size, Suggestion(said, span, other)
 
     def _of_call(self, predicate: str, span: Span) -> Iterator[tuple[float, Suggestion]]:
-        """Yield changes of a call without rows: without one column, or with a known text."""
         for start, stop in _arguments(self._program.text, span):
             named = _ARGUMENT.fullmatch(self._program.text[start:stop])
             if named is None:
@@ -247,7 +230,6 @@ class Nearest:
         yield 50.0, Suggestion(f"Without `{span.text}` the rule holds.", span, "")
 
     def _known(self, predicate: str, column: str) -> list[Value]:
-        """Return the values in a column of a predicate, in the robot's mind."""
         try:
             rows = self._relations.rows(predicate)
         except FailureError:
@@ -257,7 +239,6 @@ class Nearest:
     # -- testing a change ---------------------------------------------------------------------
 
     def _works(self, predicate: str, rule: Span, suggestion: Suggestion) -> bool:
-        """Return whether the rule has a row after a change."""
         span, change = suggestion.span, suggestion.change
         text = self._program.text
         if not change and text[span.start : span.stop] != "~":
@@ -288,7 +269,6 @@ def _written(value: Value) -> str:
 
 
 def _examples(term: Term, ways: Sequence[Way]) -> list[Value]:
-    """Return the different plain values of an expression."""
     values = [value_of(way, term.column) for way in ways]
     found: dict[str, Value] = {repr(v): v for v in values if isinstance(v, str | int | float)}
     return list(found.values())[:_MOST_VALUES]
@@ -303,7 +283,6 @@ def _unlikeness(text: Value, other: Value) -> float:
 
 
 def _arguments(text: str, call: Span) -> Iterator[tuple[int, int]]:
-    """Return begin and end of a call's arguments."""
     start = text.find("(", call.start, call.stop) + 1
     depth, begin, is_quoted = 0, start, False
     for at in range(start, call.stop):
@@ -325,7 +304,6 @@ def _arguments(text: str, call: Span) -> Iterator[tuple[int, int]]:
 
 
 def _with_comma(text: str, span: Span) -> Span:
-    """Return an argument and the comma after or before it."""
     stop = span.stop
     while stop < len(text) and text[stop].isspace():
         stop += 1

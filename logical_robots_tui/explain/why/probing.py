@@ -1,8 +1,7 @@
 """A predicate's decomposed rules, as data for the compile process and a mind.
 
-A body is decomposed into clauses, one for each choice of alternatives. The rows of a clause's query
-are its derivations: each row holds the values of all variables and of all shown expressions, so
-everything that is said about a derivation comes from one row.
+A body has one clause per choice of alternatives. Each row of a clause's query is one
+derivation, with the values of all variables and of all shown expressions.
 """
 
 from __future__ import annotations
@@ -51,14 +50,7 @@ TermKind: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A piece of a program's text.
-
-    Attributes:
-        start: Offset of its first character.
-        stop: Offset behind its last one.
-        line: Line of its first character, from 1.
-        text: The piece in one line.
-    """
+    """A piece of a program's text: offsets from `start` to before `stop`, `line` from 1."""
 
     start: int
     stop: int
@@ -68,13 +60,12 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A predicate of the program that is called.
+    """A call of the program's predicate.
 
     Attributes:
-        predicate: Its name, as written in the program.
-        within: The predicate made with ``:=`` in whose copy of the rules it is called, or "".
-        arguments: By name of its column the column of the query with the argument.
-        terms: The same as expressions, of those that are more than a variable or a literal.
+        within: The predicate made with ``:=`` whose copy of the rules is called, or "".
+        arguments: The query's column for each argument, by name of the predicate's column.
+        terms: Arguments that are more than a variable or a literal.
     """
 
     predicate: str
@@ -85,14 +76,12 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class Collected:
-    """What an aggregate goes over, in one clause.
+    """An aggregate's input, in one clause.
 
     Attributes:
         column: The column of the head that holds the result.
-        operator: The aggregate's name.
         value: The column of the query with an element's value.
-        by: The column with what an element is chosen by, for ``value -> by``; else "".
-        term: The expression of the value.
+        by: The column that an element is chosen by, for ``value -> by``; else "".
     """
 
     column: str
@@ -106,11 +95,7 @@ class Collected:
 class Body:
     """The body of an aggregate or of a negation.
 
-    Attributes:
-        span: Where it stands.
-        given: By name of a column of the table of given values the column of the outer query
-            with that value.
-        clauses: One for each choice of alternatives.
+    `given` maps columns of the table of given values to columns of the outer query.
     """
 
     span: Span
@@ -120,19 +105,16 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """An expression, to tell where its value comes from.
+    """An expression, to trace the origin of its value.
 
     Attributes:
-        kind: ``literal``, ``variable``, ``value``, ``field`` (read of a record), ``record``,
-            ``cast`` (to a type), ``truth`` (of a comparison or a junction), ``if``, ``coalesce``,
-            ``call`` (of a predicate of the program) or ``aggregate``.
-        span: Where it stands.
+        kind: ``field`` (read from a record), ``cast``, ``truth`` (of a comparison or a
+            junction), ``call`` (of a predicate of the program); the others by name.
         column: The column of the query with its value; "" for a literal.
-        parts: The terms in it. For ``if``: condition and value of each branch, then the value
-            without any. For ``field``: what holds the record.
-        names: Of ``record`` the names of the parts; of ``field`` the way into the record.
-        call: What it calls.
-        body: What it aggregates.
+        parts: Its subterms. For ``if``: condition and value of each branch, then the default.
+            For ``field``: the record.
+        names: Of ``record`` the names of the parts; of ``field`` the path into the record.
+        body: The aggregate's body.
     """
 
     kind: TermKind
@@ -149,16 +131,12 @@ class Step:
     """One part of a clause.
 
     Attributes:
-        kind: ``call`` (of a predicate), ``condition``, ``value`` (gives a variable its value),
-            ``element`` (goes through a list), ``denial`` (of what must not hold) or ``function``
-            (a call for its value, which an expression goes on with).
-        span: Where it stands.
+        kind: ``value`` binds a variable, ``element`` iterates a list, ``function`` is a call
+            inside an expression; the others by name.
         query: Name of the query for the ways in which all steps up to this one hold.
-        gives: By name the columns of the variables that have a value after it only.
-        terms: What it compares, or computes.
-        call: The predicate that it calls.
-        denied: What must not hold.
-        reads: Of a call of ``Sensor`` or ``Memory``: what the clause reads of it.
+        gives: The columns of the variables that it binds, by name.
+        terms: The terms that it compares or computes.
+        reads: What the clause reads of a call of ``Sensor`` or ``Memory``.
     """
 
     kind: Literal["call", "condition", "value", "element", "denial", "function"]
@@ -173,17 +151,13 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """A body with one choice of alternatives, and a query for its derivations.
+    """A body with one choice of alternatives (`taken`), and a query for its derivations.
 
     Attributes:
-        taken: The alternatives that were chosen.
         before: Name of the query before any step.
-        steps: In the order in which they are asked: that of the text, as far as what a step needs
-            is known by then.
-        head: By name of a column of the head that is not aggregated its column of the query.
-        terms: The expressions of these, by name of the column.
-        collected: The aggregated columns of the head.
-        given: By column of the query with a variable that is given that of the given values.
+        steps: In order of evaluation: text order as far as variables are bound.
+        head, terms: The query's column, and the expression, of each column not aggregated.
+        given: The column of given values for each column of the query that is given.
     """
 
     taken: tuple[Span, ...]
@@ -196,14 +170,11 @@ class Clause:
 
     @property
     def query(self) -> str:
-        """Name of the query whose rows are the derivations."""
         return self.steps[-1].query if self.steps else self.before
 
 
 @dataclass(frozen=True, slots=True)
 class RuleParts:
-    """One rule, decomposed."""
-
     span: Span
     clauses: tuple[Clause, ...]
 
@@ -213,22 +184,18 @@ class Probing:
     """All rules of a predicate, decomposed.
 
     Attributes:
-        predicate: Its name.
-        within: The predicate made with ``:=`` in whose copy of the rules it is asked, or "".
-        name: The name of that copy, or the same as `predicate`.
-        made_from: The predicate whose rules these are, where it was made with ``:=``, or "".
-        columns: Names of its columns.
-        given: Those without which nothing can be asked of it: it is a function of them.
-        distinct: Whether rows that are alike are one.
-        rules: In the order of the text.
-        queries: SQL by name of the query, of those that SQLite can prepare.
-        rows: Name of the query for its rows, if it is a function; else "".
-        tables: By name of a predicate that is called the table with its rows.
-        sources: By name of such a predicate, or of this one, SQL for its rows, where the program
-            has none.
-        recursive: By name the predicates that call each other in a circle with this one: what
-            each is called in the program, and in whose copy it stands.
-        founded: Whether rows of these can be told from rows that were there before.
+        within: The predicate made with ``:=`` whose copy of the rules is meant, or "".
+        name: The name of that copy, or `predicate`.
+        made_from: The predicate whose rules ``:=`` copied, or "".
+        given: The required columns, if it is a function.
+        distinct: Whether equal rows are merged.
+        queries: SQL by name, where SQLite can prepare it.
+        rows: Name of the query for a function's rows; else "".
+        tables: The table that holds the rows of each called predicate.
+        sources: SQL for the rows of predicates where the program has none.
+        recursive: The predicates that are mutually recursive with this one: their names in the
+            program, and the made predicates of their copies.
+        founded: Whether earlier rows can explain rows of these.
     """
 
     predicate: str

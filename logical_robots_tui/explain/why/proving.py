@@ -1,8 +1,4 @@
-"""Why a predicate has a row, or none: one derivation of the row, or where each rule ends.
-
-A row is fixed first; then a derivation of just this row is looked for, and all that is told of it
-is read off that one derivation.
-"""
+"""Why a predicate has a row, or none: one derivation of the row, or where each rule ends."""
 
 from __future__ import annotations
 
@@ -43,12 +39,7 @@ class Prover:
         self.derivations = derivations
 
     def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
-        """Return why a predicate has the rows with given values, or none.
-
-        Raises:
-            QueryError: It has no such column, lacks an argument, or its rows can't be computed.
-            Stopped: The work was stopped.
-        """
+        """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
         probing = self.derivations.decompose(predicate, within)
         given = checked(given, probing)
         try:
@@ -115,7 +106,6 @@ class Prover:
             )
 
     def _unlike(self, rule: RuleParts, probing: Probing, given: Row) -> tuple[Node, ...]:
-        """Return what came out of the aggregates, where that is not what was asked for."""
         keys = _keys(rule, given)
         rows = self.derivations.rows(probing, keys)
         return tuple(
@@ -133,7 +123,6 @@ class Prover:
         arguments: Sequence[Scalar],
         rows: Sequence[Row],
     ) -> int:
-        """Return how many of the rows come from a rule."""
         if not rows:
             return 0
         if probing.recursive or is_aggregated(rule):
@@ -160,7 +149,6 @@ class Prover:
         arguments: Sequence[Scalar],
         telling: Telling,
     ) -> tuple[Node, ...] | None:
-        """Return the nodes of a derivation of a row by a rule, or None if there is none."""
         if not is_aggregated(rule):
             for clause, way in self.derivations.ways(rule, probing, row, arguments):
                 return (*telling.row(clause, way, row), *telling.derivation(clause, way))
@@ -193,7 +181,6 @@ class Prover:
 
 
 def _keys(rule: RuleParts, row: Row) -> Row:
-    """Return the values of a row in the columns that are not aggregated."""
     return {c: v for c, v in row.items() if any(c in clause.head for clause in rule.clauses)}
 
 
@@ -214,13 +201,11 @@ def _gives(number: int, of: int) -> str:
 
 
 def _is_over_nothing(probing: Probing, row: Row) -> bool:
-    """Return whether a row is what aggregates without a key give where there is nothing."""
     is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
     return is_keyless and all(value in (None, 0) for value in row.values())
 
 
 def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
-    """Return a rule whose aggregates are over no rows, like those of all rules."""
     columns = tuple(
         Node("column", shown(c), "goes over nothing", None, (v,)) for c, v in row.items()
     )
@@ -246,7 +231,6 @@ def unfold(
     depth: int,
     nodes: int,
 ) -> Proof:
-    """Return the proof of the first row with given values, as `Explainer.proof` does."""
     explanation = prover.explain(predicate, given, within)
     unfolding = _Unfolding(prover, nodes)
     roots = tuple(unfolding.node(node, depth, ()) for node in _proving(explanation))
@@ -260,7 +244,6 @@ class _Unfolding:
         self.complete = True
 
     def node(self, node: Node, depth: int, above: tuple[str, ...]) -> Node:
-        """Return a node with the calls in it unfolded."""
         self._left -= 1
         children = tuple(self.node(child, depth, above) for child in node.children)
         if node.asked is not None:
@@ -291,7 +274,6 @@ class _Unfolding:
 
 
 def _proving(explanation: Explanation) -> tuple[Node, ...]:
-    """Return the rules that give the row; all of them, if there is none."""
     if explanation.row is None:
         return explanation.nodes
     giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)

@@ -27,13 +27,7 @@ _EXAMPLES = 100
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A step that nothing gets past.
-
-    Attributes:
-        clause: The clause.
-        step: The step.
-        ways: The ways in which all steps before it hold, up to a limit.
-    """
+    """A step that nothing gets past, and the ways to reach it, up to a limit."""
 
     clause: Clause
     step: Step
@@ -41,17 +35,7 @@ class Stop:
 
 
 class Refuting:
-    """Tells why bodies have no derivation.
-
-    Args:
-        relations: The rows of predicates at the moment in question.
-        queries: SQL by name of a query.
-        given: The given values that the bodies read.
-        alike: Values that columns of a head are to have.
-
-    Attributes:
-        telling: Tells derivations with the same queries.
-    """
+    """Explains why bodies have no derivation; `alike` are the wanted values of head columns."""
 
     def __init__(
         self,
@@ -69,11 +53,7 @@ class Refuting:
         self.telling = Telling(relations, queries, refuted)
 
     def rule(self, rule: RuleParts) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
-        """Return why a rule has no row.
-
-        Returns:
-            The values of its head that are never those asked for; what stopped it; its nodes.
-        """
+        """Return head values unlike those asked for, the stopping node, and all nodes."""
         others = self._others(rule)
         if others:
             return others, None, tuple(Node("column", c, values=(v,)) for c, v in others.items())
@@ -82,7 +62,7 @@ class Refuting:
         return {}, _stopped(found), nodes
 
     def stop(self, rule: RuleParts) -> Stop | None:
-        """Return what stops the clause that comes furthest, or None if nothing does."""
+        """Return what stops the clause that gets furthest, or None if nothing stops it."""
         if self._others(rule):
             return None
         reached = [(clause, *self._reached(clause)) for clause in rule.clauses]
@@ -94,7 +74,7 @@ class Refuting:
         return Stop(clause, clause.steps[number], ways)
 
     def of(self, clauses: Sequence[Clause]) -> tuple[Node, ...]:
-        """Return why none of some clauses has a derivation, or a derivation of one that has."""
+        """Return why none of some clauses has a derivation, or the derivation of one that has."""
         for clause in clauses:
             way = self._first(clause.query)
             if way is not None:
@@ -104,7 +84,6 @@ class Refuting:
     # -- inside ----------------------------------------------------------------------------------
 
     def _others(self, rule: RuleParts) -> dict[str, Value]:
-        """Fixed values of the head that are not those asked for."""
         clause = rule.clauses[0]
         way = self._first(clause.before)
         return {
@@ -115,10 +94,7 @@ class Refuting:
         }
 
     def _reached(self, clause: Clause) -> tuple[int, str, list[tuple[str, Value]], int]:
-        """Return how many steps hold.
-
-        Also the query for the ways in which they do, the conditions on it, and the number of ways.
-        """
+        """Return how many steps hold, their query, its conditions, and the number of ways."""
         reached: tuple[str, list[tuple[str, Value]], int] = (clause.before, [], 1)
         for number, step in enumerate(clause.steps):
             sql = self._queries.get(step.query)
@@ -132,7 +108,6 @@ class Refuting:
         return len(clause.steps), *reached
 
     def _clause(self, clause: Clause) -> tuple[int, tuple[Node, ...]]:
-        """Return how many steps hold, and the nodes up to the first that does not."""
         number, query, now, ways = self._reached(clause)
         before = self._first(query, now)
         held = self._held(clause, number, before, ways)
@@ -141,7 +116,6 @@ class Refuting:
         return number, (*held, self._failed(clause, clause.steps[number], query, before, ways))
 
     def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
-        """Return the nodes of the steps that hold, as they are in one way."""
         nodes = self.telling.derivation(clause, way or {}, until)
         if ways > 1 and nodes:
             said = f"one of {counted(ways, 'way', is_all=ways < _MOST_WAYS)}"
@@ -156,7 +130,6 @@ class Refuting:
         way: Way | None,
         ways: int,
     ) -> Node:
-        """Return the node of a step that nothing gets past."""
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
         elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
@@ -198,7 +171,6 @@ class Refuting:
         query: str,
         alike: Sequence[tuple[str, Value]],
     ) -> Iterator[Node]:
-        """Yield the different values that expressions have over all ways."""
         for term in _flat(terms):
             sql = self._queries.get(query)
             if sql is None or not term.column or term.kind == "literal":
@@ -220,7 +192,6 @@ class Refuting:
             )
 
     def _unlike(self, clause: Clause, query: str) -> Iterator[Node]:
-        """Yield what the rule gives where all its steps hold, but not with the values asked for."""
         way = self._first(query, self._conditions(clause, query))
         for column, place in clause.head.items() if way is not None else ():
             if column in self._alike and not same(value_of(way or {}, place), self._alike[column]):
@@ -228,7 +199,6 @@ class Refuting:
                 yield Node("column", column, "is another", False, (value,))
 
     def _known(self, clause: Clause) -> Way:
-        """Return the values that follow from those that the head is to have."""
         head, alike = clause.head, self._alike
         return {place: to_sql(alike[c]) for c, place in head.items() if c in alike}
 
@@ -239,7 +209,6 @@ class Refuting:
         return next(iter(self._relations.ways(sql, self._given, alike)), None)
 
     def _conditions(self, clause: Clause, query: str) -> list[tuple[str, Value]]:
-        """Return the conditions on a query for columns of the head that are known by then."""
         sql = self._queries[query]
         return [
             (place, self._alike[column])
@@ -249,7 +218,6 @@ class Refuting:
 
 
 def _flat(terms: Sequence[Term]) -> Iterator[Term]:
-    """Yield terms, each followed by what it compares."""
     for term in terms:
         yield term
         if term.kind in ("truth", "if"):
@@ -257,7 +225,6 @@ def _flat(terms: Sequence[Term]) -> Iterator[Term]:
 
 
 def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
-    """Return the nodes of clauses: what they have in common, then each alternative."""
     if len(clauses) == 1:
         return found[0]
     common = 0
@@ -282,6 +249,5 @@ def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tup
 
 
 def _stopped(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
-    """Return what stopped the clause that came furthest."""
     _, nodes = max(found, key=lambda each: each[0])
     return nodes[-1] if nodes and nodes[-1].holds is False else None

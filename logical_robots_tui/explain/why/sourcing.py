@@ -1,8 +1,6 @@
-"""Where a value comes from: the expression that made it, and what was read for that.
+"""The origin of a value: the expression that made it, and the reads that it depends on.
 
-A value is traced through one derivation: variables, fields of records, branches that were taken,
-calls, and the element that decided an aggregate. The trace ends where a value is computed, or read
-from a sensor or a memory.
+A value is traced through one derivation back to a computation or to a sensor or memory.
 """
 
 from __future__ import annotations
@@ -43,7 +41,7 @@ _MOST_ELEMENTS = 50
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """Something that was read of a robot's sensor or memory."""
+    """Something that was read from a robot's sensor or memory."""
 
     what: Literal["sensor", "memory"]
     robot: str
@@ -53,13 +51,11 @@ class Read:
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """How a value came about at one moment.
+    """The origin of a value at one moment.
 
     Attributes:
-        value: The value.
-        span: The expression that made it; None where it was only passed on.
-        rule: The rule in which that stands, or that read it.
-        reads: What was read for it, each once. Of what was only passed on there is one.
+        span: The expression that made it; None if it was only passed on.
+        reads: The distinct reads it depends on; one if it was only passed on.
     """
 
     value: Value
@@ -70,8 +66,6 @@ class Made:
 
 @dataclass(frozen=True, slots=True)
 class _Frame:
-    """A derivation, and from where it was called."""
-
     probing: Probing
     rule: Span
     clause: Clause
@@ -81,7 +75,7 @@ class _Frame:
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """Where a value leads: to an expression, and to what was read."""
+    """The origin of a value: an expression, and the inputs that it read."""
 
     span: Span | None
     rule: Span | None
@@ -89,11 +83,7 @@ class _Found:
 
 
 def source_of(derivations: Derivations, path: Path) -> Made:
-    """Return where a part of the robot's new memory comes from.
-
-    Raises:
-        QueryError: There is no such part, or how it came about can't be told.
-    """
+    """Return the origin of a part of the robot's new memory; raise QueryError."""
     given = {"robot_name": derivations.robot}
     try:
         whole, found = _Sourcing(derivations).in_row("Robot", "", given, "memory", path, None)
@@ -105,11 +95,7 @@ def source_of(derivations: Derivations, path: Path) -> Made:
 
 
 def part_of(value: Value, path: Path) -> Value:
-    """Return a part of a value.
-
-    Raises:
-        QueryError: It has no such part.
-    """
+    """Return a part of a value, or raise QueryError."""
     for place, name in enumerate(path):
         if isinstance(value, dict) and name in value:
             value = value[str(name)]
@@ -135,7 +121,6 @@ class _Sourcing:
         path: Path,
         caller: tuple[_Frame, Call] | None,
     ) -> tuple[Value, _Found]:
-        """Return a column of the first row with given values, and where a part of it comes from."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise QueryError("This goes through too many predicates to be followed.")
@@ -164,7 +149,6 @@ class _Sourcing:
         return self._term(frame, term, path)
 
     def _term(self, frame: _Frame, term: Term, path: Path) -> _Found:
-        """Return where a part of the value of an expression comes from."""
         if term.kind == "variable":
             return self._variable(frame, term.column, path)
         if term.kind == "field":
@@ -188,7 +172,6 @@ class _Sourcing:
         return self._computed(frame, term)
 
     def _computed(self, frame: _Frame, term: Term) -> _Found:
-        """Return a value that is computed here, from what its parts are."""
         reads = [read for part in term.parts for read in self._term(frame, part, ()).reads]
         return _Found(term.span, frame.rule, tuple(reads))
 
@@ -200,7 +183,6 @@ class _Sourcing:
         return self._term(frame, otherwise, path)
 
     def _variable(self, frame: _Frame, place: str, path: Path) -> _Found:
-        """Return where a part of the value of a variable comes from."""
         for step in frame.clause.steps:
             if step.kind in ("call", "function") and step.call is not None:
                 columns = [c for c, p in step.call.arguments.items() if p == place]
@@ -228,7 +210,6 @@ class _Sourcing:
         return _Found(step.span, frame.rule, ())
 
     def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> _Found:
-        """Return where a part of a column of a row comes from that was called."""
         given = {c: value_of(frame.way, p) for c, p in call.arguments.items() if p in frame.way}
         if call.predicate in INPUTS:
             robot = str(given.get("robot_name", self._derivations.robot))
@@ -258,7 +239,6 @@ class _Sourcing:
         path: Path,
         span: Span,
     ) -> _Found:
-        """Return where a part of the result of an aggregate comes from."""
         rule = frames[0].rule if frames else None
         if not found:
             return _Found(span, rule, ())
@@ -292,7 +272,6 @@ def _frame(
     way: Way,
     caller: tuple[_Frame, Call] | None,
 ) -> _Frame:
-    """Return a derivation of a predicate that was called."""
     frame = _Frame(probing, rule, clause, way)
     if caller is not None:
         outer, call = caller
@@ -305,7 +284,6 @@ def _frame(
 
 
 def _inner(outer: _Frame, body: Body, clause: Clause, way: Way) -> _Frame:
-    """Return a derivation in a body within another one."""
     frame = _Frame(outer.probing, outer.rule, clause, way)
     for place, name in clause.given.items():
         frame.given[place] = outer, body.given[name], None
@@ -313,6 +291,5 @@ def _inner(outer: _Frame, body: Body, clause: Clause, way: Way) -> _Frame:
 
 
 def _index(items: Value, value: Value) -> int:
-    """Return the place of a value in a list."""
     places = enumerate(items if isinstance(items, list) else ())
     return next((number for number, item in places if alike(item, value)), 0)

@@ -36,13 +36,7 @@ OF_QUESTIONS = frozenset[Event]({"rows", "no rows", "change"})
 class Breakpoint(NamedTuple):
     """A condition at which a run stops, in the tick in which it begins to hold.
 
-    Attributes:
-        event: The kind of event.
-        subject: The name of a predicate, or any question about the program; the name of the area
-            or of what is lost sight of; or the kind of the notice. "" means any, except for
-            predicates.
-        robot: The robot concerned; for a predicate, the robot whose rows count. "" means any.
-        column: For ``change``, the column that counts; "" means the whole row.
+    "" as `subject` (except of predicates), `robot` or `column` (of ``change``) means any.
     """
 
     event: Event
@@ -52,7 +46,6 @@ class Breakpoint(NamedTuple):
 
     @property
     def is_named(self) -> bool:
-        """Whether its subject is a name rather than a question that has to be compiled."""
         return self.event not in OF_QUESTIONS or self.subject.isidentifier() or not self.subject
 
     @property
@@ -81,8 +74,6 @@ class Breakpoint(NamedTuple):
 
 
 class Hit(NamedTuple):
-    """A breakpoint that was hit."""
-
     breakpoint: Breakpoint
     tick: int
     values: str
@@ -102,29 +93,23 @@ class Breakpoints:
 
     @property
     def on(self) -> tuple[Breakpoint, ...]:
-        """The enabled breakpoints."""
         return tuple(each for each, is_on in self._is_on.items() if is_on)
 
     def add(self, breakpoint_: Breakpoint) -> None:
-        """Set a breakpoint, or enable an existing one."""
         self._is_on[breakpoint_] = True
 
     def remove(self, breakpoint_: Breakpoint) -> None:
-        """Delete a breakpoint, if it exists."""
         self._is_on.pop(breakpoint_, None)
 
     def is_on(self, breakpoint_: Breakpoint) -> bool:
-        """Return whether it is enabled."""
         return self._is_on.get(breakpoint_, False)
 
     def switch(self, breakpoint_: Breakpoint) -> None:
-        """Enable or disable a breakpoint."""
         if breakpoint_ in self._is_on:
             self._is_on[breakpoint_] = not self._is_on[breakpoint_]
 
 
 def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, ...]:
-    """Return the possible subjects of an event in a level under a program."""
     if event in OF_QUESTIONS:
         return tuple(each.name for each in program.predicates if each.has_rows) if program else ()
     if event in ("enters", "leaves"):
@@ -136,10 +121,7 @@ def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, 
 
 
 def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -> str:
-    """Return why a breakpoint can't be hit in a level under a program, one sentence, or "".
-
-    Questions are not checked here, because only the compiler can.
-    """
+    """Return why a breakpoint can't be hit, one sentence, or ""; questions are not checked."""
     robot, subject = breakpoint_.robot, breakpoint_.subject
     names = tuple(each.name for each in level.robots)
     if robot and robot not in names:

@@ -30,11 +30,7 @@ _DECISIONS = ("desire", "memory", "notices")
 class Comparison:
     """Why a robot decides differently in two courses.
 
-    Attributes:
-        robot: Name of the robot.
-        differing: The first difference between the proofs of its decisions; None if there is none.
-        condition: If another rule was chosen, a condition that holds on one side only, and on
-            which side; None if there is none or it is unknown.
+    `condition` holds on one side only, if another rule was chosen; None if unknown.
     """
 
     robot: str
@@ -43,15 +39,10 @@ class Comparison:
 
 
 async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | None:
-    """Prove a decision in both courses and find the first difference between the proofs.
+    """Compare proofs for the first robot that decides differently; None if there is none.
 
-    The robot is the first one that decides differently. Cancelling the call ends the work. The
-    game's current course is called "here". Returns None if all robots decide the same.
-
-    Raises:
-        NoSuchTickError: One of the courses no longer holds that tick.
-        QueryError: A decision can't be proved.
-        Superseded: The game switched to another course in the meantime.
+    The current course is "here". Cancelling the call ends the work. Raises NoSuchTickError,
+    QueryError if a decision can't be proved, or Superseded.
     """
     robot = next((d.robot_name for d in divergence.differences if d.matter in _DECISIONS), None)
     if robot is None:
@@ -81,7 +72,7 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
 
 
 class _Course:
-    """One of the courses at the tick in question, and the thread that examines it."""
+    """One of the two courses at the compared tick, with the thread that examines it."""
 
     def __init__(self, robot: str, before: TickState, known: RecordedTick, limits: Limits) -> None:
         self._robot, self._before, self._known, self._limits = robot, before, known, limits
@@ -91,8 +82,6 @@ class _Course:
         return await self._thinker.do(lambda stop: self._explainer(program, stop).proof())
 
     async def why(self, program: Program, asked: Ask) -> Explanation | None:
-        """Explain what each rule of a predicate produced; None if that is unknown."""
-
         def work(stop: threading.Event) -> Explanation:
             explainer = self._explainer(program, stop)
             return explainer.why(asked.predicate, asked.given, asked.within)

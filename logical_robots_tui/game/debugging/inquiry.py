@@ -33,10 +33,9 @@ _LIMITS = Limits()
 
 
 class Inquiry:
-    """Answers questions about frames of a level, while the game may continue.
+    """Answers questions about frames of a level, without side effects, during the game.
 
-    Questions have no side effects. A newer question of the same kind cancels an older one, which
-    raises Superseded.
+    A newer question of the same kind cancels an older one, which raises Superseded.
     """
 
     def __init__(self, level: Level) -> None:
@@ -47,13 +46,9 @@ class Inquiry:
         self._watcher = Thinker("watch")
 
     async def ask(self, program: Program, query: str, frame: Frame) -> Table:
-        """Evaluate any query at a frame.
+        """Evaluate a call, an expression, conditions, or rules of which the last is evaluated.
 
-        A query is a call, an expression, conditions, or whole rules of which the last is evaluated.
-
-        Raises:
-            ProgramError: The query is wrong; the diagnostics refer to its lines and columns.
-            QueryError: It failed at this tick.
+        Raises ProgramError for a wrong query, QueryError if it failed at this tick.
         """
 
         def work(mind: Mind, stop: threading.Event) -> Table:
@@ -72,13 +67,9 @@ class Inquiry:
         given: Mapping[str, Value] | None = None,
         within: str = "",
     ) -> Explanation:
-        """Explain why a predicate has its rows, or none, in a robot's reasoning at a frame.
+        """Explain a predicate's rows with `given` values, or their absence, or raise QueryError.
 
-        Only rows with the given values in some of the columns are explained. `within` is a
-        predicate made with ``:=`` whose rules contain the call.
-
-        Raises:
-            QueryError: There is no such predicate or robot, or a function lacks its arguments.
+        `within` is a predicate made with ``:=`` whose rules contain the call.
         """
         return await self._explain(
             self._explainer, program, robot, frame, lambda each: each.why(predicate, given, within)
@@ -95,13 +86,7 @@ class Inquiry:
         within: str = "",
         depth: int = 100,
     ) -> Proof:
-        """Return the whole proof of a row in a robot's reasoning at a frame, as `Mind.proof` does.
-
-        The first row with the given values is proved, `depth` predicates deep.
-
-        Raises:
-            QueryError: As `why` does.
-        """
+        """Prove the first row with `given` values, `depth` predicates deep; raises as `why`."""
 
         def work(explainer: Explainer) -> Proof:
             return explainer.proof(predicate, given, within, depth=depth)
@@ -109,11 +94,7 @@ class Inquiry:
         return await self._explain(self._explainer, program, robot, frame, work)
 
     async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
-        """Return the calls of a function in a robot's reasoning at a frame, as `Mind.calls` does.
-
-        Raises:
-            QueryError: There is no such robot or function, or a rule that calls it failed.
-        """
+        """Return a function's calls in a robot's reasoning at a frame, or raise QueryError."""
         return await self._explain(
             self._surveyor, program, robot, frame, lambda each: each.calls(predicate)
         )
@@ -121,13 +102,7 @@ class Inquiry:
     async def nearest(
         self, program: Program, robot: str, frame: Frame, predicate: str
     ) -> list[tuple[int, Suggestion]]:
-        """Return the single changes that would have produced a row, for each rule without one.
-
-        Each is given with the line of its rule; the smallest change of a rule comes first.
-
-        Raises:
-            QueryError: The program is too complex.
-        """
+        """Return lines with changes that would give a row, smallest first, or raise QueryError."""
 
         def work(explainer: Explainer) -> list[tuple[int, Suggestion]]:
             return [(rule.line, found) for rule, found in explainer.nearest(predicate)]
@@ -157,8 +132,6 @@ class Inquiry:
     async def readings(
         self, program: Program, frame: Frame, pins: Sequence[Pin]
     ) -> dict[Pin, Reading]:
-        """Return the values of pins at a frame."""
-
         def work(mind: Mind, stop: threading.Event) -> dict[Pin, Reading]:
             tables = _tables(dict.fromkeys(pin.predicate for pin in pins), frame, mind, stop)
             return {pin: read(pin, tables[pin.predicate]) for pin in pins}
@@ -166,7 +139,6 @@ class Inquiry:
         return await self._do(self._watcher, program, work)
 
     async def close(self) -> None:
-        """Stop all work and free the minds."""
         thinkers = (self._asker, self._explainer, self._surveyor, self._watcher)
         await asyncio.gather(*(thinker.close() for thinker in thinkers))
 
@@ -200,7 +172,6 @@ class Inquiry:
 def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, Table | QueryError]:
-    """Return the rows of predicates or questions at a frame, or why one has none."""
     found: dict[str, Table | QueryError] = {}
     for name in predicates:
         try:
@@ -213,7 +184,6 @@ def _tables(
 
 
 def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
-    """Return the rows of a predicate, or those for which a question holds."""
     sensors, memories = frame.sensors, frame.memories_before
     if name.isidentifier():
         return mind.query(name, sensors, memories, stop=stop)

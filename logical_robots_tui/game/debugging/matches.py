@@ -35,15 +35,10 @@ _LARGEST = 1_000_000  # bytes of one answer
 
 @dataclass(frozen=True, slots=True)
 class Matches:
-    """The ticks of a run in which a question holds.
+    """The ticks of a run in which a question holds: first and last of each stretch.
 
-    Attributes:
-        ticks: The last tick that was evaluated; the first one is 1.
-        won_at: The tick of victory, if the run ended with it.
-        stretches: First and last tick of each stretch in which it holds, ascending.
-        failed: The same for the stretches in which it failed.
-        reason: Why it first failed, or "".
-        is_reliable: Whether no thought in these ticks was cut off by the clock.
+    `failed` is the same for failures, for the first `reason`. It `is_reliable` unless the clock
+    cut off a thought.
     """
 
     ticks: int
@@ -55,12 +50,10 @@ class Matches:
 
     @property
     def holds_in(self) -> int:
-        """The number of ticks in which it holds."""
         return sum(last - first + 1 for first, last in self.stretches)
 
     @property
     def failed_in(self) -> int:
-        """The number of ticks in which it failed."""
         return sum(last - first + 1 for first, last in self.failed)
 
 
@@ -71,10 +64,7 @@ async def find_matches(
     robot: str = "",
     told: Callable[[int], object] = lambda _tick: None,
 ) -> Matches:
-    """Evaluate a question at every tick of a run up to victory, or load the cached answer.
-
-    `robot` is the one whose mind counts, by default any. `told` is called with each tick.
-    """
+    """Evaluate a question at every tick up to victory, by default for any robot; cached."""
     about = (run.key, question.text, question.sql, robot, ticks)
     name = hashlib.sha256(json.dumps(about).encode()).hexdigest()
     if (known := _find(name)) is not None:
@@ -105,7 +95,6 @@ async def find_matches(
 def _answer(
     question: Question, frame: Frame, mind: Mind, stop: threading.Event, robot: str = ""
 ) -> bool | str:
-    """Return whether a question holds at a tick, or why it failed."""
     sensors, memories = frame.sensors, frame.memories_before
     try:
         table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
@@ -115,7 +104,6 @@ def _answer(
 
 
 def _add(stretches: list[tuple[int, int]], tick: int) -> None:
-    """Add a tick to the last stretch, or begin a new one."""
     if stretches and stretches[-1][1] == tick - 1:
         stretches[-1] = (stretches[-1][0], tick)
     else:
@@ -168,11 +156,7 @@ _Tick: TypeAlias = "tuple[TickState, RecordedTick]"
 class SearchResult:
     """The result of a search.
 
-    Attributes:
-        tick: The tick that was found, or None.
-        last: The last tick that was evaluated.
-        holds_here: Whether the question holds in the tick where the search began.
-        problem: Why it failed in the first tick in which it did, or "".
+    `problem` is why it failed in the first tick in which it did, or "".
     """
 
     tick: int | None
@@ -187,15 +171,10 @@ async def search_ticks(
     way: Literal[-1, 1],
     told: Callable[[int], object] = lambda _tick: None,
 ) -> SearchResult:
-    """Find the nearest tick after or before the current one in which a question holds.
+    """Find the nearest later (`way` is 1) or earlier (-1) tick in which a question holds.
 
-    If it holds in the current tick, the adjacent ticks in which it holds too are skipped. Robots
-    sense and reason off the event loop; cancelling the call ends the search. `way` is 1 for later
-    ticks and -1 for earlier ones. `told` is called with the last tick searched, and can end the
-    search with an exception.
-
-    Raises:
-        ProgramError: The query is wrong.
+    Adjacent ticks are skipped if it holds now. `told` gets each searched tick, and may end the
+    search with an exception. Raises ProgramError for a wrong query.
     """
     program, history, here = game.program, game.history, game.frame.tick
     end = history.last if way > 0 else history.first

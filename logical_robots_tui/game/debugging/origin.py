@@ -1,7 +1,7 @@
-"""The origin of a value in a robot's memory: tracing back through the ticks that only kept it.
+"""The origin of a value in a robot's memory, traced back to the rule that made it.
 
-A value is traced from the tick in which it is seen to the one in which a rule made it, across
-robots that read each other's memories, and from there to the values that it was made from.
+The trace crosses robots that read each other's memories, and continues with the values that
+it was made from.
 """
 
 from __future__ import annotations
@@ -39,18 +39,11 @@ Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Made, Mapping[st
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A value, and the tick in which it was made.
+    """A value, and the tick in which it was made; 0 if it existed at the start.
 
     Attributes:
-        robot: The robot in whose memory it was made.
-        path: The part of that memory.
-        value: The value.
-        tick: The tick in which it was made; 0 if it existed at the start.
         until: The tick at which it is examined.
-        span: The expression that made it.
-        rule: The rule that contains the expression.
-        reads: The values that were read to make it.
-        before: Indices of the links for those of them that are traced further.
+        before: Indices of the links for the values read that are traced further.
     """
 
     robot: str
@@ -66,12 +59,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The history of a value.
-
-    Attributes:
-        links: The value itself, then the values it was made from, and so on.
-        complete: Whether everything was traced to the start or to sensors.
-    """
+    """A value's history, itself first; complete if traced to the start or to sensors."""
 
     links: tuple[Link, ...]
     complete: bool
@@ -84,13 +72,7 @@ async def origin_in_run(
     tick: int,
     told: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
-    """Trace a part of a robot's memory after a tick of a run.
-
-    `told` is called with the number of ticks examined so far.
-
-    Raises:
-        QueryError: There is no such robot or part, or its origin can't be determined.
-    """
+    """Trace a part of a robot's memory after a tick of a run, or raise QueryError."""
     looked = 0
 
     async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
@@ -111,14 +93,10 @@ async def origin_in_game(
     tick: int | None = None,
     told: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
-    """Trace a part of a robot's memory after a tick of a game.
+    """Trace part of a memory after a tick, by default the current, of a game.
 
-    Each tick is examined with the program that decided it. Cancelling the call ends the work. The
-    tick is by default the current one. `told` is called with each tick that is examined.
-
-    Raises:
-        QueryError: There is no such robot or part, or its origin can't be determined.
-        Superseded: The game switched to another course in the meantime.
+    Each tick is examined with the program that decided it. Raises QueryError, or Superseded if
+    the game switched to another course.
     """
     history = game.history
     turns = history.turns
@@ -152,11 +130,7 @@ async def origin_in_game(
 
 
 async def origin_of(source: Source, robot: str, path: Path, tick: int) -> Origin:
-    """Trace a part of a robot's memory after a tick.
-
-    Raises:
-        QueryError: There is no such robot or part, or its origin can't be determined.
-    """
+    """Trace a part of a robot's memory after a tick, or raise QueryError."""
     links: list[Link] = []
     numbers: dict[tuple[int, str, Path], int] = {}
     waiting: list[tuple[int | None, int, str, Path]] = [(None, tick, robot, path)]
@@ -188,11 +162,7 @@ async def origin_of(source: Source, robot: str, path: Path, tick: int) -> Origin
 
 
 def read_path(text: str) -> Path:
-    """Parse the path of a part of a memory, such as ``memory.plan.at`` or ``memory.seen[0]``.
-
-    Raises:
-        ValueError: The text is not such a path.
-    """
+    """Parse a path such as ``memory.plan.at`` or ``memory.seen[0]``, or raise ValueError."""
     found = re.fullmatch(r"memory((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
     if found is None:
         raise ValueError(
@@ -210,7 +180,6 @@ def _source(
 
 
 async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
-    """Return the link for the tick in which a value was made, or for the start."""
     until = tick
     while True:
         made, memories = await source(tick, robot, path)
@@ -224,7 +193,6 @@ async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
 
 
 def _kept(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
-    """Return the robot and path that held a value before, if the tick only kept it."""
     if not made.reads or any(read.what != "memory" for read in made.reads):
         return None
     robots = {read.robot for read in made.reads}
@@ -239,7 +207,6 @@ def _kept(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
 
 
 def _common(paths: Sequence[Path]) -> Path:
-    """Return the longest common prefix of paths."""
     length = 0
     while length < min(map(len, paths)) and len({path[length] for path in paths}) == 1:
         length += 1

@@ -25,13 +25,9 @@ Path: TypeAlias = "tuple[str | int, ...]"
 
 
 class Pin(NamedTuple):
-    """A number of rows, or one value in one row.
+    """A number of rows ("" as column), or one value in one row.
 
-    Attributes:
-        predicate: A predicate, or any question; of a question only rows for which it holds count.
-        column: The column of the value; "" means the number of rows.
-        where: Selects rows by values of columns.
-        path: The path from the value to the pinned part.
+    Of a question only rows for which it holds count.
     """
 
     predicate: str
@@ -41,7 +37,6 @@ class Pin(NamedTuple):
 
     @property
     def is_question(self) -> bool:
-        """Whether it is a question that has to be compiled."""
         return not self.predicate.isidentifier()
 
     @property
@@ -63,7 +58,6 @@ class Pin(NamedTuple):
         return f"{self.name} for {', '.join(parts)}" if self.where else self.name
 
     def deeper(self, path: Path) -> Pin:
-        """Return the pin of a part of the value."""
         return self._replace(path=self.path + path)
 
 
@@ -86,7 +80,6 @@ class Reading(NamedTuple):
 
 
 def written_path(path: Path, what: str = "memory") -> str:
-    """Return the path of a part as text, such as ``memory.seen[0]``."""
     return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 
@@ -97,11 +90,9 @@ def pin_of_cell(
     row: int,
     column: str,
 ) -> Pin | None:
-    """Return the pin of one value in a table, which finds its row again at other ticks.
+    """Return the pin of a value in a table, which finds its row again at other ticks.
 
-    The row is identified by its robot, and by as many other columns as needed. Columns include
-    `MIND` where it matters. Returns None if only the value itself distinguishes the row from
-    others.
+    As few columns as needed identify the row. None if only the value itself distinguishes it.
     """
     mine = rows[row]
     others = [each for at, each in enumerate(rows) if at != row]
@@ -119,7 +110,6 @@ def pin_of_cell(
 
 
 def read(pin: Pin, table: Table | QueryError) -> Reading:
-    """Read a pin from the rows of its predicate."""
     if isinstance(table, QueryError):
         return Reading(problem=str(table))
     for name in (*(name for name, _ in pin.where), pin.column):

@@ -1,9 +1,7 @@
 """The first difference between two proofs of one decision.
 
-Two proofs have the same steps until one of them uses another rule, has a step that the other one
-lacks, or produces another value. Values are compared only where everything else is the same. Steps
-are compared before the columns computed from them, and the premises of a node before the node
-itself, so that the first difference is not merely a consequence of another.
+Steps are compared before the columns computed from them, and premises before their node, so
+that the difference is not merely a consequence of another.
 """
 
 from __future__ import annotations
@@ -30,15 +28,9 @@ _STATED = ("alternative", "call", "condition", "denial", "element", "value")
 
 @dataclass(frozen=True, slots=True)
 class ProofDifference:
-    """The first difference of two proofs.
+    """The first difference of two proofs: another rule, a missing step, or only a value.
 
-    Attributes:
-        kind: ``rule``: a row comes from another rule; ``step``: a derivation by the same rule has
-            a different step, or a step that holds in one proof only; ``value``: only a value
-            differs.
-        asked: The row whose derivation differs, with the values that it has in both proofs.
-        here: The node in one of the proofs, or None if there is none.
-        there: The node in the other one.
+    `asked` is the row whose derivation differs, with the values that both proofs share.
     """
 
     kind: Literal["rule", "step", "value"]
@@ -50,7 +42,6 @@ class ProofDifference:
 def first_difference(
     here: Proof, there: Proof, here_text: str, there_text: str
 ) -> ProofDifference | None:
-    """Return the first difference between two proofs of a predicate, or None."""
     mine, other = here.explanation, there.explanation
     asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
     texts = _in_one_line(here_text), _in_one_line(there_text)
@@ -62,11 +53,7 @@ def first_difference(
 def condition_of(
     differing: ProofDifference, here: Explanation | None, there: Explanation | None
 ) -> tuple[Node, Side] | None:
-    """Return the condition because of which a row comes from different rules in two proofs.
-
-    The difference is of kind ``rule``; an explanation that is unknown is None. The condition holds
-    on one side only, which is returned with it; None if it is unknown.
-    """
+    """Return a condition that holds on one side only, and that side; None if it is unknown."""
     stopped = _stopped(differing.there, here)
     if stopped is not None:
         return stopped, "there"
@@ -83,7 +70,6 @@ class _Walk:
     def rules(
         self, asked: Ask, here: Sequence[Node], there: Sequence[Node]
     ) -> ProofDifference | None:
-        """Return the first difference between the rules that produce a row, or fail to."""
         others = list(there)
         alone: list[Node] = []
         for node in here:
@@ -104,14 +90,12 @@ class _Walk:
         return ProofDifference("rule", asked, mine, other)
 
     def _are_edited(self, here: Node, there: Node) -> bool:
-        """Return whether one rule is an edited version of the other."""
         if here.text in self._there or there.text in self._here:
             return False
         mine, other = ([step.text for step in _steps(node)] for node in (here, there))
         return 2 * len(set(mine) & set(other)) >= max(len(mine), len(other), 1)
 
     def _rule(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
-        """Return the first difference within derivations by a rule."""
         if (found := self._nodes(asked, _steps(here), _steps(there))) is not None:
             return found
         if here.holds != there.holds:
@@ -159,7 +143,6 @@ class _Walk:
         return None
 
     def _pair(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
-        """Return the first difference between two nodes at the same place."""
         has_values = here.kind in ("contributor", "note")  # in its text
         if here.kind != there.kind or (here.text != there.text and not has_values):
             return ProofDifference("step", asked, here, there)
@@ -174,7 +157,6 @@ class _Walk:
         return None
 
     def _below(self, asked: Ask, here: Node, there: Node) -> ProofDifference | None:
-        """Return the first difference between the premises of two nodes, called rules first."""
         if here.holds is False and here.kind in _DECIDED_AT_ONCE:
             return None
         if here.asked is not None and there.asked is not None:
@@ -188,7 +170,6 @@ class _Walk:
 
 
 def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
-    """Return the step that stopped a rule in an explanation, if that program has the rule."""
     if rule is None or explanation is None:
         return None
     found = (each for each in explanation.rules if each.span.text == rule.text)
@@ -197,7 +178,6 @@ def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
 
 
 def _only_in(nodes: Sequence[Node], program: str) -> tuple[Ask, Node] | None:
-    """Return the first rule in proofs that another program lacks, with the row asked for."""
     for node in nodes:
         for _, each in node.walk():
             for rule in _rules(each):
@@ -211,7 +191,6 @@ def _rules(node: Node) -> list[Node]:
 
 
 def _steps(node: Node) -> list[Node]:
-    """Return the parts of a node, in order, without the rules of a call."""
     return [child for child in node.children if child.kind not in ("rule", "column")]
 
 
@@ -225,7 +204,6 @@ def _sides(here: Sequence[Node], there: Sequence[Node]) -> Iterator[Node | None]
 
 
 def _common(here: Mapping[str, Value], there: Mapping[str, Value]) -> dict[str, Value]:
-    """Return the values that are the same in both."""
     return {
         name: value for name, value in here.items() if name in there and alike(value, there[name])
     }

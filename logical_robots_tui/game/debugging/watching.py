@@ -25,11 +25,10 @@ _BY_NAME = ("Robot", "Sensor", "Memory")
 
 
 def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
-    """Return the rows of an answer for which a question holds.
+    """Return the rows for which a question holds; "" as robot means any mind.
 
-    For an expression these are the values that are not null, false or 0; for conditions without
-    variables, the minds in which they are true; for anything else, all rows. `robot` is the one
-    whose mind counts; "" means any, as it does where all reason alike.
+    For an expression these are values other than null, false and 0; for conditions without
+    variables, the minds in which they are true; otherwise all rows.
     """
     table = table.in_mind_of(robot)
     kept = [n for n, row in enumerate(table.rows) if _counts(question, row[0] if row else None)]
@@ -47,11 +46,7 @@ def _counts(question: Question, value: object) -> bool:
 
 
 class Watch:
-    """Compares each tick with the previous one.
-
-    Attributes:
-        problems: Why a breakpoint could not be checked in the latest tick, by breakpoint.
-    """
+    """Compares each tick with the previous one; `problems` are breakpoints it couldn't check."""
 
     def __init__(self, breakpoints: Sequence[Breakpoint]) -> None:
         self.breakpoints = breakpoints
@@ -60,13 +55,7 @@ class Watch:
         self._questions: dict[str, Question | ProgramError] = {}
 
     def hits(self, past: Frame, frame: Frame, mind: Mind, stop: threading.Event) -> tuple[Hit, ...]:
-        """Return the breakpoints that a tick hits.
-
-        The mind must be the same one each time.
-
-        Raises:
-            Stopped: `stop` was set.
-        """
+        """Return the breakpoints that a tick hits; always pass the same mind. Raises Stopped."""
         found = []
         for each in self.breakpoints:
             try:
@@ -120,13 +109,7 @@ class Watch:
         return table
 
     def _question(self, subject: str, mind: Mind, stop: threading.Event) -> Question | None:
-        """Return the question for a subject; None if it is a predicate best queried by name.
-
-        Only questions and `Robot` are evaluated for all robots together.
-
-        Raises:
-            ProgramError: The subject is neither a predicate nor a question.
-        """
+        """Return the question, None for one best queried by name, or raise ProgramError."""
         if subject in _BY_NAME:
             return None
         question = self._questions.get(subject)
@@ -144,7 +127,6 @@ class Watch:
 
 
 def _rows_for(each: Breakpoint, table: Table) -> _Rows:
-    """Return the rows, or the values of one column, that concern a breakpoint."""
     rows: Sequence[tuple[Value, ...]] = table.rows
     if each.robot and "robot_name" in table.columns:
         at = table.columns.index("robot_name")
@@ -204,7 +186,6 @@ def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
 
 
 def _moved(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
-    """Yield the robots that are in an area after but not before."""
     for then, now in zip(before.after.areas, after.after.areas, strict=True):
         if each.subject in ("", now.name):
             for name in now.visitors:
@@ -223,7 +204,6 @@ def _lost(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
 
 
 def _seen(row: SensorRow) -> dict[str, float]:
-    """Return the beacons and robots on a robot's radar, with their distances."""
     return {
         ray["label"]: ray["distance"]
         for ray in row["sensor"]["radar"]

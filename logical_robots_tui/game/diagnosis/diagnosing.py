@@ -34,17 +34,12 @@ _SAMPLES = 12  # ticks in which a robot's movement is explained
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """The result of a diagnosis.
+    """The result of a diagnosis, the most significant finding first.
 
     Attributes:
-        findings: The most significant first.
-        first: The first tick of the run.
-        last: The last one.
-        won_at: The tick of victory, or None.
         step: The interval, in ticks, at which everything was examined.
         second_step: The interval of the search for what seemed never to happen.
         left_out: How many places could not be observed.
-        is_reliable: Whether no thought of the run was cut off by the clock.
     """
 
     findings: tuple[Finding, ...]
@@ -62,19 +57,15 @@ async def diagnose(
     *,
     report: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> Diagnosis:
-    """Diagnose the current program over a game's history. Cancel the call to stop.
+    """Diagnose the current program over a game's history; cancelling the call stops it.
 
-    `report` is called with the amount of work done and the total.
-
-    Raises:
-        QueryError: The program is too complex.
-        Superseded: Another future began in the meantime.
+    `report` gets the work done and the total. Raises QueryError for a program that is too
+    complex, Superseded if another future began.
     """
     return await _Diagnosing(game, report).diagnose()
 
 
 def extent(found: Diagnosis) -> str:
-    """Return what was examined, in one or two sentences."""
     if found.last < found.first:
         return "There are no ticks to examine yet."
     end = "won" if found.won_at is not None else "not won"
@@ -153,7 +144,6 @@ class _Diagnosing:
         probes: Sequence[int],
         viewers: tuple[str, ...] | None = None,
     ) -> None:
-        """Evaluate probes at some ticks."""
         names = {tally.checkup.probes[number].name: number for number in probes}
         history = self._game.history
         for tick in ticks if names else ():
@@ -186,7 +176,6 @@ class _Diagnosing:
 
 
 def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:
-    """Return robots with the ticks in which their behaviour needs a closer look."""
     wanted: dict[tuple[str, int], list[int]] = {}
     for kind in {kind for kind, _ in observed.notices}:
         tick, robot = observed.first_notice(kind)

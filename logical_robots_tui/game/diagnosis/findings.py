@@ -32,10 +32,7 @@ def findings_of(
     closer: Mapping[tuple[str, int], Tally],
     level: Level,
 ) -> list[Finding]:
-    """Return all findings, the most significant first.
-
-    `closer` has, by robot and first tick, the counts in that robot's reasoning at that tick.
-    """
+    """Return findings, most significant first; `closer` has counts by robot and first tick."""
     found = [
         *_of_notices(observed, closer),
         *_of_memory(tally.checkup, observed, closer),
@@ -71,7 +68,6 @@ def _of_notices(
 
 
 def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    """Return the rules, or the part of one, that produced several rows."""
     checkup = tally.checkup
     given = tally.robots.get((robot, tick), {})
     gave = [checkup.rules[number].span for number in sorted(given)]
@@ -89,7 +85,6 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
 
 
 def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
-    """Return the parts of a rule that held in several ways in one tick."""
     checkup = tally.checkup
     seen.add(rule)
     for number, site in enumerate(checkup.sites):
@@ -112,7 +107,6 @@ def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    """Return where the value of a null engine came from."""
     leaves = _leaves(tally)
     nulls = [
         site.span
@@ -126,7 +120,6 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
 
 
 def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
-    """Split places into the first, if there is one, and the rest."""
     return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
 
 
@@ -237,7 +230,7 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
 def _leaves(tally: Tally) -> list[list[Span]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
-    For each place where it was chosen, these are that place and the sources of its values.
+    For each choice these are its place and the sources of its values.
     """
     found = [
         (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)

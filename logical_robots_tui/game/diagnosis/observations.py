@@ -27,8 +27,6 @@ _MOST_STRETCHES = 4  # of each kind, because in a crowd many robots do the same
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """A field that a robot's memory lost."""
-
     robot: str
     field: str
     tick: int
@@ -36,10 +34,7 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Ticks in which a robot made no progress.
-
-    `period` is in ticks per round, or 0.
-    """
+    """Ticks in which a robot made no progress; `period` is in ticks per round, or 0."""
 
     kind: Literal["blocked", "still", "circle", "unfinished"]
     robot: str
@@ -53,14 +48,8 @@ class Observations:
     """What was observed in a run.
 
     Attributes:
-        first: The first tick.
-        last: The last one.
-        won_at: The tick of victory, or None.
         notices: By kind and robot, the first tick of a notice, their number, and the message.
         fields: The fields that memories had, each with its first tick.
-        texts: Texts that were in memories.
-        losses: For each field and robot, the first loss.
-        stretches: The ticks in which robots made no progress.
     """
 
     first: int
@@ -73,11 +62,9 @@ class Observations:
     stretches: list[Stretch] = field(default_factory=list)
 
     def first_notice(self, kind: NoticeKind) -> tuple[int, str]:
-        """Return tick and robot of the first notice of a kind."""
         return min((each[0], robot) for (of, robot), each in self.notices.items() if of == kind)
 
     def first_losses(self) -> list[Loss]:
-        """Return the first loss of each field."""
         first: dict[str, Loss] = {}
         for loss in sorted(self.losses.values(), key=lambda each: (each.tick, each.robot)):
             first.setdefault(loss.field, loss)
@@ -85,7 +72,6 @@ class Observations:
 
 
 async def observe(history: History, first: int, last: int) -> Observations:
-    """Observe the ticks of a history."""
     found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
@@ -144,10 +130,7 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def _stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
-    """Yield the longest stretch of each kind in which a robot made no progress.
-
-    The path is the robot at the end of each tick, from the first one on.
-    """
+    """Yield the longest stretch of each kind in which a robot made no progress."""
     name = path[-1].name if path else ""
     kinds: tuple[tuple[Literal["blocked", "still"], Callable[[RobotState], bool]], ...] = (
         ("blocked", lambda robot: robot.blocked),

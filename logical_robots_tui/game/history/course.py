@@ -31,10 +31,7 @@ _begin_of = attrgetter("first")
 
 
 class Course:
-    """The last ticks of one history of a game, without gaps.
-
-    Courses that diverge share their common packs, because packs never change.
-    """
+    """The last ticks of a history, without gaps; diverging courses share immutable packs."""
 
     def __init__(self, frame: Frame, level: Level, length: int) -> None:
         self.marks = Marks(frame.after)
@@ -52,7 +49,6 @@ class Course:
 
     @property
     def last(self) -> int:
-        """The last finished tick."""
         return self._loose[-1].after.tick
 
     @property
@@ -63,19 +59,14 @@ class Course:
 
     @property
     def packs(self) -> Iterator[Packed]:
-        """All packs."""
         return iter(self._packs)
 
     @property
     def loose_weight(self) -> int:
-        """Approximate bytes of objects that are not packed."""
         return sum(moment.weight for moment in self._loose)
 
     def add(self, frame: Frame, program: Program) -> bool:
-        """Store the tick after the last one, and the program that decided it.
-
-        Returns whether ticks were packed.
-        """
+        """Store the next tick and the program that decided it; return whether ticks were packed."""
         before = self._loose[-1]
         self._loose.append(TickState.of(frame, before.driven + driven(frame.before, frame.after)))
         for kind, who in marks_of(frame, before.decisions):
@@ -110,10 +101,7 @@ class Course:
         return sum(1 << i for i, r in enumerate(robots) if self._blocked.get(r.name) == STUCK_AFTER)
 
     def change_level(self, frame: Frame, level: Level) -> None:
-        """Continue from the last tick in another level; the frame replaces that tick.
-
-        Packs never change, and the last tick is never packed.
-        """
+        """Continue from the last tick, which is never packed, in another level."""
         before = self._loose[-1]
         self._loose[-1] = TickState(
             frame.after,
@@ -129,7 +117,6 @@ class Course:
         self._rounds = Rounds()
 
     def forget_pack(self) -> bool:
-        """Drop the oldest pack; return False if nothing is packed."""
         if self._packs:
             begin = self._begin_after_first_pack()
             del self._packs[0]
@@ -145,16 +132,13 @@ class Course:
         return pack.moment(tick - pack.first)
 
     def known(self, tick: int) -> RecordedTick:
-        """Return a stored tick for replay."""
         moment = self.moment(tick)
         return RecordedTick(self.levels.at(tick - bool(moment.decisions)), moment)
 
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before a stored tick, and the tick, for replay."""
         return self.moment(max(tick - 1, 0)), self.known(tick)
 
     def up_to(self, tick: int) -> Course:
-        """Return a copy of the course up to a tick."""
         copy = Course.__new__(Course)
         copy.marks = self.marks.copy(tick)
         copy.levels = self.levels.up_to(tick)
@@ -174,7 +158,6 @@ class Course:
         return copy
 
     def _blocked_until(self, tick: int) -> dict[str, int]:
-        """Return for how many ticks robots were blocked up to a tick, counted as far as matters."""
         counts: dict[str, int] = {}
         for at in range(tick, max(self.first, tick - STUCK_AFTER) - 1, -1):
             blocked = [robot.name for robot in self.moment(at).after.robots if robot.blocked]
@@ -185,23 +168,18 @@ class Course:
         return counts
 
     def programs(self, tick: int) -> list[tuple[int, Program]]:
-        """Return the programs up to a tick, each with the first tick that it decided."""
         return [(begin, program) for begin, program in self._programs if begin <= tick]
 
     def program_at(self, tick: int) -> Program | None:
-        """Return the program that decided a tick; None at the start."""
         return next((program for begin, program in reversed(self._programs) if begin <= tick), None)
 
     def is_reliable_up_to(self, tick: int) -> bool:
-        """Return whether no thought was cut off by the clock up to this tick."""
         return self._unreliable_from is None or tick < self._unreliable_from
 
     def is_blocked_up_to(self, tick: int) -> bool:
-        """Return whether a robot was blocked in any tick up to this one."""
         return self._blocked_from is not None and self._blocked_from <= tick
 
     def _ready(self) -> int:
-        """Return how many of the oldest unpacked moments to pack now; never the last one."""
         loose = self._loose
         together, weight = 1, loose[0].weight
         while together < min(len(loose) - 1, _TOGETHER) and weight <= _HEAVY:
@@ -233,7 +211,7 @@ _NO_WALLS = np.zeros((0, 0), np.bool_)
 
 
 class Levels:
-    """The levels of one course. All except the latest have packed walls."""
+    """The levels of one course; all but the latest have packed walls."""
 
     def __init__(self, tick: int, level: Level) -> None:
         self._ticks = [tick]
@@ -243,11 +221,9 @@ class Levels:
 
     @property
     def packed_bytes(self) -> int:
-        """Bytes of the packed walls."""
         return sum(len(packed.walls.data) for packed in self._earlier)
 
     def at(self, tick: int) -> Level:
-        """Return the level from the end of a tick on."""
         place = max(bisect_right(self._ticks, tick) - 1, 0)
         if place == len(self._earlier):
             return self._latest
@@ -257,18 +233,13 @@ class Levels:
         return self._opened[1]
 
     def is_changed_in(self, tick: int) -> bool:
-        """Return whether the level changed at the end of a tick."""
         return tick in self._ticks[1:]
 
     def is_changed_up_to(self, tick: int) -> bool:
-        """Return whether the level changed after the start, up to the end of a tick."""
         return any(changed <= tick for changed in self._ticks[1:])
 
     def change(self, tick: int, level: Level) -> None:
-        """Set the level from the end of a tick on, which must not precede the latest change.
-
-        The same level means that robots were moved, which is a change at the start as well.
-        """
+        """Set the level from a tick's end on; the same level means that robots were moved."""
         is_moved_at_start = level is self._latest and len(self._ticks) == 1
         if tick > self._ticks[-1] or is_moved_at_start:
             self._earlier.append(_Packed.of(self._latest))
@@ -276,7 +247,6 @@ class Levels:
         self._latest = level
 
     def up_to(self, tick: int) -> Levels:
-        """Return a copy up to a tick."""
         copy = Levels(self._ticks[0], self.at(tick))
         place = max(bisect_right(self._ticks, tick), 1)
         copy._ticks = self._ticks[:place]
@@ -284,7 +254,6 @@ class Levels:
         return copy
 
     def forget_before(self, tick: int) -> None:
-        """Drop the levels of earlier ticks."""
         place = bisect_right(self._ticks, tick) - 1
         if place > 0:
             del self._ticks[:place], self._earlier[:place]
@@ -292,8 +261,6 @@ class Levels:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """A level without its walls, and the packed walls."""
-
     rest: Level
     walls: PackedBits
 

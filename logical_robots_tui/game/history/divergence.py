@@ -16,14 +16,9 @@ Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A difference between the two courses for one robot.
+    """A difference between the current course (`here`) and the other one for one robot.
 
-    Attributes:
-        robot_name: Name of the robot.
-        matter: ``desire``, ``memory`` or ``notices`` of its decision, or its ``position`` (with
-            heading and engines) or ``battery`` after the tick.
-        here: The value in the current course.
-        there: The value in the other one.
+    A ``position`` includes heading and engines.
     """
 
     robot_name: str
@@ -34,16 +29,12 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """The first tick in which two courses differ.
-
-    Differences are those for robots of both courses, decisions first, in file order.
-    """
+    """The first tick in which two courses differ; decisions first, in file order."""
 
     tick: int
     differences: tuple[Difference, ...]
 
     def reversed(self) -> Divergence:
-        """Return the same from the point of view of the other course."""
         return Divergence(
             self.tick,
             tuple(
@@ -54,7 +45,6 @@ class Divergence:
 
 
 def find_divergence(here: TickState, there: TickState) -> Divergence | None:
-    """Compare a tick of two courses; return None if it is the same in both."""
     if here.decisions == there.decisions and here.after == there.after:
         return None
     return Divergence(here.after.tick, (*_of_decisions(here, there), *_of_robots(here, there)))

@@ -27,15 +27,10 @@ _MOST_BYTES = 100_000_000
 
 
 class History:
-    """The last ticks of a game, and of the course that was abandoned for another future.
+    """The last ticks of a game, and of the longest course that was abandoned.
 
-    Of several abandoned courses the longest is kept. Beyond `most_bytes` the other course is
-    dropped first, then the oldest ticks.
-
-    Attributes:
-        turns: How often the current course was replaced.
-        dropped: The first tick left after earlier ones were dropped for lack of memory, or 0.
-        divergence: Where the current course and the other one diverge, or None if they have not.
+    Beyond `most_bytes` the other course is dropped first, then the oldest ticks; `dropped` is
+    then the first tick left, otherwise 0.
     """
 
     def __init__(
@@ -60,17 +55,14 @@ class History:
 
     @property
     def last(self) -> int:
-        """The last finished tick."""
         return self._course.last
 
     @property
     def marks(self) -> Marks:
-        """The events by tick."""
         return self._course.marks
 
     @property
     def other(self) -> range | None:
-        """The ticks of the other course that can be restored, or None if there is none."""
         return range(self._other.first, self._other.last + 1) if self._other else None
 
     @property
@@ -81,12 +73,11 @@ class History:
 
     @property
     def kept_bytes(self) -> int:
-        """Bytes of everything stored: packs and objects."""
         other = self._other.loose_weight if self._other is not None else 0
         return self.packed_bytes + self._course.loose_weight + other
 
     def add(self, frame: Frame, program: Program) -> None:
-        """Store a finished tick; if that tick was stored already, another course begins."""
+        """Store a finished tick; storing an earlier one again begins another course."""
         if frame.tick <= self.last:
             self._abandon(self._course.up_to(frame.tick - 1))
         packed = self._course.add(frame, program)
@@ -95,10 +86,7 @@ class History:
             self._keep_within_bounds()
 
     def change_level(self, frame: Frame, level: Level) -> None:
-        """Continue in another level from a tick of the current course; the frame replaces the tick.
-
-        Later ticks are abandoned, like a future under another program.
-        """
+        """Continue in another level from a tick, replaced by the frame; abandons later ticks."""
         tick = frame.tick
         if tick < self.last:
             self._abandon(self._course.up_to(tick))
@@ -106,26 +94,19 @@ class History:
         self._look_for_divergence(tick)
 
     def begins_with(self, start: Frame, level: Level) -> bool:
-        """Return whether the current course begins with this frame and level, unedited."""
         if self.first or level is not self.level_at(0):
             return False
         return self._course.moment(0).after == start.after
 
     def begin_anew(self, start: Frame, level: Level) -> None:
-        """Abandon the current course for one that begins at the start of a level."""
         self._abandon(Course(start, level, self._length))
 
     def forget_future(self, tick: int) -> None:
-        """Discard all later ticks permanently."""
         if tick < self.last:
             self._switch_to(self._course.up_to(tick))
 
     def change_course(self) -> None:
-        """Switch to the other course; the current one becomes the other one.
-
-        Raises:
-            NoSuchTickError: There is no other course.
-        """
+        """Switch to the other course and keep this one, or raise NoSuchTickError."""
         if self._other is None:
             raise NoSuchTickError("There is no other future.")
         self._course, self._other = self._other, self._course
@@ -133,11 +114,7 @@ class History:
         self.divergence = self.divergence and self.divergence.reversed()
 
     def around(self, tick: int) -> tuple[TickState, TickState]:
-        """Return the moments before and after a tick; both are the same for tick 0.
-
-        Raises:
-            NoSuchTickError: The tick is not in history.
-        """
+        """Return the moments before and after a tick (the same for 0), or raise NoSuchTickError."""
         self._check(tick)
         return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
 
@@ -148,32 +125,22 @@ class History:
             )
 
     def is_changed_up_to(self, tick: int) -> bool:
-        """Return whether the level was edited between the start and the end of a tick."""
         return self._course.levels.is_changed_up_to(tick)
 
     def is_reliable_up_to(self, tick: int) -> bool:
-        """Return whether no thought was cut off by the clock up to this tick."""
+        """Return whether no time limit cut off a thought up to this tick."""
         return self._course.is_reliable_up_to(tick)
 
     def is_blocked_up_to(self, tick: int) -> bool:
-        """Return whether a robot was blocked in any tick up to this one."""
         return self._course.is_blocked_up_to(tick)
 
     def known(self, tick: int) -> RecordedTick:
-        """Return a stored tick for replay.
-
-        Raises:
-            NoSuchTickError: The tick is not in history.
-        """
+        """Return a stored tick for replay, or raise NoSuchTickError."""
         self._check(tick)
         return self._course.known(tick)
 
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return the moment before a tick, and the tick, for replay.
-
-        Raises:
-            NoSuchTickError: The tick is not in history.
-        """
+        """Return the moment before a tick, and the tick, or raise NoSuchTickError."""
         self._check(tick)
         return self._course.replay(tick)
 
@@ -182,8 +149,7 @@ class History:
     ) -> list[RecordedTick]:
         """Return the stored next ticks that can be replayed under a program.
 
-        Those are the ticks that it decided, unless the level was edited; and all of a course that
-        ends with it, until the player asks for another future.
+        A course that ends with it counts as a whole, until the player asks for another future.
         """
         leads_here = is_course_wanted and self._is_by(texts, self.last)
         same = takewhile(
@@ -205,18 +171,13 @@ class History:
         return self._course.program_at(tick)
 
     def in_other(self, tick: int) -> tuple[TickState, RecordedTick]:
-        """Return a tick of the other course, and the moment before it.
-
-        Raises:
-            NoSuchTickError: There is no other course, or it does not hold this tick.
-        """
+        """Return the moment before and a tick of the other course, or raise NoSuchTickError."""
         there = self._other
         if there is None or not there.first <= tick <= there.last:
             raise NoSuchTickError(f"The other future does not hold tick {tick}.")
         return there.replay(tick)
 
     def program_in_other(self, tick: int) -> Program | None:
-        """Return the program that decided a tick of the other course, or None."""
         return None if self._other is None else self._other.program_at(tick)
 
     def level_at(self, tick: int) -> Level:
@@ -232,11 +193,9 @@ class History:
         return self.around(tick)[1].driven
 
     def hits_at(self, tick: int) -> tuple[Hit, ...]:
-        """Return the breakpoints that were hit in a tick."""
         return self._course.hits.get(tick, ())
 
     def note_hits(self, tick: int, hits: tuple[Hit, ...]) -> None:
-        """Store the breakpoints that were hit in a tick."""
         if hits:
             self._course.hits[tick] = hits
             self.marks.note(tick, "breakpoint")
@@ -272,14 +231,7 @@ class History:
 
 
 class Past:
-    """Restores ticks of a history, on the event loop.
-
-    Going back tick by tick requests each one twice, first as the previous tick and then as the
-    current one; so the last one is cached.
-
-    Attributes:
-        worlds: The worlds in which the robots sense again.
-    """
+    """Restores ticks of a history, on the event loop; the last one is cached."""
 
     def __init__(self, history: History) -> None:
         self.worlds = Worlds(history.level_at(0))
@@ -288,11 +240,7 @@ class Past:
         self._turns = 0
 
     def frame(self, tick: int) -> Frame:
-        """Return the exact frame of a tick.
-
-        Raises:
-            NoSuchTickError: History does not hold it.
-        """
+        """Return the exact frame of a tick, or raise NoSuchTickError."""
         history = self._history
         before, known = history.replay(tick)
         if self._last is None or self._last.tick != tick or self._turns != history.turns:
@@ -301,5 +249,5 @@ class Past:
         return self._last
 
     def forget(self) -> None:
-        """Clear the cache, because the end of a tick was edited."""
+        """Clear the cache after the end of a tick was edited."""
         self._last = None

@@ -25,15 +25,10 @@ MARK_KINDS: tuple[MarkKind, ...] = get_args(MarkKind)
 
 
 class Mark(NamedTuple):
-    """An event in a tick.
+    """An event in a tick, with the robots or areas concerned, if any.
 
-    Attributes:
-        kind: ``victory``; ``breakpoint``, one was hit; ``program``, another program decided than
-            in the previous tick; ``edit``, the level was edited at the end of the tick; ``stuck``,
-            robots were blocked for `STUCK_AFTER` ticks; ``circling``, robots have gone the same way
-            several times in a row (see `rounds.py`); ``area``, one was switched; ``notice``, one
-            appeared that the previous tick did not have; ``memory``, one changed.
-        names: The robots or areas concerned; () for the other kinds.
+    A ``stuck`` robot was blocked for `STUCK_AFTER` ticks, a ``circling`` one repeats its way
+    (see `rounds.py`); an ``edit`` is at the end of the tick.
     """
 
     kind: MarkKind
@@ -70,8 +65,6 @@ def _differing(before: list[object], after: list[object]) -> int:
 
 
 class Marks:
-    """The marks of many ticks, indexed by tick."""
-
     def __init__(self, state: WorldState) -> None:
         self._robots: list[str] = []
         self._areas: list[str] = []
@@ -80,10 +73,7 @@ class Marks:
         self.refer_to(state)
 
     def note(self, tick: int, kind: MarkKind, who: int = 1) -> None:
-        """Store a mark; fastest for a tick after all others.
-
-        `who` are the indices of the robots or areas concerned, as bits.
-        """
+        """Store a mark; `who` is a bit set of indices. Fastest for a tick after all others."""
         if places := self._places.get(kind):
             who = sum(1 << place for now, place in enumerate(places) if who >> now & 1)
         ticks, everyone = self._ticks[kind], self._who[kind]
@@ -95,7 +85,6 @@ class Marks:
             everyone.insert(at, who)
 
     def refer_to(self, state: WorldState) -> None:
-        """Use the robots and areas of another world for indices from now on."""
         robots = _places([robot.name for robot in state.robots], self._robots)
         areas = _places([area.name for area in state.areas], self._areas)
         self._places: dict[MarkKind, list[int]] = {
@@ -116,10 +105,7 @@ class Marks:
         return tuple(found)
 
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
-        """Return whether any tick from `first` to `last` has a mark of a kind.
-
-        If a robot is given, only the changes of its own memory count.
-        """
+        """Return whether ticks `first` to `last` have a mark; for a robot, of its own memory."""
         ticks = self._ticks[kind]
         begin, end = bisect_left(ticks, first), bisect_right(ticks, last)
         if kind != "memory" or robot not in self._robots:
@@ -130,10 +116,7 @@ class Marks:
     def nearest(
         self, tick: int, steps: Literal[-1, 1], kinds: Collection[MarkKind], robot: str | None
     ) -> int | None:
-        """Return the nearest later or earlier tick with a mark, or None.
-
-        The tick's own marks don't count; if a robot is given, changes of its memory do.
-        """
+        """Return the nearest other tick with a mark, or with a change of the robot's memory."""
         found = [self._next(kind, tick, steps, ~0) for kind in kinds]
         if robot in self._robots:
             found.append(self._next("memory", tick, steps, 1 << self._robots.index(robot)))
@@ -143,7 +126,6 @@ class Marks:
         return min(known) if steps > 0 else max(known)
 
     def copy(self, last: int) -> Marks:
-        """Return a copy up to a tick."""
         copy = Marks.__new__(Marks)
         copy._robots, copy._areas = self._robots.copy(), self._areas.copy()
         copy._places = self._places
@@ -153,7 +135,6 @@ class Marks:
         return copy
 
     def forget_before(self, tick: int) -> None:
-        """Drop the marks of earlier ticks."""
         for kind, ticks in self._ticks.items():
             end = bisect_left(ticks, tick)
             del ticks[:end], self._who[kind][:end]

@@ -34,15 +34,10 @@ _body_of = attrgetter(*_BODY)
 
 @dataclass(frozen=True, slots=True)
 class TickState:
-    """The state after a finished tick; sensors are not stored, because the world can sense again.
+    """The state after a finished tick, without sensors, because the world can sense again.
 
-    Attributes:
-        after: The world after the tick.
-        memories: Each robot's memory after the tick, by robot name.
-        decisions: The decisions of the tick, one per robot in file order; () at the start.
-        think_milliseconds: How long thinking took.
-        driven: Map units that all robots together have driven since the start.
-        weight: Approximate bytes of its objects that are not in the previous moment.
+    `driven` is in map units of all robots since the start, `weight` the approximate bytes of
+    objects that are not in the previous moment.
     """
 
     after: WorldState
@@ -54,7 +49,6 @@ class TickState:
 
     @classmethod
     def of(cls, frame: Frame, driven: float) -> TickState:
-        """Return the moment of a frame, given the distance driven so far."""
         milliseconds = frame.think_milliseconds
         return cls(
             frame.after, frame.memories, frame.decisions, milliseconds, driven, _weight_of(frame)
@@ -62,7 +56,7 @@ class TickState:
 
     @property
     def is_reliable(self) -> bool:
-        """Whether the tick is the same on any machine: the clock cut off no thought."""
+        """Whether the tick is the same on any machine: no time limit cut off a thought."""
         return all(decision.is_reliable for decision in self.decisions)
 
 
@@ -75,14 +69,9 @@ def _weight_of(frame: Frame) -> int:
 
 
 class Packed:
-    """Consecutive moments.
+    """Consecutive moments, grouped by robot because similar values compress well.
 
-    The values of one robot over all ticks are stored together, so that similar values are adjacent
-    and compress well.
-
-    Attributes:
-        first: Tick of the first of them.
-        weight: Approximate bytes of all their objects when unpacked.
+    `weight` is the approximate number of bytes when unpacked.
     """
 
     __slots__ = ("_bytes", "first", "weight")
@@ -97,23 +86,20 @@ class Packed:
         return len(self._bytes)
 
     def moment(self, at: int) -> TickState:
-        """Return one of the moments by index."""
         return moment_in(_opened.runs(self), at)
 
     def opened(self) -> list[tuple[Any, ...]]:
-        """The moments as they were packed."""
         runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
         return runs
 
 
 def laid_out(moments: Sequence[TickState]) -> list[Any]:
-    """Return moments as numbers, texts, lists and tuples, with similar values adjacent."""
     # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
 
 def moment_in(runs: Sequence[Any], at: int) -> TickState:
-    """Return one of the moments from this layout, also after a round trip through JSON."""
+    """Return one moment of this layout, which may have been through JSON."""
     rest = iter(runs)
     begin, names, area_names, told, areas, bodies, thoughts = next(rest)
     while at >= len(told):
@@ -150,7 +136,6 @@ class _Opened:
         self._runs: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
 
     def runs(self, pack: Packed) -> list[tuple[Any, ...]]:
-        """The moments of a pack, as they were packed."""
         found = self._runs.pop(pack, None)
         if found is None:
             found = pack.opened()
@@ -171,7 +156,6 @@ def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
 
 
 def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
-    """Return the layout of moments with the same robots and areas."""
     first = moments[0].after
     return (
         first.tick,
@@ -190,7 +174,6 @@ def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
 
 
 def _thought_of(moment: TickState, at: int, name: str) -> tuple[object, ...]:
-    """Return a robot's memory, desire and notices."""
     if not moment.decisions:
         return moment.memories[name], None, ()
     decision = moment.decisions[at]
@@ -212,7 +195,6 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
 
 
 def is_moment(moment: TickState, tick: int, level: Level) -> bool:
-    """Return whether a moment is a valid state for a tick of a level, down to every type."""
     try:
         return _is_moment(moment, tick, level)
     except TypeError:  # a list in place of a name
@@ -232,11 +214,7 @@ def _is_moment(moment: TickState, tick: int, level: Level) -> bool:
 
 
 def is_state(after: WorldState, memories: Any, tick: int, level: Level) -> bool:
-    """Return whether a world and memories from a file are valid after a tick of a level.
-
-    Raises:
-        TypeError: There is a list in place of a name.
-    """
+    """Return whether a state from a file is valid; raises TypeError for a list as a name."""
     names = [robot.name for robot in level.robots]
     return (
         type(after.tick) is int
@@ -278,7 +256,6 @@ def _are_numbers(*values: Any) -> bool:
 
 
 def _is_value(value: Any, depth: int) -> bool:
-    """Return whether a value's nesting is within a limit; being from JSON, its type is right."""
     if type(value) not in (list, dict):
         return True
     inside = value.values() if type(value) is dict else value

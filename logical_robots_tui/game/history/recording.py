@@ -1,8 +1,7 @@
 """Recordings: the states after each tick of a run, in memory and on disk.
 
-A file consists of the digest of an index line, the index line, and the pieces. The index is JSON
-with the length, the digest and the number of moments of each piece. A piece is compressed JSON,
-which is harmless whoever wrote it. Everything that is read is checked against the level before use.
+A file is the digest of an index line, that JSON line, and pieces of compressed JSON. All is
+checked against the level before use.
 """
 
 from __future__ import annotations
@@ -50,8 +49,8 @@ class DamagedError(ValueError):
 class Recording:
     """The state after each tick of a run, from tick 0 on.
 
-    If that takes more than `MAX_HELD_BYTES`, there is a gap of ticks that must be recomputed. The
-    key, a digest of everything on which the run depends, names the file.
+    Beyond `MAX_HELD_BYTES` there is a gap of ticks to recompute. The key, a digest of
+    everything on which the run depends, names the file.
     """
 
     def __init__(self, key: str, level: Level, start: TickState) -> None:
@@ -66,12 +65,11 @@ class Recording:
 
     @property
     def last(self) -> int:
-        """The last stored tick."""
         return self._packed + len(self._loose) - 1
 
     @property
     def lasts(self) -> bool:
-        """Whether every tick is reproducible: no thought was cut off by the clock."""
+        """Whether every tick is reproducible: no time limit cut off a thought."""
         return self._lasting >= self.last
 
     def is_in_gap(self, tick: int) -> bool:
@@ -79,28 +77,19 @@ class Recording:
         return tick < self._packed and tick not in self._piece(tick).ticks
 
     def return_to_gap(self) -> None:
-        """Drop everything after the gap, so that it can be filled."""
         before = list(_without_gap(self._pieces))
         if len(before) < len(self._pieces):
             self._pieces, self._loose = before, []
 
     def moment(self, tick: int) -> TickState:
-        """Return the state after a stored tick.
-
-        Raises:
-            DamagedError: It was read from a file that is damaged or forged.
-        """
+        """Return the state after a stored tick; raises DamagedError if its file is invalid."""
         if tick >= self._packed:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
         return self._checked(_moment_of(piece, tick - piece.first), tick)
 
     def add(self, moment: TickState) -> None:
-        """Store the state after the next tick.
-
-        If the clock cut off a thought in it, it is not reproducible: it is then kept for this
-        process only, and so are the ticks after it.
-        """
+        """Store the state after the next tick; not on disk once the clock has cut off a thought."""
         self._loose.append(moment)
         self._is_new = True
         if not moment.is_reliable:
@@ -117,7 +106,7 @@ class Recording:
         self._lasting = math.inf
 
     def save(self) -> None:
-        """Write the added ticks to disk, up to the size limit, unless the file has more already."""
+        """Write the added ticks to disk, up to a size limit, unless the file holds more ticks."""
         folder = _folder()
         if folder.place is None or not self._is_new:
             return
@@ -138,22 +127,18 @@ class Recording:
 
     @property
     def _packed(self) -> int:
-        """The tick after the packed ones."""
         return self._pieces[-1].ticks.stop if self._pieces else 0
 
     def _piece(self, tick: int) -> _Piece:
-        """Return the piece that contains a packed tick, unless the tick is in the gap."""
         return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
 
     def _drop_some(self) -> None:
-        """Drop the oldest pieces that don't fit into a file, until the memory limit is met."""
         total = sum(len(piece.content) for piece in self._pieces)
         at = len(_that_fit(_without_gap(self._pieces))) or 1
         while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
             total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
-        """Yield the pieces up to a tick, or up to the gap."""
         before = list(_without_gap(self._pieces))
         for piece in before:
             if piece.ticks[-1] > last:
@@ -166,7 +151,6 @@ class Recording:
             yield from _pieces_of([self.moment(tick) for tick in few])
 
     def _read(self) -> None:
-        """Load the file, if it is a recording of this run."""
         content = _folder().read(self._key, MAX_BYTES)
         if content is None:
             return
@@ -195,11 +179,7 @@ class Recording:
             self.forget()
 
     def _checked(self, moment: TickState, tick: int) -> TickState:
-        """Check a moment that was read, and return it.
-
-        Raises:
-            DamagedError: It can't belong to this run.
-        """
+        """Return a moment that was read, or raise DamagedError if it can't belong to this run."""
         if not is_moment(moment, tick, self._level):
             raise DamagedError(f"this is not tick {tick}")
         return moment
@@ -207,16 +187,7 @@ class Recording:
 
 @dataclass(frozen=True, slots=True)
 class _Piece:
-    """Some moments as compressed JSON.
-
-    Attributes:
-        first: Tick of the first one.
-        count: The number of moments.
-        content: The compressed text.
-        digest: Digest of the content.
-        own: Whether this process made it, so that its unpacked size is known to be within limits.
-        fits: Whether another process will read it, too.
-    """
+    """Some moments as compressed JSON; `own` pieces are known to unpack within limits."""
 
     first: int
     count: int
@@ -227,7 +198,6 @@ class _Piece:
 
     @property
     def ticks(self) -> range:
-        """Of its moments."""
         return range(self.first, self.first + self.count)
 
 
@@ -235,7 +205,6 @@ _first_of = attrgetter("first")
 
 
 def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
-    """Yield the pieces before the gap."""
     last = 0
     for piece in pieces:
         if piece.first != last:
@@ -245,7 +214,6 @@ def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
 
 
 def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
-    """Split moments into as few pieces as can be unpacked within the memory limit."""
     if not moments:
         return
     text = _text_of(moments)
@@ -264,16 +232,11 @@ def _text_of(moments: Sequence[TickState]) -> str:
 
 
 def _may_be_opened(text: str) -> bool:
-    """Return whether the objects in a text certainly stay within the memory limit of a piece."""
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
 
 
 def _moment_of(piece: _Piece, at: int) -> TickState:
-    """Return one of the moments of a piece.
-
-    Raises:
-        DamagedError: There is no such moment, or the piece is damaged.
-    """
+    """Return one of the moments of a piece, or raise DamagedError."""
     try:
         return moment_in(_unpacked(piece), at)
     except DamagedError:
@@ -302,11 +265,7 @@ def _folder() -> CacheFolder:
 
 
 def _index(content: bytes) -> tuple[dict[str, Any], int]:
-    """Return the index of a file, and how many bytes follow it.
-
-    Raises:
-        DamagedError: It is damaged.
-    """
+    """Return the index of a file and the number of bytes after it, or raise DamagedError."""
     digest, _, rest = content.partition(b"\n")
     line, _, pieces = rest.partition(b"\n")
     if digest.decode() != _digest(line):
@@ -324,7 +283,6 @@ def _count(content: bytes) -> int:
 
 
 def _that_fit(pieces: Iterable[_Piece]) -> list[_Piece]:
-    """Return the first pieces that fit into a file together with the index."""
     total, found = 0, []
     for piece in pieces:
         total += len(piece.content) + 100

@@ -23,10 +23,10 @@ _MOST = 4096  # places that are remembered
 
 
 class Rounds:
-    """Follows the robots, and notices who goes round in circles.
+    """Detects robots that go round in circles.
 
-    A place is a square of the map with a sector of headings. A robot goes round if it comes to
-    place after place where it was the same number of ticks before, within a tenth.
+    A place is a square of the map with a sector of headings. A robot circles if it revisits
+    place after place in the same number of ticks, within a tenth.
     """
 
     def __init__(self) -> None:
@@ -48,10 +48,7 @@ class Rounds:
 
 
 def last_rounds(path: Sequence[RobotState]) -> tuple[int, int] | None:
-    """Return index and period of the rounds in which a path ends, or None if it ends otherwise.
-
-    The path is one robot at the end of each tick.
-    """
+    """Return index and period of the rounds in which one robot's path ends, or None."""
     trace = _Trace()
     for tick, robot in enumerate(path):
         if (place := _place_of(robot)) != trace.place:
@@ -78,14 +75,8 @@ def _place_of(robot: RobotState) -> _Place:
 class _Trace:
     """Where one robot was when.
 
-    Attributes:
-        place: Where it is.
-        seen: The tick of the latest visit to each place.
-        period: Ticks of a round, or 0 if the robot is somewhere new.
-        since: The tick in which it began to go the same way as a period before.
-        hits: The number of places to which it came a period after the last visit.
-        misses: The number of places in a row to which it came earlier or later.
-        is_told: Whether it was told, and has been nowhere new since.
+    `period` is the ticks of a round, or 0 if the robot is somewhere new; `hits` counts places
+    reached a period after their last visit, `misses` others in a row.
     """
 
     __slots__ = ("hits", "is_told", "misses", "period", "place", "seen", "since")
@@ -97,7 +88,7 @@ class _Trace:
         self.is_told = False
 
     def enter(self, place: _Place, tick: int) -> bool:
-        """Come to a place; return whether rounds are to be told now."""
+        """Record a visit to a place; return whether to report the rounds now."""
         self.place = place
         if len(self.seen) >= _MOST:
             self.seen.clear()
@@ -118,7 +109,6 @@ class _Trace:
         return True
 
     def goes_round(self, tick: int) -> bool:
-        """Return whether there were enough rounds up to a tick."""
         again = ROUNDS - 1
         return (
             self.period > 0

@@ -31,13 +31,10 @@ _MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
 
 
 def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
-    """Return the first round of a tournament, and the texts of level and programs by digest.
+    """Return a tournament's first round, and the texts of level and programs by digest.
 
-    `players` holds one program or folder per player.
-
-    Raises:
-        SpecificationError: The specification is wrong; says all that is.
-        InputError: The players can't be read, or there are fewer than two.
+    `players` holds one program or folder per player. Raises SpecificationError, or InputError
+    for fewer than two players.
     """
     spec = Specification(file)
     tournament = spec.read(Tournament)
@@ -76,11 +73,7 @@ _HINT = "Each has a program such as ada.l, or a folder with one that is named li
 
 
 def _level(spec: Specification, name: str) -> tuple[Level, str]:
-    """Return the level and its text.
-
-    Raises:
-        SpecificationError: There is none, or nobody can play against anybody in it.
-    """
+    """Return level and text; raises SpecificationError if it is no level for a match."""
     path = ("tournament", "level")
     try:
         level, text = level_with_text(name, spec.folder)
@@ -96,7 +89,6 @@ def _level(spec: Specification, name: str) -> tuple[Level, str]:
 
 
 def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) -> Player:
-    """Return a player; keeps the text of the program, and finds out whether it compiles."""
     text = next(iter(entry.programs.values()), None)
     if text is None:
         return Player(name, "", "; ".join(entry.remarks))
@@ -132,7 +124,6 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
 
 
 def _seatings(pair: Sequence[Player], seats: int) -> Iterator[list[Player]]:
-    """Yield who has which seat: both by turns, so that each has had each seat once."""
     for first in (0, 1):
         yield [pair[(seat + first) % 2] for seat in range(seats)]
 
@@ -154,11 +145,10 @@ def next_round(manifest: Manifest, ledger: Ledger) -> Manifest | None:
 
 
 def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int, int], ...] | None:
-    """Return the pairs of the next round: neighbours by standing that have not met yet.
+    """Return the next round's pairs, neighbours by standing that have not met, or None.
 
-    The one that is left over, if the number is odd, is the last one that has always played so far.
-    Ties are broken by the programs, not by names. `shares` are the average shares of the players by
-    name; none in the first round. Returns None if some player would have to meet another one again.
+    If the number is odd, the last player that has always played sits out. Programs break ties,
+    not names. `shares` are average shares by name; none in the first round.
     """
     players = manifest.players
 
@@ -178,7 +168,7 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
 
 
 def _paired(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
-    """Pair each with the next one that it has not met, so that nobody is left; None if none can."""
+    """Pair each with the next one it has not met, leaving none over; None if impossible."""
     if not ranked:
         return ()
     first, *others = ranked

@@ -31,17 +31,9 @@ _MOST_STEPS = 100_000
 
 
 class Standing(NamedTuple):
-    """How good a player is.
+    """A player's rank, share of the points and strength, with 95 % intervals.
 
-    Attributes:
-        player: The name.
-        best: The best rank that is not ruled out.
-        worst: The worst one.
-        share: Average share of the points, over all opponents.
-        low: The least share within the 95 % interval.
-        high: The greatest.
-        strength: By Bradley and Terry: 0 is average, 400 more are odds of ten to one.
-        pairings: The number of opponents.
+    `best` and `worst` are the ranks not ruled out; `strength` is as of `strengths`.
     """
 
     player: str
@@ -55,12 +47,12 @@ class Standing(NamedTuple):
 
     @property
     def rank(self) -> str:
-        """The rank, or the ranks that it may be."""
+        """The rank, or the range of possible ranks, such as ``2-4``."""
         return str(self.best) if self.best == self.worst else f"{self.best}-{self.worst}"
 
 
 class Pairing(NamedTuple):
-    """How a player does against another one: the share of the points, with its 95 % interval."""
+    """A player's share of the points against another, with its 95 % interval."""
 
     share: float
     low: float
@@ -68,12 +60,9 @@ class Pairing(NamedTuple):
 
 
 class Ranking(NamedTuple):
-    """The result of a tournament.
+    """The result of a tournament, best first, ties by name; each pairing is there twice.
 
-    Attributes:
-        standings: The best first; ties by name.
-        pairings: By player and opponent; each pairing is there twice.
-        cycles: Players of which each beats the next and the last the first, beyond doubt.
+    In `cycles` each player beats the next and the last the first, beyond doubt.
     """
 
     standings: tuple[Standing, ...]
@@ -82,9 +71,9 @@ class Ranking(NamedTuple):
 
 
 def share_of_points(own: float, other: float) -> float:
-    """Return the share of the points, from 0 to 1; one half if neither has any.
+    """Return the share of the points, from 0 to 1; one half if both have none.
 
-    Where points are below 0, the lower of the two counts as 0 and the other from there.
+    If points are below 0, the lower of the two counts as 0 and the other from there.
     """
     low = min(0.0, own, other)
     own, other = own - low, other - low
@@ -92,7 +81,6 @@ def share_of_points(own: float, other: float) -> float:
 
 
 def share_of_match(result: Result, seats: Mapping[str, str], player: str) -> float:
-    """Return a player's share of a match; who forfeits has lost it."""
     lost = {seats[team] for team in result.forfeit}
     if lost:
         return 0.5 if len(lost) > 1 else float(player not in lost)
@@ -102,7 +90,7 @@ def share_of_match(result: Result, seats: Mapping[str, str], player: str) -> flo
 
 
 def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES) -> Ranking:
-    """Return the ranking by all matches that have been played from all seats."""
+    """Return the ranking by all matches that were played from all seats."""
     players = manifest.players
     pairs = [pair for pairs in manifest.rounds for pair in pairs]
     names = [player.name for player in players]
@@ -129,15 +117,7 @@ def ranking_of_shares(
     *,
     resamples: int = RESAMPLES,
 ) -> Ranking:
-    """Return the ranking of players.
-
-    Args:
-        players: Their names.
-        pairs: Who has played whom, by index.
-        shares: The share of the first of each pair, for each start: pairs x starts; NaN where a
-            match is missing.
-        resamples: Resamples of the starts for intervals.
-    """
+    """Return the ranking; `shares` are the first player's, pairs x starts, NaN where missing."""
     known = ~np.isnan(shares)
     kept = [bool(row.any()) for row in known]
     pairs = [pair for pair, keep in zip(pairs, kept, strict=True) if keep]
@@ -201,18 +181,12 @@ def _standings(
 
 
 def strengths(wins: Numbers) -> Numbers:
-    """Return the strengths that make the shares most likely, by the model of Bradley and Terry.
+    """Return maximum-likelihood strengths; 0 points is average, 400 more odds of ten to one.
 
-    Each is found by minorization and maximization (Hunter, "MM algorithms for generalized
-    Bradley-Terry models", 2004). A tenth of a drawn pairing against an average player is added to
-    what each has played, so that who lost everything has a strength, too.
-
-    Args:
-        wins: The share of the row's player against the column's, players x players; the share of a
-            pairing and that of its reverse are 1 together, and 0 where they have not met.
-
-    Returns:
-        The strengths in points: 0 is average, 400 more are odds of ten to one.
+    By the MM algorithm for the Bradley-Terry model (Hunter, "MM algorithms for generalized
+    Bradley-Terry models", 2004). A tenth of a drawn pairing against an average player is added,
+    so that losing everything has a strength. `wins`, players x players, are the row's shares
+    against the column's; both sides of a pairing add up to 1, or are 0 if they have not met.
     """
     games = wins + wins.T
     won = wins.sum(axis=1) + _PRIOR / 2
@@ -228,7 +202,6 @@ def strengths(wins: Numbers) -> Numbers:
 
 
 def _cycles(ranked: list[str], beaten: set[tuple[str, str]]) -> tuple[tuple[str, str, str], ...]:
-    """Return all cycles of three, from their best player on."""
     found = []
     for a, b, c in combinations(ranked, 3):
         if (a, b) in beaten and (b, c) in beaten and (c, a) in beaten:

@@ -23,7 +23,6 @@ _HEAD = ("rank", "player", "share", "95 % interval", "strength", "opponents", "r
 
 
 def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
-    """Return the ranking as texts, under `_HEAD`."""
     lost = {player.name: player.lost for player in manifest.players}
     return [
         (
@@ -40,7 +39,6 @@ def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
 
 
 def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Return the ranking, the matrix of pairs, and the cycles in it, for a terminal."""
     ranking = ranking_of(manifest, ledger)
     lines = _aligned([_HEAD, *_rows(manifest, ranking)], left=(1, len(_HEAD) - 1))
     names = [each.player for each in ranking.standings]
@@ -72,7 +70,6 @@ def _cycle_text(cycle: Sequence[str]) -> str:
 
 
 def _aligned(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
-    """Return rows with their columns aligned, some to the left and the others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(
@@ -84,7 +81,6 @@ def _aligned(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
 
 
 def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -> list[str]:
-    """Return the parts of the report, as HTML."""
     ranking = ranking_of(manifest, ledger)
     names = [each.player for each in ranking.standings]
     parts = ["<h2>Ranking</h2>" + as_table(_HEAD, _rows(manifest, ranking))]
@@ -112,11 +108,7 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
 
 
 def export_tournament(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
-    """Write ranking and pairs as CSV; return the names of the files.
-
-    Raises:
-        InputError: A file can't be written.
-    """
+    """Write ranking and pairs as CSV; return the names of the files, or raise InputError."""
     ranking = ranking_of(manifest, ledger)
     lost = {player.name: player.lost for player in manifest.players}
     names = [each.player for each in ranking.standings]

@@ -57,14 +57,7 @@ _MOST_DIAGNOSTICS = 25
 
 
 def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict[str, exp.Query]]:
-    """Compile a program and all its predicates.
-
-    Returns:
-        The program, and the trees of its statements by their texts.
-
-    Raises:
-        ProgramError: The program has errors; holds all that can be found at once.
-    """
+    """Compile a program; return it and its statements' trees by text; raise ProgramError."""
     source = prepare(text)
     parsed = parse(source)
     found = check(parsed, text, runs)
@@ -141,7 +134,6 @@ def statements_of(
 
 
 def _refuse(found: list[Diagnostic]) -> None:
-    """Raise an error if there is one among the diagnostics."""
     if any(problem.severity == "error" for problem in found):
         wrong = {(p.line, p.column) for p in found if p.severity == "error"}
         found = [p for p in found if p.severity == "error" or (p.line, p.column) not in wrong]
@@ -161,7 +153,6 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         super().__init__(rules, **options)
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
-        """Return each recursive predicate's steps, and a query for whether more would matter."""
         checks = {
             name: (steps, growth_check(statements[name], name, steps))
             for name, steps in self.steps.items()
@@ -173,11 +164,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
-        """Return the SQL of a predicate, with DuckDB's types.
-
-        Raises:
-            Exception: The package's exceptions, if it can't be compiled.
-        """
+        """Return a predicate's SQL with DuckDB's types; raise the package's exceptions."""
         if any(fixpoint.name == name for fixpoint in self.fixpoints):
             sql = f"SELECT * FROM {name}"  # noqa: S608 - a name
         else:
@@ -188,7 +175,6 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         return text
 
     def _steps(self) -> dict[Fixpoint, str]:
-        """Return the query for a step of each recursion that is computed by iterating."""
         if not self._step_queries:
             self._step_queries = {
                 fixpoint: super(RobotProgram, self).FormattedPredicateSql(fixpoint.step)
@@ -215,7 +201,6 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
 
 def _endless(error: BaseException, program: Sequence[Statement], text: str) -> Diagnostic | None:
-    """Return the diagnostic for a recursion without a start, at the predicate that is recursive."""
     if "nothing to start from" not in error_messages.plain_message(error):
         return None
     own = definitions(program)
@@ -229,7 +214,6 @@ def _endless(error: BaseException, program: Sequence[Statement], text: str) -> D
 def _compile_predicates(
     compiled: RobotProgram, program: Sequence[Statement], source: Prepared, report: Report
 ) -> tuple[dict[str, str], list[Predicate], list[Diagnostic]]:
-    """Return SQL by predicate, all predicates, and the errors if `Robot` can't be compiled."""
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
@@ -268,7 +252,6 @@ def _computed_in_query(statement: Statement) -> Statement:
 def _take_visibility(
     program: Sequence[Statement], text: str
 ) -> tuple[list[Statement], dict[str, Any], list[Diagnostic]]:
-    """Separate ``@Visible``, which the package does not know, and annotations without effect."""
     visibility: dict[str, Any] = {}
     rest: list[Statement] = []
     problems = []
@@ -299,7 +282,6 @@ def _lacks_arguments(error: BaseException, rules: Sequence[Rule | Functor]) -> b
 
 
 def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
-    """Return for each of the program's predicates those that it mentions, in order."""
     own = definitions(program)
     library = (name for name in definitions(prelude()) if name.isidentifier())
     known = {*own, *INPUTS, *library}
@@ -317,7 +299,6 @@ def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
 
 
 def _needed(uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the predicates with rows that `Robot` uses, each after those it uses, `Robot` last."""
     ordered: list[str] = []
     seen = set()
 

@@ -22,7 +22,6 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
     """SQLite with DuckDB's division, no errors on null, and only our own functions."""
 
     def BuiltInFunctions(self) -> dict[str, str | None]:
-        """Return functions by Logica name, as SQL templates."""
         functions: dict[str, str | None] = dict(super().BuiltInFunctions())
         functions.update(
             {
@@ -58,7 +57,6 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         return functions
 
     def InfixOperators(self) -> dict[str, str]:
-        """Return operators by Logica name, as SQL templates."""
         return {
             **super().InfixOperators(),
             "/": "divide(%s, %s)",
@@ -82,10 +80,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
         return ""
 
     def DecorateCombineRule(self, rule: dict[str, Any], var: str) -> dict[str, Any]:
-        """Tie an aggregated expression to its own subquery, as the package does.
-
-        The pair `argument -> value` is tied in parts, so that it need never be built.
-        """
+        """Tie an aggregated expression to its subquery; for `argument -> value`, its parts."""
         tied = tie_pair(rule, var)
         decorated: dict[str, Any] = tied or super().DecorateCombineRule(rule, var)
         return decorated

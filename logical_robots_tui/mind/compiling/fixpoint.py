@@ -1,8 +1,7 @@
 """Recursion by iterating to a fixed point.
 
-The package unrolls a recursion, and a step that mentions its predicate twice doubles the SQL with
-each step. Here the step is compiled once, over the rows of the previous step, which pass through
-one recursive query as a list::
+The package unrolls a recursion; a step that mentions its predicate twice doubles the SQL
+each time. Here the step is compiled once; one recursive query passes its rows as a list::
 
     WITH RECURSIVE
     t_0_steps_of_T AS (
@@ -47,12 +46,10 @@ class Fixpoint:
 
     @property
     def before(self) -> str:
-        """The predicate with the rows of the previous step."""
         return f"{self.name}_LastStep"
 
     @property
     def step(self) -> str:
-        """The predicate that computes the rows of a step."""
         return f"{self.name}_NextStep"
 
 
@@ -105,7 +102,7 @@ def _depth(name: str, annotations: Sequence[Annotation]) -> int:
 
 
 def _circle(name: str, uses: Mapping[str, set[str]], without: str = "") -> set[str]:
-    """Return the predicates in a recursion with one, including itself if it is recursive."""
+    """Return the predicates mutually recursive with one, itself included, or none."""
     below = _below(name, uses, without)
     return {other for other in below if name in _below(other, uses, without)}
 
@@ -122,7 +119,7 @@ def _below(name: str, uses: Mapping[str, set[str]], without: str) -> set[str]:
 
 
 def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool:
-    """Return whether a recursion has something to start from."""
+    """Return whether a recursion has a base case."""
     begun: set[str] = set()
     while True:
         waiting = circle - begun
@@ -135,7 +132,6 @@ def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool
 
 
 def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
-    """Return copies of a recursion's rules that compute a step from the previous one."""
     copies = {name: f"{name}_For_{fixpoint.step}" for name in circle}
     heads = {**copies, fixpoint.name: fixpoint.step}
     calls = {**copies, fixpoint.name: fixpoint.before}
@@ -146,12 +142,7 @@ def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -
 
 
 def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:
-    """Return a statement with named queries for predicates that are computed by iterating.
-
-    Args:
-        statement: A generated query.
-        steps: Generated queries for a step, each after those that it uses.
-    """
+    """Add the named queries of iterated predicates; `steps` are in order of dependency."""
     if not any(fixpoint.name in statement for fixpoint in steps):
         return statement
     tree = sql.parse(statement)
@@ -181,14 +172,13 @@ def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, str]) -> exp.Query:
 
 
 def _read_instead(tree: exp.Query, name: str, other: str) -> None:
-    """Make a query read another table under the same alias."""
     for table in list(tree.find_all(exp.Table)):
         if table.name == name:
             table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
 
 
 def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
-    """Return the named queries for the steps of a recursion and for its final rows."""
+    """Return the common table expressions for a recursion's steps and its final rows."""
     columns = _columns(step)
     name, before = f"{STEPS}{fixpoint.name}", f"t_0_before_{fixpoint.name}"
     _read_instead(step, fixpoint.before, before)
@@ -217,13 +207,11 @@ def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
 
 
 def _rows(columns: list[str], listed: str) -> str:
-    """Return a query for the rows in a list of lists."""
     values = (f"json_extract(listed.value, '$[{n}]') AS {c}" for n, c in enumerate(columns))
     return f"SELECT {', '.join(values)} FROM json_each({listed}) AS listed"  # noqa: S608 - our own SQL
 
 
 def _columns(query: Any) -> list[str]:
-    """Return the names of a query's columns, as in SQL."""
     while isinstance(query, exp.Subquery | exp.SetOperation) or query.is_star:
         query = query.args["from_"].this if isinstance(query, exp.Select) else query.this
     return [sql.written(item.args["alias"]) for item in query.expressions]
@@ -233,16 +221,7 @@ _PIECE = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"|[()]|\bSELECT\b")
 
 
 def growth_check(statement: str, predicate: str, steps: int) -> str:
-    """Return a query for 1 if the last step of a recursion still changed something, else 0.
-
-    Args:
-        statement: The compiled query of the predicate, ``WITH <steps> SELECT <last step>``.
-        predicate: The recursive predicate.
-        steps: How many times it was unrolled.
-
-    Returns:
-        SQL, or "" if the steps can't be identified.
-    """
+    """Return a query for whether the last unrolled step changed anything, or "" if unknown."""
     if not statement.startswith("WITH "):
         return ""
     before = rf"\b(t_\d+_{re.escape(predicate)}_f?r{steps - 1}) AS \("

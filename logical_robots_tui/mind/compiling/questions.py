@@ -1,7 +1,6 @@
-"""Questions about a program: a call, an expression, conditions, or rules. In the compile process.
+"""Questions about a program: a call, an expression, conditions, or rules.
 
-A question becomes a rule after the program's own, on separate lines, so that diagnostics have their
-place in what was typed.
+A question becomes a rule on lines after the program, so that diagnostics refer to its text.
 """
 
 from __future__ import annotations
@@ -53,11 +52,7 @@ Gives: TypeAlias = Literal["rows", "value", "truth"]
 
 
 def compile_question(text: str, query: str) -> Question:
-    """Compile a question about a program.
-
-    Raises:
-        ProgramError: The query has errors; the diagnostics refer to its lines and columns.
-    """
+    """Compile a question; a ProgramError refers to the query's lines and columns."""
     source = prepare(query)
     if source.problems:
         raise ProgramError(source.problems)
@@ -89,7 +84,6 @@ def compile_question(text: str, query: str) -> Question:
 
 
 def _names() -> Iterator[str]:
-    """Yield names for the question's predicate, until one is free."""
     yield "Asked"
     yield from (f"Asked{number}" for number in itertools.count(2))
 
@@ -114,7 +108,7 @@ def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
 
 
 def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
-    """Return a diagnostic of the whole text at its place in the query, or at the query's start."""
+    """Move a diagnostic of the whole text into the query, to its start if it is outside."""
     line = diagnostic.line - first + 1
     if 1 <= line <= query.count("\n") + 1:
         return replace(diagnostic, line=line)
@@ -122,11 +116,7 @@ def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
 
 
 def _defined(source: Prepared, own: Own) -> str:
-    """Return the last predicate that a query defines.
-
-    Raises:
-        ProgramError: The query can't be parsed, or redefines a predicate of the program.
-    """
+    """Return the last predicate that a query defines; it may not redefine the program's."""
     parsed = parse(source)
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
@@ -142,7 +132,7 @@ def _defined(source: Prepared, own: Own) -> str:
 
 
 def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
-    """Return the text before and after a query that makes it a rule, and the kind of its result."""
+    """Return the text that makes a query a rule, before and after it, and its result kind."""
     try:
         body = parse_proposition(source)
     except error_messages.COMPLAINTS as error:
@@ -165,7 +155,6 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
 
 
 def _value_frame(name: str, left_open: Sequence[str]) -> tuple[str, str, Gives]:
-    """Return the text before and after an expression, and the kind of its result."""
     if not left_open:
         return f"{name}(value:", ")", "value"
     return f"{name}(value:", f", robot_name:) :- {_supplied(left_open)}", "value"
@@ -176,7 +165,7 @@ def _columns(variables: Iterable[str]) -> str:
 
 
 def _open_inputs(asked: Expression | Proposition) -> list[str]:
-    """Return the columns of the inputs that a question uses as variables and gives no value."""
+    """Return the input columns that a question uses as unbound variables."""
     given = set()
     for node in walk(asked):
         if isinstance(node, Membership):
@@ -188,7 +177,6 @@ def _open_inputs(asked: Expression | Proposition) -> list[str]:
 
 
 def _supplied(left_open: Sequence[str]) -> str:
-    """Return calls that give the inputs' columns the values of each robot."""
     calls = [
         f"{name}({_columns(columns)})"
         for name, columns in INPUTS.items()
@@ -198,7 +186,7 @@ def _supplied(left_open: Sequence[str]) -> str:
 
 
 def _is_value(body: Proposition, own: Own) -> bool:
-    """Return whether a possible condition is meant as an expression: a function or calculation."""
+    """Return whether a possible condition is meant as a value: a function or calculation."""
     name = body.name if isinstance(body, Atom) else ""
     if name in own:
         return any(isinstance(each, Rule) and each.head.column(VALUE) for each in own[name])

@@ -1,8 +1,7 @@
 """The compile process: reads a program per line, writes its compiled form per line.
 
-It ends when its standard input is closed, even in the middle of a program. Before the first
-program it gives up all permissions that compiling does not need: it can't open or write files, or
-start processes.
+It ends when its standard input is closed, even while compiling. Before the first program it
+gives up the permissions to open or write files and to start processes.
 """
 
 from __future__ import annotations
@@ -175,8 +174,8 @@ _JOBS: Mapping[str, Job] = {"constants": _settle, "query": _ask}
 def _try_out(program: Program) -> None:
     """Refuse a program whose statements SQLite can't prepare in reasonable time.
 
-    SQLite inlines named subqueries before it checks for interrupts, so this is done here, where the
-    process can be killed, and not while the robots wait.
+    SQLite inlines named subqueries before it checks for interrupts, so this is done here, where
+    the process can be killed.
     """
     if sum(map(len, program.statements.values())) > _MOST_SQL:
         raise _tangled()
@@ -201,7 +200,6 @@ def _try_out(program: Program) -> None:
 
 
 def _tuned(program: Program, trees: dict[str, exp.Query]) -> Program:
-    """Return the program with tuned queries beside its own, where SQLite can prepare them."""
     order = sorted(program.statements, key=lambda name: name not in program.needed)
     statements = {
         "Robot": program.statements["Robot"],
@@ -212,13 +210,7 @@ def _tuned(program: Program, trees: dict[str, exp.Query]) -> Program:
 
 
 def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
-    """Return the question with a tuned query beside its own, where SQLite can prepare it.
-
-    Args:
-        question: The question.
-        columns: For each table, the columns that the program's queries read, including those of the
-            question, so that one table serves all.
-    """
+    """Add a tuned query for a table with the given columns, if SQLite can prepare it."""
     tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True)
     found = {} if tuned is None else prepared({"": tuned})
     return replace(question, tuned=found.get(""))

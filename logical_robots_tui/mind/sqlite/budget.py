@@ -1,7 +1,4 @@
-"""Limiting work: steps and bytes decide when a query ends, and a thread enforces a time limit.
-
-Each call of a function is kept short by limits on what it takes and builds, and charged for.
-"""
+"""Limiting work: steps and bytes end a query, and a thread enforces a time limit."""
 
 from __future__ import annotations
 
@@ -48,18 +45,7 @@ class Budget:
 
 
 class Work:
-    """Work that can be halted from outside.
-
-    Args:
-        halt: Ends the work; called in another thread repeatedly until the work has ended.
-        most_bytes: The most that its aggregates may hold at a time.
-
-    Attributes:
-        steps: Steps left.
-        bytes: Bytes left for its aggregates.
-        is_full: Whether the aggregates needed more since it began.
-        halted: Whether the work was told to end since it began.
-    """
+    """Work that can be halted: `halt` is called in another thread repeatedly until it ends."""
 
     __slots__ = ("_budget", "_halt", "_most_bytes", "_stop", "bytes", "halted", "is_full", "steps")
 
@@ -72,7 +58,6 @@ class Work:
         self.is_full = self.halted = False
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
-        """Start watching."""
         self._budget = budget
         self._stop = stop
         self.steps = budget.steps
@@ -81,7 +66,6 @@ class Work:
         _watcher.add(self)
 
     def end(self) -> None:
-        """Stop watching; afterwards the work is not halted any more."""
         _watcher.remove(self)
         self._budget.steps, self.steps = self.steps, _UNCOUNTED
 
@@ -92,11 +76,10 @@ class Work:
 
     @property
     def is_over(self) -> bool:
-        """Return whether the work was halted or has used up its steps."""
         return self.halted or self.steps < 0
 
     def count(self) -> bool:
-        """Count some steps of the virtual machine, and return whether to end."""
+        """Count some steps of the virtual machine; return whether to stop."""
         self.steps -= STEPS_AT_ONCE
         return self.steps < 0
 
@@ -114,7 +97,7 @@ class Work:
             raise TooLargeError("the aggregates hold too much")
 
     def look(self, seconds: float) -> None:
-        """Halt the work if due, so many processor seconds after the last look."""
+        """Halt the work if its time is up; `seconds` is the processor time since the last call."""
         self._budget.seconds -= seconds
         if self._budget.seconds < 0:
             self._budget.is_late = True
@@ -124,7 +107,7 @@ class Work:
 
 
 class _Watcher:
-    """The watching thread and the work that it watches."""
+    """The thread that watches, and the work that it watches."""
 
     def __init__(self) -> None:
         self.reset()
@@ -206,13 +189,11 @@ class TooLargeError(OverflowError):
 
 
 def check_items(count: float, most: int = MAX_ITEMS) -> None:
-    """Raise TooLargeError if a list has too many items."""
     if count > most:
         raise TooLargeError(f"a list of {count:,} items")
 
 
 def check_text(length: int) -> None:
-    """Raise TooLargeError if a text is too long."""
     if length > MAX_TEXT:
         raise TooLargeError(f"a text of {length:,} characters")
 
@@ -225,15 +206,7 @@ def charged(
     checks: bool = False,
     extra: Callable[..., int] | None = None,
 ) -> Callable[..., Any]:
-    """Return a function that is charged for: its calls, and the characters it takes and returns.
-
-    Args:
-        function: The function.
-        work: What it is charged to.
-        null_safe: Whether null in is null out.
-        checks: Whether it refuses arguments that hold too many items.
-        extra: Further steps of a call with these arguments.
-    """
+    """Charge a function for calls and for the characters that it takes and returns."""
 
     def charged_function(*arguments: Any) -> Any:
         steps = STEPS_OF_A_CALL
@@ -258,11 +231,7 @@ def charged(
 
 
 class Aggregate(Protocol):
-    """An aggregate, which says what it holds.
-
-    Attributes:
-        compares: Whether each step compares its values with what the aggregate holds.
-    """
+    """An aggregate; `compares` if each step compares its values with those held."""
 
     compares: ClassVar[bool]
 
@@ -275,12 +244,7 @@ class Aggregate(Protocol):
 
 
 class ChargedAggregate:
-    """An aggregate that is charged for: its steps, and what it holds.
-
-    Args:
-        make: Makes the aggregate.
-        work: What it is charged to.
-    """
+    """Charges an aggregate for its steps and for the bytes that it holds."""
 
     __slots__ = ("_aggregate", "_held", "_work")
 
@@ -290,7 +254,6 @@ class ChargedAggregate:
         self._held = 0
 
     def step(self, *arguments: Any) -> None:
-        """Take a row."""
         steps = STEPS_OF_A_CALL + sum([len(a) for a in arguments if a.__class__ is str])
         if self._aggregate.compares:
             steps += self._held // _BYTES_OF_A_STEP
@@ -300,7 +263,7 @@ class ChargedAggregate:
         self._work.hold(grown)
 
     def finalize(self) -> Any:
-        """Return the result, and hold nothing more."""
+        """Return the result, and release the bytes held."""
         self._work.charge(STEPS_OF_A_CALL + self._held // _BYTES_OF_A_STEP)
         result = self._aggregate.finalize()
         self._work.hold(-self._held)
@@ -324,7 +287,7 @@ class Room:
         self._characters = 0
 
     def take(self, value: Any, items: int = 1) -> int:
-        """Count a value, and return its bytes as objects; raise TooLargeError if it is too much."""
+        """Count a value; return its bytes as an object. Raises TooLargeError if it is too much."""
         self._items += items
         self._size += items
         check_items(self._items)

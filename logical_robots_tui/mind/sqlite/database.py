@@ -57,10 +57,7 @@ class TooMuchError(Exception):
 
 
 class Database:
-    """A private in-memory SQLite with the tables of a layout.
-
-    Use it from one thread at a time.
-    """
+    """A private in-memory SQLite with the tables of a layout; for one thread at a time."""
 
     def __init__(self, limits: Limits | None = None, layout: Layout = PLAIN_LAYOUT) -> None:
         self._limits = limits or Limits()
@@ -103,11 +100,7 @@ class Database:
         sensors: Sequence[tuple[str, Any]],
         memories: Sequence[tuple[str, Any]],
     ) -> None:
-        """Replace the rows of ``Sensor`` and ``Memory`` in the plain layout, as SQLite values.
-
-        Raises:
-            TooMuchError: A value is too large.
-        """
+        """Replace ``Sensor`` and ``Memory`` in the plain layout; TooMuchError for large values."""
         self.fill("Sensor", (("INSERT INTO Sensor VALUES (?, ?)", sensors),))
         self.fill("Memory", (("INSERT INTO Memory VALUES (?, ?)", memories),))
 
@@ -196,11 +189,7 @@ class Database:
                 self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, self._limits.value_bytes)
 
     def define(self, table: str, columns: Sequence[str], rows: Sequence[Sequence[Scalar]]) -> None:
-        """Fill an additional table that queries may read, and create it if necessary.
-
-        Raises:
-            TooMuchError: There is not enough memory.
-        """
+        """Fill a table, created if necessary, that queries may read; raise TooMuchError."""
         self._trusted = True
         connection = self._connection
         quoted = (name.replace('"', '""') for name in columns)
@@ -217,23 +206,17 @@ class Database:
             raise self._too_much(error) from None
 
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
-        """Register another function for queries, once; its errors and steps count as theirs."""
+        """Register a function for queries, once; its errors and steps count as the query's."""
         if name not in self._offered:
             self._connection.create_function(name, arguments, charged(function, self._work))
             self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
-        """Let SQLite compile a query, without running it.
-
-        Raises:
-            sqlite3.Error: It can't be compiled, or uses something that is not allowed.
-            MemoryError: There is not enough memory.
-        """
+        """Compile a query without running it; raise sqlite3.Error or MemoryError."""
         self._trusted = False
         self._connection.execute(f"EXPLAIN {sql}", parameters).close()
 
     def close(self) -> None:
-        """Close the database."""
         self._connection.close()
 
     # -- inside --------------------------------------------------------------------------------
@@ -259,7 +242,6 @@ class Database:
         return columns, rows
 
     def _text(self, raw: bytes) -> str:
-        """Return a text of the result, counted while it is fetched."""
         self._bytes += len(raw)
         if self._bytes > self._most_bytes:
             raise self._too_many()
@@ -282,8 +264,7 @@ class Database:
     def _halt(self) -> None:
         """End the running query, from another thread.
 
-        SQLite checks for an interrupt once per row. To end a row of many slow steps as well, texts
-        are limited to almost nothing.
+        SQLite checks for interrupts once per row; a tiny limit on texts ends long rows, too.
         """
         self._connection.interrupt()
         self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _HALTED_LENGTH)
@@ -296,7 +277,7 @@ class Database:
         _database: str | None,
         _trigger: str | None,
     ) -> int:
-        """Return what a statement may do; SQLite asks while it prepares it."""
+        """Return what a statement may do; SQLite calls this while it prepares the statement."""
         if self._trusted or action in _ALLOWED_ACTIONS:
             return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_READ and first is not None:

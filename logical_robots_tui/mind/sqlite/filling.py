@@ -57,11 +57,7 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
 
 
 def whole_ray(moment: Moment, number: int | None) -> str | None:
-    """Return the JSON text of a ray of a moment.
-
-    Raises:
-        IndexError, KeyError, TypeError: There is no such ray.
-    """
+    """Return a ray as JSON; IndexError, KeyError or TypeError if there is none."""
     if number is None:
         return None
     robot, ray = divmod(number, RAYS)
@@ -121,7 +117,6 @@ def _memories(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
 
 @cache
 def _memory_columns(columns: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
-    """Return the statement that inserts a memory, and the fields in it; "" for the whole memory."""
     pairs = [column.partition("=") for column in columns if column != "robot_name"]
     names = ("robot_name", *(name for name, _, _ in pairs))
     return insert_into("Memory", names), tuple(field for _, _, field in pairs)
@@ -198,11 +193,7 @@ def _item_columns(columns: tuple[str, ...]) -> list[tuple[int, str, str, tuple[s
 
 
 def _list_in(field: str, memory: Any) -> list[Any] | None:
-    """Return a list in a memory.
-
-    Raises:
-        ValueError: It is not a list.
-    """
+    """Return a list in a memory; raise ValueError for any other value."""
     found = _field_of(field, memory)
     if found is not None and found.__class__ is not list:
         raise ValueError("not a list")
@@ -210,11 +201,7 @@ def _list_in(field: str, memory: Any) -> list[Any] | None:
 
 
 def _records(found: list[Any], keys: tuple[str, ...]) -> Sequence[Sequence[Any]]:
-    """Return the values of some fields of each record in a list.
-
-    Raises:
-        ValueError: It contains texts, which only SQLite can interpret.
-    """
+    """Return field values of records; ValueError for texts, which only SQLite can interpret."""
     if str in map(type, found):
         raise ValueError("not a list of records")
     nothing = [None] * len(keys)
@@ -263,12 +250,7 @@ _MOST_VALUES = 900  # per statement
 
 
 class Radars:
-    """The content of the table ``Ray`` of a database.
-
-    Args:
-        frozen: Whether nobody changes a sensor; then a radar that is the same object as before has
-            the same rays, as for a stationary robot.
-    """
+    """The table ``Ray``; if `frozen`, a radar that is the same object keeps its rays."""
 
     def __init__(self, *, frozen: bool) -> None:
         self._frozen = frozen
@@ -276,17 +258,7 @@ class Radars:
         self._there: list[list[Any]] = []
 
     def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
-        """Replace the rays of radars that changed.
-
-        Args:
-            database: The same as before, unless `forget` was called.
-            moment: The moment.
-            columns: The columns to fill besides ``id``, in alphabetical order.
-
-        Raises:
-            ValueError: The radars don't all have as many rays as the first, or have too many.
-            Exception: The exceptions of `Database.fill`, or a ray has another shape.
-        """
+        """Replace the rays of changed radars; ValueError if their numbers of rays differ."""
         radars = [row["sensor"]["radar"] for row in moment.sensors]
         usual = len(radars[0])
         values = usual * (1 + len(columns))
@@ -309,7 +281,6 @@ class Radars:
         self._numbers, self._there = numbers, radars
 
     def forget(self) -> None:
-        """Start again with an empty table."""
         self._numbers, self._there = None, []
 
 
@@ -317,10 +288,7 @@ class Radars:
 def _insert_rays(
     columns: tuple[str, ...], rays: int
 ) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
-    """Return a statement for one radar, and the function that reads the columns from a ray.
-
-    The statement takes the first number, then the values column by column.
-    """
+    """Return a statement for a radar (first number, then values by column) and a ray's reader."""
     rows = (
         ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
         for ray in range(rays)

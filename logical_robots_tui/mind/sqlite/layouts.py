@@ -1,7 +1,4 @@
-"""The tables of a mind's databases, and what a program's SQL may use.
-
-There are the tables that programs know, and tuned ones with the same content.
-"""
+"""The plain and tuned tables of a mind's databases, and what a program's SQL may use."""
 
 from __future__ import annotations
 
@@ -59,12 +56,7 @@ ITEMS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The tables of a database.
-
-    Attributes:
-        script: SQL that creates them.
-        readable: Lower-case names of everything that a query may read.
-    """
+    """The SQL that creates tables, and the lower-case names that queries may read."""
 
     script: str
     readable: frozenset[str]

@@ -19,13 +19,7 @@ if TYPE_CHECKING:
 
 
 class View(NamedTuple):
-    """Robots that think alike, and the rows of a moment that they see.
-
-    Attributes:
-        viewers: Names of the robots.
-        sensors: Numbers of the first and the last sensor row.
-        memories: Numbers of the first and the last memory row.
-    """
+    """Robots that think alike, and the first and last numbers of the rows that they see."""
 
     viewers: tuple[str, ...]
     sensors: tuple[int, int]
@@ -33,22 +27,14 @@ class View(NamedTuple):
 
 
 class Moment:
-    """The sensors and memories of one tick, with the rows that a robot sees next to each other.
-
-    Args:
-        rows: Sensor rows.
-        memories: Each robot's memory, by name; null if missing.
-        memory: Whose memories a robot sees: ``own``, ``seen`` or ``all``.
-        sensor: Whose sensors it sees: ``own`` or ``all``.
+    """The sensors and memories of one tick; the rows that a robot sees are adjacent.
 
     Attributes:
         sensors: The sensor rows, numbered from 0.
         names: Names of the robots, in the same order.
-        remembered: Each robot's memory, by name.
-        memories: Ascending numbers and names of the visible memories: robot m's memory, as seen by
-            robot n, has number n * `stride` + m.
+        memories: Ascending numbers and names of the visible memories: robot m's memory, as
+            seen by robot n, has number n * `stride` + m.
         stride: The number of robots; 0 if all see the same memories.
-        views: The views.
         apart: Whether each robot sees only its own sensor.
     """
 
@@ -87,7 +73,6 @@ class Moment:
             ]
 
     def rays_to(self, kind: str) -> Sequence[Sequence[tuple[int, Mapping[str, Any]]]]:
-        """Return for each robot the numbered rays of its radar that end at a kind of object."""
         found = self._rays_to.get(kind)
         if found is None:
             if self._objects is None:
@@ -99,13 +84,11 @@ class Moment:
         return found
 
     def one_by_one(self, view: View) -> Iterator[View]:
-        """Yield a view for each robot alone, without the rows of the others."""
         for name in view.viewers if len(view.viewers) > 1 else ():
             number = next(i for i, row in enumerate(self.sensors) if row["robot_name"] == name)
             yield View((name,), (number, number), (number, number))
 
     def _met(self) -> list[tuple[int, str]]:
-        """Return the memories that each robot sees if it sees those of robots on its radar."""
         names = self.names
         numbers = {name: number for number, name in enumerate(names)}
         found = []
@@ -121,7 +104,6 @@ _OBJECT = itemgetter("object")
 def _picked(
     kind: str, objects: Sequence[Any], row: SensorRow
 ) -> Sequence[tuple[int, Mapping[str, Any]]]:
-    """Return the numbered rays of a radar that end at a kind of object."""
     radar = row["sensor"]["radar"]
     return [(n, radar[n]) for n, found in enumerate(objects) if found == kind]
 
@@ -170,7 +152,6 @@ class Within:
 
     @classmethod
     def of_thought(cls, limits: Limits) -> Within:
-        """Return the budget of a think."""
         steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
         return cls(steps, seconds, rows, None, weight=limits.think_weight)
 
@@ -178,17 +159,15 @@ class Within:
     def of_query(
         cls, limits: Limits, rows: int, stop: threading.Event | None, *, cut: bool = True
     ) -> Within:
-        """Return the budget of a query that shows so many rows."""
         steps, seconds = limits.query_steps, limits.query_seconds
         return cls(steps, seconds, rows, stop, cut=cut, weight=limits.think_weight)
 
     @property
     def is_close(self) -> bool:
-        """Return whether so little is left that the count must be exact to find who exceeded it."""
+        """Return whether so little is left that only an exact count can find the cause."""
         return not self.anew and self.budget.steps < self.steps * _CLOSE
 
     def renew(self) -> None:
-        """Reset the budget."""
         self._left = self.weight
         self.budget = Budget(self.steps, self.seconds)
 
@@ -197,12 +176,7 @@ class Within:
         return replace(self, seconds=max(self.budget.seconds, 0.0), anew=True)
 
     def each(self, row: Sequence[Any]) -> Sequence[Any]:
-        """Return the row, unless the work must end.
-
-        Raises:
-            Stopped: The caller stopped it.
-            TooHeavyError: All rows together take too much memory as objects.
-        """
+        """Return the row, or raise Stopped or TooHeavyError (bytes of all rows together)."""
         if self.stop is not None and self.stop.is_set():
             raise Stopped("The program was stopped while its answer was read.")
         self._left -= weight_of_row(row)

@@ -1,7 +1,4 @@
-"""Values as SQLite stores them: records and lists are JSON text.
-
-For callers who never change a record or list, equal ones stay the same objects.
-"""
+"""Values as SQLite stores them: records and lists are JSON text."""
 
 from __future__ import annotations
 
@@ -36,12 +33,11 @@ _encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
 
 
 def to_json(value: Any) -> str:
-    """Return the JSON text of a value."""
     return _encode(value)
 
 
 def to_input(value: Any) -> str:
-    """Return a sensor or memory as JSON text: faster, and numbers that JSON lacks become null."""
+    """Return a sensor or memory as JSON text, fast; numbers that JSON lacks become null."""
     try:
         return orjson.dumps(value).decode()
     except TypeError:
@@ -61,7 +57,6 @@ def size_of(value: Value) -> int:
 
 
 def to_sql(value: Value) -> int | float | str | None:
-    """Return a value as stored in a table: records and lists as JSON text."""
     if isinstance(value, int) and not -_LARGEST <= value < _LARGEST:
         return float(value) if abs(value) < _LARGEST**16 else None
     if value is None or isinstance(value, int | float | str):
@@ -70,11 +65,7 @@ def to_sql(value: Value) -> int | float | str | None:
 
 
 def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
-    """Return a value from a table, with JSON text parsed.
-
-    Raises:
-        TooDeepError: They are nested too deeply.
-    """
+    """Return a value from a table, with JSON text parsed; raise TooDeepError."""
     if isinstance(value, str):
         if value[:1] in ("{", "["):
             return _from_json(value, deepest)
@@ -97,16 +88,12 @@ def _from_json(text: str, deepest: int) -> Value:
 
 
 def _is_shallow(text: str, deepest: int) -> bool:
-    """Return whether JSON text is certainly not nested deeper; siblings in a list count once.
-
-    A bracket that opens right after one of its kind has closed is no deeper than that one.
-    """
+    """Return whether JSON is certainly not nested deeper than `deepest`; siblings count once."""
     opened = text.count("[") + text.count("{")
     return opened <= deepest or opened - text.count("},{") - text.count("],[") <= deepest
 
 
 def _may_hide(text: str) -> bool:
-    """Return whether JSON text may have to be examined value by value."""
     return any(map(text.__contains__, _HIDING)) or _ENDLESS.search(text) is not None
 
 
@@ -119,10 +106,9 @@ def _parsed(text: str) -> Any:
 
 
 def _unescaped(value: Any, deepest: int) -> Value:
-    """Return JSON with records and lists in texts parsed: SQLite forgets that a text is JSON.
+    """Parse records and lists in texts as well: SQLite forgets that a text is JSON.
 
-    Other constants become null; lone surrogates, and NUL, which ends a text for SQLite, become the
-    replacement character.
+    Other constants become null; lone surrogates and NUL become the replacement character.
     """
     if isinstance(value, dict):
         if deepest <= 0:
@@ -142,7 +128,6 @@ def _unescaped(value: Any, deepest: int) -> Value:
 
 
 def _whole(text: str) -> str:
-    """Return a text with lone surrogates and NUL replaced."""
     whole = text if text.isascii() else text.encode("utf-8", "replace").decode()
     return whole.replace("\0", _UNFIT)
 
@@ -157,10 +142,7 @@ _ROOM = 400_000  # characters parsed before entries that were not used meanwhile
 
 
 class Interner:
-    """Parses values from tables, for callers who never change a record or list.
-
-    Later steps can then skip values that are the same object as before.
-    """
+    """Parses values for callers that never change them; equal ones stay the same objects."""
 
     def __init__(self) -> None:
         self._now: dict[str, Value] = {}

@@ -32,8 +32,6 @@ class UnfitError(Exception):
 
 
 class PlainTables:
-    """``Sensor`` and ``Memory`` as programs know them, with the rows of one view at a time."""
-
     def __init__(self, limits: Limits) -> None:
         self._database = Database(limits, PLAIN_LAYOUT)
         self._loaded: tuple[Moment, View] | None = None
@@ -46,16 +44,11 @@ class PlainTables:
         within: Within,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
-        """Return the rows of a query over a view.
-
-        Raises:
-            Exception: The exceptions of `Database.load` and `Database.ask`.
-        """
+        """Return a query's rows; raise as `Database.load` and `Database.ask` do."""
         self._load(moment, view)
         return self._database.ask(sql, parameters, most=within.rows + 1, within=within)
 
     def _load(self, moment: Moment, view: View) -> None:
-        """Load a view, unless it is loaded."""
         loaded = None if self._database.is_empty else self._loaded
         if loaded is None or loaded[0] is not moment or loaded[1] is not view:
             self._loaded = None
@@ -79,28 +72,19 @@ class PlainTables:
         moment: Moment,
         view: View,
     ) -> None:
-        """Fill an additional table for queries over a view.
-
-        Raises:
-            TooMuchError: There is not enough memory.
-        """
+        """Fill an additional table for queries over a view; raise TooMuchError."""
         self._load(moment, view)
         self._database.define(table, columns, rows)
 
     def offer(self, name: str, function: Callable[..., Any], arguments: int) -> None:
-        """Register another function for queries."""
         self._database.offer(name, function, arguments)
 
     def close(self) -> None:
-        """Close the database."""
         self._database.close()
 
 
 class TunedTables:
-    """All rows of a moment, with sensor fields and radar rays as columns.
-
-    Only columns that are read are filled.
-    """
+    """All rows of a moment, with the sensor fields and radar rays that are read as columns."""
 
     def __init__(
         self, limits: Limits, *, frozen: bool = False, few: Layout = COLUMNS_LAYOUT
@@ -121,22 +105,13 @@ class TunedTables:
         self._unfit: tuple[Moment | None, list[Mapping[str, tuple[str, ...]]]] = None, []
 
     def ask(self, tuned: Tuned, moment: Moment, view: View, within: Within) -> Answer:
-        """Return the rows of a query over a view.
-
-        Raises:
-            UnfitError: The sensors or memories don't have the usual shape or size.
-            Exception: The exceptions of `Database.fill` and `Database.ask`.
-        """
+        """Return a query's rows; raise as `Database` does, or UnfitError for unusual data."""
         bounds = (*view.sensors, *view.memories)[: tuned.bounds]
         tuned = self.fitting(tuned, moment)
         return self._ask(tuned.sql, bounds, within.rows + 1, tuned, moment, within)
 
     def ask_together(self, tuned: Tuned, moment: Moment, within: Within, most: int) -> Answer:
-        """Return at most so many rows of a query for all views of a moment.
-
-        Raises:
-            Exception: The exceptions of `ask`.
-        """
+        """Return at most `most` rows for all views of a moment; raise as `ask` does."""
         last = len(moment.sensors) - 1
         tuned = self.fitting(tuned, moment)
         sql, bounds = tuned.for_all(alike=moment.stride == 0)
@@ -145,11 +120,9 @@ class TunedTables:
 
     @staticmethod
     def fitting(tuned: Tuned, moment: Moment) -> Tuned:
-        """Return the queries for this number of robots."""
         return tuned.for_crowd() if _is_crowd(moment) else tuned
 
     def close(self) -> None:
-        """Close the database."""
         self._database.close()
 
     def _ask(
@@ -227,7 +200,6 @@ class TunedTables:
         return whole_ray(self._moment, number)
 
     def _change_size(self) -> None:
-        """Start again with queries prepared for few robots, or for many."""
         self._is_crowd = not self._is_crowd
         self._database.close()
         self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
@@ -240,7 +212,7 @@ class TunedTables:
         self._filled = {}
 
     def _forget_all_but_names(self, moment: Moment) -> None:
-        """Forget the rows of the last moment; the names are often the same."""
+        """Delete the rows of the last moment except the names, which are often the same."""
         names = self._filled.get("Sensor")
         before = self._moment
         self._filled.clear()
@@ -260,7 +232,6 @@ def _is_crowd(moment: Moment) -> bool:
 
 
 def _exactly(items: Sequence[Filling]) -> bytes:
-    """Return a key that is equal only for identical values, including the types of numbers."""
     try:
         return marshal.dumps([[insert, rows] for insert, rows in items], _WITHOUT_REFERENCES)
     except ValueError:

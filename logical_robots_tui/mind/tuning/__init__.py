@@ -1,7 +1,6 @@
 """Tuning: rewriting the SQL of a program so that SQLite needs less time for the same rows.
 
-Rows of all robots are loaded once a tick, with sensor fields and radar rays in columns of their
-own; repeated expressions are computed once. Runs in the compile process only.
+All robots' rows are loaded once a tick, with sensor fields and radar rays as columns.
 """
 
 from logical_robots_tui.mind.tuning.columns import MemoryColumns

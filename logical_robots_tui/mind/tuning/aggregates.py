@@ -1,7 +1,6 @@
-"""Aggregates, divisions and choices in SQLite's own terms, where these mean the same.
+"""Aggregates, divisions and choices as native SQL, where it means the same.
 
-A call of a function of ours takes SQLite to Python and back, which costs more than most of what it
-computes.
+Calling a Python function from SQLite costs more than most of what it computes.
 """
 
 from __future__ import annotations
@@ -62,7 +61,6 @@ def native_arg_min(tree: exp.Expr) -> None:
 
 
 def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
-    """Yield the calls of functions in an expression, but not in selects inside it."""
     if isinstance(node, exp.Select):
         return
     if isinstance(node, exp.Anonymous):
@@ -72,7 +70,6 @@ def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
 
 
 def _is_zero(table: exp.Expr) -> bool:
-    """Return whether a source is ``JSON_EACH(JSON_ARRAY(0))``."""
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
         return False
     arguments = table.this.expressions
@@ -83,7 +80,6 @@ def _is_zero(table: exp.Expr) -> bool:
 
 
 def _tied(column: exp.Column) -> exp.Expr | None:
-    """Return the call of IIF that tests a column for 0, or None if the column is used otherwise."""
     test = column.parent
     call = test.parent if isinstance(test, exp.EQ) and test.this is column else None
     if sql.call_name(call) != "iif" or not isinstance(call, exp.Anonymous):
@@ -94,7 +90,6 @@ def _tied(column: exp.Column) -> exp.Expr | None:
 
 
 def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
-    """Return whether a tied expression has a column of the select itself, or no column at all."""
     columns = list(tied.expressions[1].find_all(exp.Column))
     if any(column.find_ancestor(exp.Select) is not select for column in columns):
         return False
@@ -103,7 +98,6 @@ def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
 
 
 def _aggregates_inside(node: exp.Expr) -> bool:
-    """Return whether anything that could be an aggregate or a select stands inside."""
     return node.find(exp.Select) is not None or any(
         sql.call_name(call) in sql.AGGREGATES for call in node.find_all(exp.Anonymous)
     )
@@ -114,10 +108,7 @@ _CHOICES = {"greatest": "MAX", "least": "MIN"}
 
 
 def native_division(tree: exp.Expr) -> None:
-    """Divide numbers natively, after a check for zero if necessary.
-
-    Our own function handles division by zero; SQLite computes a repeated sum only once.
-    """
+    """Divide natively, checking for zero if necessary; SQLite computes a repeated sum once."""
     for call in reversed(list(tree.find_all(exp.Anonymous))):  # what stands in another, first
         if sql.call_name(call) != "divide" or not all(map(_is_number, call.expressions)):
             continue
@@ -132,10 +123,7 @@ def native_division(tree: exp.Expr) -> None:
 
 
 def native_choice(tree: exp.Expr) -> None:
-    """Compute the greater or lesser of a plain value and a literal natively; null is ignored.
-
-    Of equal values our functions return the first, as SQLite's MAX does; its MIN returns the last.
-    """
+    """Use native MAX and MIN of a value and a literal; ignore null, prefer the first equal."""
     for call in reversed(list(tree.find_all(exp.Anonymous))):
         native = _CHOICES.get(sql.call_name(call))
         if native is None or len(call.expressions) != 2:
@@ -151,7 +139,6 @@ def native_choice(tree: exp.Expr) -> None:
 
 
 def _is_number(node: exp.Expr) -> bool:
-    """Return whether a value is certainly a number, or null."""
     if isinstance(node, exp.Paren | exp.Alias):
         return _is_number(node.this)
     if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
@@ -164,7 +151,6 @@ def _is_number(node: exp.Expr) -> bool:
 
 
 def _is_light(node: exp.Expr) -> bool:
-    """Return whether a value may as well be computed twice."""
     calls = node.find_all(exp.Anonymous)
     return node.find(exp.Select, exp.Case) is None and all(
         sql.call_name(call) in _NUMBERS for call in calls

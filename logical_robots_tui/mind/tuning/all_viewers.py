@@ -1,11 +1,8 @@
-"""One query for the thoughts of all robots, instead of one query a robot.
+"""One query for all robots' thinks, instead of one per robot.
 
-A tuned query has bounds for the rows that its viewer sees. Where each robot sees its own sensor
-alone, the number of the viewer is that of its sensor row. So the query can be asked for all
-viewers at once: every named query carries the number of the viewer that its rows are for, and
-what is computed from several of them takes rows of the same viewer together. A subquery that is
-computed for each viewer anyway takes the viewer's rows of what it reads; what nothing else reads is
-written into it, with the viewer's bounds.
+A tuned query is bounded to its viewer's rows. If each robot sees only its own sensor, the
+viewer's number is that of its sensor row; each named query has it as a column, and joins
+match viewers. Subqueries that are evaluated per viewer are bounded to that viewer's rows.
 """
 
 from __future__ import annotations
@@ -28,18 +25,11 @@ _UNUSUAL = ("having", "order", "limit", "offset", "windows")
 
 
 def for_all_viewers(tree: exp.Query, *, alike: bool = False) -> exp.Query | None:
-    """Return the same query for all viewers, or None if it can't be made.
+    """Return a copy of a tuned query for all viewers, or None.
 
-    Args:
-        tree: A tuned query of one viewer; it isn't changed.
-        alike: Whether all viewers see the same memories, so that what is computed from nothing
-            else is computed once for all.
-
-    Returns:
-        A query with one more column, the last, for the number of the viewer. Its parameters are
-        the numbers of the first and the last row of ``Sensor``; of the first and the last row of
-        ``Memory`` that viewer 0 sees; and how much further those of the next viewer begin, which
-        is not asked for where they are alike.
+    The last column is the viewer's number. The parameters are the first and last row of
+    ``Sensor``, those of viewer 0's ``Memory``, and, unless viewers see the same memories
+    (`alike`), the offset of the next viewer's.
     """
     if not isinstance(tree, exp.Select):
         return None
@@ -55,7 +45,7 @@ class _UnsuitableError(Exception):
 
 
 class _Lifting:
-    """Adds the viewer to a query, its named queries first."""
+    """Adds the viewer as a column to a query, its common table expressions first."""
 
     def __init__(self, tree: exp.Query, *, alike: bool) -> None:
         self._bounds = ("?1",) if alike else ("?1", "?3")
@@ -65,12 +55,7 @@ class _Lifting:
         self._often = materialized_queries(tree)
 
     def lift(self, query: exp.Expr, *, must: bool = False) -> bool:
-        """Add the viewer as last column.
-
-        Args:
-            query: The query; changed in place.
-            must: Whether to do so even if the query is the same for all viewers.
-        """
+        """Add the viewer as last column, in place, if needed or `must`."""
         if isinstance(query, exp.Subquery):
             return self.lift(query.this, must=must)
         if isinstance(query, exp.Union):
@@ -108,7 +93,6 @@ class _Lifting:
         return any(lifted)
 
     def _lift_all_columns(self, select: exp.Select, *, must: bool) -> bool:
-        """Lift ``SELECT * FROM (...)``: the viewer is among the columns of what is read."""
         sources = list(sql.sources(select).values())
         others = ("where", "group", "joins", "distinct", *_UNUSUAL)
         if len(sources) != 1 or any(select.args.get(part) for part in others):
@@ -163,13 +147,11 @@ class _Lifting:
         return isinstance(table, exp.Table) and table.name in self._dependent
 
     def _depends(self, select: exp.Select) -> bool:
-        """Return whether anything below a select is not the same for all viewers."""
         return any(True for _ in self._bounds_in(select)) or any(
             self._is_lifted(table) for table in select.find_all(exp.Table)
         )
 
     def _bounds_in(self, select: exp.Select) -> Iterator[exp.Between]:
-        """Yield the viewer's bounds in a select, but not in the queries that it reads from."""
         for node in select.find_all(exp.Between):
             if self._is_bound(node) and not _is_read_by(node, select):
                 yield node
@@ -178,7 +160,6 @@ class _Lifting:
         return isinstance(node.args["low"], exp.Var) and node.args["low"].name in self._bounds
 
     def _bind(self, select: exp.Select, leader: str, viewer: exp.Column) -> None:
-        """Let all that a select computes see what the viewer sees."""
         for bounds in list(self._bounds_in(select)):
             if bounds.this.table != leader or bounds.find_ancestor(exp.Select) is not select:
                 _narrow(bounds, viewer)
@@ -187,7 +168,7 @@ class _Lifting:
                 self._write_out(inner, viewer)
 
     def _write_out(self, select: exp.Select, viewer: exp.Column) -> None:
-        """Write the named queries that a select reads into it, where they depend on the viewer."""
+        """Inline the common table expressions of a select that depend on the viewer."""
         sources = sql.sources(select)
         if viewer.table in sources:
             raise _UnsuitableError  # here the name means something else
@@ -209,10 +190,7 @@ class _Lifting:
 
 
 def _give_row_to_each(select: exp.Select) -> None:
-    """Let a select that aggregates all its rows be a value, for there is one for each viewer.
-
-    Grouped by viewer, there would be none for a viewer without rows.
-    """
+    """Turn an aggregate over all rows into a value: grouped, a viewer without rows lacks one."""
     if select.args.get("distinct") or not all(item.alias for item in select.expressions):
         raise _UnsuitableError
     values = []
@@ -228,7 +206,6 @@ def _give_row_to_each(select: exp.Select) -> None:
 
 
 def _narrow(bounds: exp.Between, viewer: exp.Column) -> None:
-    """Turn the bounds of a viewer into those of a viewer whose number is known."""
     for side in ("low", "high"):
         bound = bounds.args[side]
         if bound.name in ("?1", "?2"):
@@ -239,7 +216,6 @@ def _narrow(bounds: exp.Between, viewer: exp.Column) -> None:
 
 
 def _read_everybody(select: exp.Select) -> None:
-    """Let a select read the viewers from their sensors, before all else."""
     items = [exp.alias_(exp.to_table("Sensor"), _EVERYBODY, table=True)]
     items += sql.sources(select).values()
     first, *rest = items
@@ -250,7 +226,6 @@ def _read_everybody(select: exp.Select) -> None:
 
 
 def _is_read_by(node: exp.Expr, select: exp.Select) -> bool:
-    """Return whether a node stands in one of the queries that a select reads from."""
     parent = node.parent
     while parent is not None and parent is not select:
         if isinstance(parent, exp.From | exp.Join) and parent.parent is select:

@@ -61,7 +61,6 @@ def merge_self_joins(tree: exp.Expr) -> None:
 
 
 def rays_as_rows(tree: exp.Expr) -> None:
-    """Read rays from a table of rays; where they must end at robots or beacons, of such rays."""
     for select in list(tree.find_all(exp.Select)):
         here = sql.sources(select)
         followers = {}
@@ -89,7 +88,6 @@ def rays_as_rows(tree: exp.Expr) -> None:
 
 
 def sensor_fields_as_columns(tree: exp.Expr) -> None:
-    """Take fields of a sensor from columns of their own."""
     for column in list(tree.find_all(exp.Column)):
         if column.name.lower() != "sensor" or not _is_table(column, "sensor"):
             continue
@@ -116,7 +114,6 @@ def bind_viewers(tree: exp.Expr) -> None:
 
 
 def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
-    """Return the columns that queries read of each input and each table of rays, beside ``id``."""
     read: dict[str, set[str]] = {}
     for tree in trees:
         for table in tree.find_all(exp.Table):
@@ -132,7 +129,6 @@ def read_by(trees: Iterable[exp.Expr]) -> dict[str, tuple[str, ...]]:
 
 
 def _same_robots(select: exp.Select) -> list[set[str]]:
-    """Return sources of a select, put together where their robot names must be equal."""
     together: list[set[str]] = []
     for condition in sql.conjuncts(select):
         if pair := _same_robot(condition):
@@ -143,7 +139,6 @@ def _same_robots(select: exp.Select) -> list[set[str]]:
 
 
 def _same_robot(condition: exp.Expr) -> set[str]:
-    """Return the sources whose robot names a condition demands to be equal."""
     sides = (condition.this, condition.expression) if isinstance(condition, exp.EQ) else ()
     if not sides or not all(isinstance(side, exp.Column) for side in sides):
         return set()
@@ -153,7 +148,6 @@ def _same_robot(condition: exp.Expr) -> set[str]:
 
 
 def _radar_of(table: exp.Expr) -> str | None:
-    """Return the name of the sensor table whose radar is unnested, if that is what it is."""
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
         return None
     arguments = table.this.expressions
@@ -166,10 +160,7 @@ def _radar_of(table: exp.Expr) -> str | None:
 
 
 def _of_one_kind(select: exp.Select, ray: str) -> str:
-    """Return the table of those rays that a select wants, if it wants one kind, or "".
-
-    The condition that says so is dropped: in that table it always holds.
-    """
+    """Return the table of the one kind of rays selected, or ""; drops the redundant condition."""
     for test in sql.conjuncts(select):
         if not isinstance(test, exp.EQ):
             continue
@@ -189,7 +180,6 @@ def _is_table(column: exp.Column, name: str) -> bool:
 
 
 def is_input(table: exp.Expr) -> bool:
-    """Return whether a source is ``Sensor`` or ``Memory``."""
     return sql.table_name(table) in _BOUNDS
 
 
@@ -211,7 +201,6 @@ def fetch_whole_rays(tree: exp.Expr) -> None:
 
 
 def _whole_rays(tree: exp.Expr) -> Iterator[tuple[exp.Column, exp.Select]]:
-    """Yield columns that are whole rays, with the select that reads the rays."""
     for column in tree.find_all(exp.Column):
         found = sql.source(column) if column.name.lower() == _WHOLE else None
         if found is not None and sql.table_name(found[1]) in _TABLES:
@@ -219,7 +208,6 @@ def _whole_rays(tree: exp.Expr) -> Iterator[tuple[exp.Column, exp.Select]]:
 
 
 def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
-    """Return whether a column is in the result of an aggregating select, not aggregated itself."""
     node: exp.Expr = column
     while node.parent is not select:
         parent = node.parent
@@ -235,19 +223,14 @@ def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class MemoryColumns:
-    """Which columns hold what of memories, for all queries of a program; added to.
-
-    Attributes:
-        fields: By name of a field of memories its column of ``Memory``.
-        items: By name of a field of records in their lists its column of ``Item``.
-    """
+    """The columns of memory fields and of list records' fields, for all queries of a program."""
 
     fields: dict[str, str] = field(default_factory=dict)
     items: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def closed(cls, read: Mapping[str, Sequence[str]]) -> MemoryColumns:
-        """Return what the columns are that are read already, with no room for more."""
+        """Return the columns that are read already, with no room for more."""
         fields, items = {}, {}
         for name in read.get("Memory", ()):
             column, _, known = name.partition("=")
@@ -263,7 +246,6 @@ class MemoryColumns:
 
 
 def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
-    """Take fields of memories from columns of their own."""
     for column in list(tree.find_all(exp.Column)):
         guarded = _field_of_memory(column)
         if guarded is None:
@@ -284,7 +266,6 @@ def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str,
 
 
 def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
-    """Return the expression that reads a field of a memory if it is a record, and the field."""
     if column.name.lower() != "memory":
         return None
     found = sql.source(column)
@@ -294,10 +275,10 @@ def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
 
 
 def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
-    """Return the expression that takes a field out of a column if that is a record, and the field.
+    """Return the Case that extracts a field of a column, and the field, or None.
 
-    It is ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``; of its two
-    mentions of the column only the second has one.
+    ``CASE WHEN JSON_VALID(column) THEN JSON_EXTRACT(column, '$.field') END``, given the second
+    mention.
     """
     call = column.parent
     branch = call.parent if sql.call_name(call) == "json_extract" and call else None
@@ -324,11 +305,7 @@ def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
 def items_as_rows(
     tree: exp.Expr, fields: Mapping[str, str], known: MutableMapping[str, str]
 ) -> tuple[str, ...]:
-    """Read records in lists of memories from a table of such records.
-
-    Returns:
-        The columns that the query reads, as `fillings` wants them.
-    """
+    """Read records in lists of memories from ``Item``; return its columns, as in `fillings`."""
     by_column = {column: name for name, column in fields.items()}
     read: set[str] = set()
     for table in list(tree.find_all(exp.Table)):
@@ -357,7 +334,6 @@ def items_as_rows(
 
 
 def _list_of(table: exp.Table) -> exp.Column | None:
-    """Return the column of a memory that a source unnests, if that is what it is."""
     arguments = table.this.expressions if sql.call_name(table.this) == "json_each" else []
     column = arguments[0] if len(arguments) == 1 else None
     if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
@@ -367,13 +343,11 @@ def _list_of(table: exp.Table) -> exp.Column | None:
 
 
 def _joins_before(select: exp.Select, table: exp.Table, memory: str) -> bool:
-    """Return whether a select, or an outer one, reads a memory before a list in it."""
     names = list(sql.sources(select))
     return memory not in names or names.index(memory) < names.index(table.alias_or_name)
 
 
 def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -> None:
-    """Let a select read the records of a list; after what it reads before, as it was."""
     alias = table.alias_or_name
     join = table.parent
     if isinstance(join, exp.Join):

@@ -46,12 +46,10 @@ def share(tree: exp.Query) -> None:
 
 
 def is_shared(name: str) -> bool:
-    """Return whether a named query is one of those that compute first what is shared."""
     return name.startswith(_NAME)
 
 
 def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
-    """Yield the selects of a query, its named queries and unions that depend on no outer rows."""
     waiting: list[exp.Expr] = [tree]
     while waiting:
         node = waiting.pop()
@@ -69,13 +67,11 @@ def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
 
 @dataclass(slots=True)
 class _Seen:
-    """What is known of one expression.
+    """An expression in an examined select.
 
     Attributes:
-        key: The same for expressions that compute the same.
-        weight: How much work it is.
-        open: How many selects around it, inside the examined one, its columns still belong to.
-        fixed: Whether it depends on nothing at all.
+        key: Equal for expressions that compute the same.
+        open: How many selects around it, inside the examined one, its columns belong to.
         inside: How many selects stand between it and the examined one.
     """
 
@@ -88,14 +84,7 @@ class _Seen:
 
 @dataclass
 class _Examination:
-    """All expressions of one select.
-
-    Attributes:
-        select: The examined select.
-        seen: By identity of the node.
-        counts: How often each key was met.
-        strange: Whether there is a column whose source is not known.
-    """
+    """All expressions of one select; `strange` marks a column of unknown source."""
 
     select: exp.Select
     seen: dict[int, _Seen] = field(default_factory=dict)
@@ -107,12 +96,7 @@ class _Examination:
         return self._keys.setdefault(what, len(self._keys))
 
     def visit(self, node: exp.Expr, around: list[exp.Select]) -> _Seen:
-        """Examine an expression and all inside it.
-
-        Args:
-            node: The expression.
-            around: The selects that it stands in, below the examined one, from the outside in.
-        """
+        """Examine an expression and its parts; `around` are the inner selects, outermost first."""
         if isinstance(node, exp.Column):
             found = self._column(node, around)
         else:
@@ -163,7 +147,6 @@ class _Examination:
 
 
 def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
-    """Share what one select repeats; the select that computes it first, or None."""
     unusual = ("group", "having", "distinct", "order", "limit", "offset", "windows")
     if not select.args.get("from_") or any(select.args.get(part) for part in unusual):
         return None
@@ -179,7 +162,6 @@ def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
 
 
 def _chosen(examination: _Examination) -> list[exp.Expr]:
-    """Return the expressions to compute first: largest ones, if it is worth it."""
     found: list[exp.Expr] = []
 
     def look(node: exp.Expr) -> None:
@@ -247,7 +229,7 @@ def _move(
 
 
 def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Select) -> None:
-    """Put a named query where the select, and no query before it, may use it."""
+    """Insert a common table expression where this select, but no earlier query, may use it."""
     query = exp.CTE(
         this=first, alias=exp.TableAlias(this=exp.to_identifier(name)), materialized=True
     )
@@ -262,7 +244,6 @@ def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Selec
 
 
 def _is_value(node: exp.Expr) -> bool:
-    """Return whether a node stands for a value, as opposed to a part of the syntax."""
     if isinstance(node, exp.Select):
         return False
     if isinstance(node, exp.Subquery):

@@ -1,9 +1,7 @@
-"""Values in JSON: unwrapped where no JSON is needed, written without calling Python, marked.
+"""Values in JSON: unwrapped if no JSON is needed, written without Python, marked as JSON.
 
-A value in a record is written with all of its digits, and a truth as a word (`typed/changes.py`).
-SQLite marks a text that it made as a record or a list. A value that passes through a query of its
-own loses that mark; put into a record, it would be an escaped text there. So it is marked as JSON
-once more, where that makes a difference.
+A value that passes through a query of its own loses SQLite's JSON mark and would become an
+escaped text in a record.
 """
 
 from __future__ import annotations
@@ -33,7 +31,6 @@ def unwrap(value: exp.Expr) -> exp.Expr:
 
 
 def truth_in(value: exp.Expr) -> exp.Expr | None:
-    """Return the truth that is written as JSON, if that is what it is."""
     inner = value.expressions[0] if sql.call_name(value) == "json" else None
     if isinstance(inner, exp.Literal) and inner.is_string and inner.name in ("true", "false"):
         return exp.Literal.number(int(inner.name == "true"))
@@ -44,7 +41,7 @@ def truth_in(value: exp.Expr) -> exp.Expr | None:
 
 
 def truth(value: exp.Expr) -> exp.Expr:
-    """Return a truth, which is a number for SQLite, as JSON."""
+    """Return a boolean, which SQLite stores as a number, as JSON."""
     return sql.expression("JSON(CASE x WHEN 1 THEN 'true' WHEN 0 THEN 'false' END)", x=value)
 
 
@@ -61,10 +58,7 @@ CASE WHEN SUBSTR(x, 1, 1) IN ('{', '[') AND JSON_VALID(x) THEN JSON(x) ELSE othe
 
 
 def native_numbers(tree: exp.Expr) -> None:
-    """Let SQLite write the digits of real numbers itself, unless they are expensive to compute.
-
-    SQLite can't write infinity as JSON: then the query fails, and the plain way answers.
-    """
+    """Write real numbers natively, unless expensive; infinity makes the query fail."""
     for call in list(tree.find_all(exp.Anonymous)):
         name = sql.call_name(call)
         if name == "real_as_json":
@@ -78,13 +72,11 @@ def native_numbers(tree: exp.Expr) -> None:
 
 
 def _is_cheap(number: exp.Expr) -> bool:
-    """Return whether SQLite computes a number twice in less time than a call of Python takes."""
     calls = number.find_all(exp.Anonymous)
     return not number.find(exp.Query) and all(sql.call_name(call) in _CHEAP for call in calls)
 
 
 def is_plain(node: exp.Expr) -> bool:
-    """Return whether a value is certainly no record and no list."""
     if isinstance(node, exp.Paren):
         return is_plain(node.this)
     if isinstance(node, exp.Subquery) and isinstance(node.this, exp.Select):
@@ -108,7 +100,6 @@ def is_plain(node: exp.Expr) -> bool:
 
 
 def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
-    """Return whether a column holds numbers and plain text only."""
     if isinstance(table, exp.Subquery) and isinstance(table.this, exp.Select):
         for made in table.this.expressions:
             if made.alias_or_name.lower() == column.name.lower():
@@ -117,7 +108,6 @@ def _is_plain_column(column: exp.Column, table: exp.Expr) -> bool:
 
 
 def _is_noticed(node: exp.Expr, is_result: bool) -> bool:
-    """Return whether it makes a difference that a value is marked as a record or a list."""
     while True:
         parent = node.parent
         if isinstance(parent, exp.Anonymous):
@@ -153,5 +143,5 @@ def mark(value: exp.Column, otherwise: exp.Expr) -> exp.Expr:
 
 
 def is_stored(table: exp.Expr) -> bool:
-    """Return whether a source is a table, in which no value has the note anyway."""
+    """Return whether a source is a table, whose values are never marked as JSON."""
     return sql.table_name(table) in sql.TABLES

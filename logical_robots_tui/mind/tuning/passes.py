@@ -55,7 +55,6 @@ class Rewriting:
 
     @property
     def queries(self) -> tuple[exp.Query | None, ...]:
-        """The query of one viewer and those for all viewers."""
         return self.tree, self.together, self.alike
 
 
@@ -158,10 +157,7 @@ def tune_all(
     *,
     without: Collection[str] = (),
 ) -> dict[str, Tuned]:
-    """Tune what can be tuned of several queries, the first ones first.
-
-    `trees` are those of statements that have been read already; they are used up.
-    """
+    """Tune queries in order until a size limit; consumes `trees`, the parsed statements."""
     tuned = {}
     trees = {} if trees is None else trees
     known = MemoryColumns()
@@ -235,7 +231,7 @@ def _texts(queries: Iterable[exp.Query | None]) -> tuple[str, ...]:
 
 
 def _can_be_moved(tree: exp.Expr) -> bool:
-    """Return whether a query has nothing that means something else over other tables."""
+    """Return whether a query keeps its meaning when it reads other tables."""
     if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
         return False
     if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
@@ -245,7 +241,6 @@ def _can_be_moved(tree: exp.Expr) -> bool:
 
 
 def _only_counts(tree: exp.Expr) -> bool:
-    """Return whether a star stands only in COUNT(*) and over a query that is written out."""
     if tree.find(exp.Placeholder, exp.Parameter):
         return False
     for star in tree.find_all(exp.Star):

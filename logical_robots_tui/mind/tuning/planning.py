@@ -1,13 +1,10 @@
-"""What SQLite keeps, and where it makes indexes: its planner can't tell what pays here.
+"""Which rows SQLite keeps and where it makes indexes; its planner can't tell what pays.
 
-If a subquery reads nothing but a named query, SQLite computes that query again each time that it
-evaluates the subquery, unless told not to. The compiler adds a table of a single 0, which prevents
-this, but another pass removes that table.
+SQLite evaluates a named query again for each evaluation of a subquery that reads only it.
+The compiler prevents this with a table of a single 0, which another pass removes.
 
-If allowed to, SQLite makes an index for every join that has none. This pays for the rows of lists
-in memories, which are many, and for the rows of a query that is read again and again. For what few
-robots sense and remember, making it takes longer than it saves. There ``NOT a <> b``, which means
-the same as ``a = b``, prevents it.
+SQLite indexes every join. This pays for list records and for queries read repeatedly, but
+not for few robots' sensors and memories: there ``NOT a <> b`` prevents it.
 """
 
 from __future__ import annotations
@@ -67,7 +64,6 @@ def index_lookups(tree: exp.Query) -> None:
 
 
 def _compares(select: exp.Select) -> bool:
-    """Return whether a select wants rows in which a column of them is equal to something."""
     tests = [test for test in sql.conjuncts(select) if isinstance(test, exp.EQ)]
     sides = [side for test in tests for side in (test.this, test.expression)]
     found = [sql.source(side) for side in sides if isinstance(side, exp.Column)]
@@ -82,7 +78,6 @@ def _named(tree: exp.Query) -> Mapping[str, exp.CTE]:
 def _is_asked_often(
     table: exp.Table, named: Mapping[str, exp.CTE], *, by_robots: bool = False
 ) -> bool:
-    """Return whether a query is read by a subquery that is evaluated for each of many rows."""
     node: exp.Expr = table
     is_source = True
     while (parent := node.parent) is not None and not isinstance(parent, exp.CTE):
@@ -97,7 +92,7 @@ def _is_asked_often(
 
 
 def _has_few_rows(select: exp.Select, named: Mapping[str, exp.CTE]) -> bool:
-    """Return whether a select has a row for each robot, memory, or ray of a kind, and not more."""
+    """Return whether a select has at most one row per robot, memory, or ray of a kind."""
     kinds = 0
     for source in sql.sources(select).values():
         query = named.get(source.name) if isinstance(source, exp.Table) else None
@@ -149,7 +144,6 @@ def limit_indexes(tree: exp.Query) -> None:
 
 
 def _without_index(equal: exp.EQ) -> None:
-    """Write a condition so that SQLite makes no index for it."""
     equal.replace(sql.expression("(NOT a <> b)", a=equal.this, b=equal.expression))
 
 
@@ -165,13 +159,12 @@ def _finds_numbered(equal: exp.EQ, select: exp.Select) -> bool:
 
 
 def _read_by(node: exp.Expr, select: exp.Select) -> str | None:
-    """Return the table of a select that has a column, or None; "" for a query."""
+    """Return the select's table that owns a column, "" for a query, None for neither."""
     found = sql.source(node) if isinstance(node, exp.Column) else None
     return sql.table_name(found[1]) if found is not None and found[0] is select else None
 
 
 def _queries_of_lists(tree: exp.Query) -> AbstractSet[str]:
-    """Return names of the named queries that read, at first or second hand, rows of lists."""
     named = tree.args.get("with_")
     found: set[str] = set()
     for query in named.expressions if named else ():
@@ -188,10 +181,7 @@ def _reads_lists(query: exp.Expr, queries: AbstractSet[str]) -> bool:
 
 
 def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
-    """Return whether columns of two sources of a select are compared, one of them a query of lists.
-
-    Not the table of all lists: its index would be made again for each viewer.
-    """
+    """Return whether a query of lists is joined; the table of all lists would be reindexed."""
     sources = _sources_of_one_select(equal)
     return any(
         sql.table_name(source) != "item" and _reads_lists(source, queries) for source in sources
@@ -199,19 +189,16 @@ def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
 
 
 def _looks_up(equal: exp.EQ) -> bool:
-    """Return whether rows that a query keeps are looked up by a column."""
     select = equal.find_ancestor(exp.Select)
     return select is not None and _ZERO in sql.sources(select)
 
 
 def _finds_by_number(equal: exp.EQ) -> bool:
-    """Return whether rows may be found by their number, for which there is an index anyway."""
     sides = (equal.this, equal.expression)
     return bool(_sources_of_one_select(equal)) and any(side.name == "id" for side in sides)
 
 
 def _sources_of_one_select(equal: exp.EQ) -> tuple[exp.Expr, ...]:
-    """Return the two sources of one select whose columns are compared; () if something else is."""
     one, other = (
         sql.source(side) if isinstance(side, exp.Column) else None
         for side in (equal.this, equal.expression)

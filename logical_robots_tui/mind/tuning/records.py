@@ -1,8 +1,7 @@
 """Records as columns, so that numbers are not written as text and parsed again.
 
-These are the records of a result, and the pairs of ArgMin and ArgMax where they pass through a
-query of their own: if an aggregating predicate has several rules, the compiler collects their rows
-first, with ``JSON_OBJECT('arg', a, 'value', v) AS best``.
+These are a result's records, and the pairs that ArgMin and ArgMax collect from several
+rules, ``JSON_OBJECT('arg', a, 'value', v) AS best``.
 """
 
 from __future__ import annotations
@@ -23,12 +22,9 @@ _WIDEST_CHOICE = 3  # records that a CASE chooses from, before writing it out fo
 
 
 def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    """Let a query give the fields of its records one by one.
+    """Split a result's records into columns; return former columns with fields, truths marked.
 
-    Returns:
-        Names of the columns that the query had, each with the names of the fields that stand in
-        its place, those of truths marked, or with () if it is as it was; () if no column is
-        changed.
+    Unchanged columns have (); the result is () if all are.
     """
     if not isinstance(tree, exp.Select):
         return ()
@@ -56,7 +52,6 @@ def _marked(name: str, value: exp.Expr) -> str:
 
 
 def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
-    """Return expressions by field of a record that is written out, or None."""
     if isinstance(value, exp.Paren):
         return _fields(value.this)
     if isinstance(value, exp.Case):
@@ -71,7 +66,6 @@ def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
 
 
 def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
-    """Return the same for a choice between a few records of the same fields, never null."""
     default = case.args.get("default")
     branches = case.args["ifs"]
     if case.this is not None or default is None or len(branches) >= _WIDEST_CHOICE:
@@ -92,7 +86,6 @@ def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
 def _choice(
     branches: Sequence[exp.If], values: Sequence[exp.Expr], otherwise: exp.Expr
 ) -> exp.Expr | None:
-    """Return a choice between what stands in JSON, or None if some but not all of it are truths."""
     given = [*values, otherwise]
     truths = [truth for truth in map(json.truth_in, given) if truth is not None]
     if truths and len(truths) < len(given):
@@ -107,7 +100,7 @@ def _choice(
 
 
 def pairs_as_columns(tree: exp.Expr) -> None:
-    """Carry the parts of a pair in columns of their own, if nothing but ArgMin asks for them."""
+    """Carry the parts of a pair in two columns, if only ArgMin reads the pair."""
     for query in list(tree.find_all(exp.CTE)):
         arms = _arms(query.this)
         for name in [item.alias for item in arms[0].expressions] if arms else []:
@@ -120,7 +113,6 @@ def pairs_as_columns(tree: exp.Expr) -> None:
 
 
 def _arms(query: exp.Expr) -> Sequence[exp.Select]:
-    """Return the selects of a union, if all have the same column names, or ()."""
     while isinstance(query, exp.Select) and query.is_star:
         sources = list(sql.sources(query).values())
         if len(sources) != 1 or not isinstance(sources[0], exp.Subquery):
@@ -141,7 +133,6 @@ def _arms(query: exp.Expr) -> Sequence[exp.Select]:
 
 
 def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
-    """Return what a select gives as the two parts of a pair, if it writes the pair out."""
     made = next(item.this for item in arm.expressions if item.alias == name)
     if sql.call_name(made) != "json_object" or len(made.expressions) != 4:
         return None
@@ -170,7 +161,6 @@ def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
 
 
 def _takes_apart(call: exp.Anonymous, column: exp.Column) -> bool:
-    """Return whether a call takes its two arguments out of a column and has nothing else."""
     if len(call.expressions) != 2:
         return False
     for argument, part in zip(call.expressions, ("arg", "value"), strict=True):
@@ -192,7 +182,6 @@ def _columns(tree: exp.Expr, query: str, name: str) -> Iterator[exp.Column]:
 def _split(
     arms: Sequence[exp.Select], name: str, pairs: Sequence[tuple[exp.Expr, exp.Expr]]
 ) -> exp.Identifier:
-    """Let selects give the parts of their pairs; the name of the column of the values."""
     places = range(len(arms[0].expressions))
     same = [
         arms[0].expressions[place].args["alias"]
@@ -213,11 +202,7 @@ def _split(
 
 
 def _ask(call: exp.Anonymous, name: str, value: exp.Identifier) -> None:
-    """Let a call of ArgMin ask for columns.
-
-    JSON has no infinity. If an infinite number were the best, the query fails on purpose, so that
-    the plain way answers.
-    """
+    """Let ArgMin use columns; an infinite best fails, so that the plain query answers."""
     table = next(call.find_all(exp.Column)).table
     best = f"{call.name}(argument, value)"
     endless = f"{call.name[4:]}(value) IN (9e999, -9e999) OR {best} IN (9e999, -9e999)"

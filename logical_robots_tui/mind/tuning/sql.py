@@ -1,7 +1,6 @@
-"""SQL as a tree: the statements of a program, read and written again without a change of meaning.
+"""SQL as sqlglot trees, parsed and written without a change of meaning.
 
-The trees are sqlglot's. sqlglot would translate functions between databases, so it is told of no
-functions: a call keeps its name.
+sqlglot translates functions between databases, so its function tables are emptied.
 """
 
 from __future__ import annotations
@@ -54,11 +53,7 @@ _DIALECT = _Statements()
 
 
 def parse(sql: str) -> exp.Query:
-    """Return the tree of one query.
-
-    Raises:
-        ValueError: It is no query, or joins in a way that Logica never does.
-    """
+    """Return the tree of one query; ValueError for other SQL or joins that Logica never makes."""
     tree = _DIALECT.parse(sql)[0]
     if not isinstance(tree, exp.Query):
         raise ValueError("not a query")
@@ -87,7 +82,6 @@ def expression(text: str, **parts: exp.Expr) -> exp.Expr:
 
 
 def drop_parentheses(tree: exp.Query) -> None:
-    """Drop parentheses without which the query is read as the same."""
     for wrapped in reversed(list(tree.find_all(exp.Paren, exp.Subquery))):
         if isinstance(wrapped, exp.Paren):
             needless = isinstance(wrapped.this, _NEED_NO_PARENTHESES)
@@ -98,18 +92,12 @@ def drop_parentheses(tree: exp.Query) -> None:
 
 
 def written(tree: exp.Expr, *, pretty: bool = False) -> str:
-    """Return the text of a tree.
-
-    Args:
-        tree: The tree.
-        pretty: Whether it is to be read by people, functions in the letters that they came in.
-    """
+    """Return the text of a tree; `pretty` for people, with functions' case preserved."""
     functions = False if pretty else "upper"
     return _DIALECT.generate(tree, copy=False, pretty=pretty, normalize_functions=functions)
 
 
 def sources(select: exp.Select) -> dict[str, exp.Expr]:
-    """Return what a select reads from, by the name that columns are qualified with."""
     found: dict[str, exp.Expr] = {}
     first = select.args.get("from_")
     for item in ([first] if first else []) + (select.args.get("joins") or []):
@@ -119,7 +107,6 @@ def sources(select: exp.Select) -> dict[str, exp.Expr]:
 
 
 def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
-    """Return the select, and what of it, that a qualified column means."""
     name = column.table
     node: exp.Expr | None = column.parent
     while node is not None and not isinstance(node, exp.CTE):
@@ -132,7 +119,6 @@ def source(column: exp.Column) -> tuple[exp.Select, exp.Expr] | None:
 
 
 def columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
-    """Yield the columns below a select that are qualified with the name of one of its sources."""
     for column in select.find_all(exp.Column):
         found = source(column) if column.table == name else None
         if found is not None and found[0] is select:
@@ -140,7 +126,6 @@ def columns_of(select: exp.Select, name: str) -> Iterator[exp.Column]:
 
 
 def call_name(node: exp.Expr | None) -> str:
-    """Return the name of the function that is called, in lower case, or ""."""
     return node.name.lower() if isinstance(node, exp.Anonymous) else ""
 
 
@@ -155,7 +140,6 @@ def extract_path(node: exp.Expr | None) -> str:
 
 
 def own_aggregates(node: exp.Expr) -> bool:
-    """Return whether an expression has an aggregate or a window of its own select."""
     if isinstance(node, exp.Select):
         return False
     if call_name(node) in AGGREGATES or isinstance(node, exp.Window):
@@ -164,14 +148,12 @@ def own_aggregates(node: exp.Expr) -> bool:
 
 
 def table_name(source: exp.Expr | None) -> str:
-    """Return the name of the table that a source of a select is, in lower case, or ""."""
     if not isinstance(source, exp.Table) or not isinstance(source.this, exp.Identifier):
         return ""
     return source.name.lower()
 
 
 def conjuncts(select: exp.Select) -> list[exp.Expr]:
-    """Return the conditions of a select that must all hold."""
     where = select.args.get("where")
     found: list[exp.Expr] = []
     waiting = [where.this] if where else []
@@ -187,7 +169,6 @@ def conjuncts(select: exp.Select) -> list[exp.Expr]:
 
 
 def restrict(select: exp.Select, condition: exp.Expr) -> None:
-    """Add a condition to a select."""
     where = select.args.get("where")
     if where is None:
         select.set("where", exp.Where(this=condition))
@@ -196,7 +177,6 @@ def restrict(select: exp.Select, condition: exp.Expr) -> None:
 
 
 def drop_condition(select: exp.Select, condition: exp.Expr) -> None:
-    """Let a select do without a condition that always holds."""
     node, parent = condition, condition.parent
     while isinstance(parent, exp.Paren):
         node, parent = parent, parent.parent
@@ -207,7 +187,6 @@ def drop_condition(select: exp.Select, condition: exp.Expr) -> None:
 
 
 def drop_source(select: exp.Select, name: str) -> None:
-    """Let a select no longer read from one of its several sources."""
     joins = select.args.get("joins") or []
     first = select.args["from_"]
     if first.this.alias_or_name == name:
@@ -218,12 +197,7 @@ def drop_source(select: exp.Select, name: str) -> None:
 
 
 def read_after(select: exp.Select, followers: Mapping[str, str]) -> None:
-    """Fix the order in which SQLite reads some of the sources of a select.
-
-    Args:
-        select: The select.
-        followers: Names of sources, each with the name of the one that it is read right after.
-    """
+    """Fix the order of sources: each of `followers` is read right after the one it maps to."""
     items = sources(select)
     leaders = [name for name in items if name in followers.values()]
     ordered = [

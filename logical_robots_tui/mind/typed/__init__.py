@@ -1,7 +1,4 @@
-"""DuckDB's static types, made explicit in a query.
-
-Both ways to evaluate a program start from the result.
-"""
+"""DuckDB's static types, made explicit in a query that both evaluations start from."""
 
 from __future__ import annotations
 
@@ -19,11 +16,7 @@ __all__ = ["as_on_duckdb"]
 
 
 def as_on_duckdb(statement: str) -> tuple[str, exp.Query | None]:
-    """Return a query in which SQLite computes what DuckDB would because of the types of values.
-
-    Returns:
-        Its text and its tree; no tree if it can't be read, and is left as it is.
-    """
+    """Make SQLite compute what DuckDB's types imply; return text and tree, None if unreadable."""
     try:
         tree = sql.parse(statement)
         before = tree.copy()

@@ -27,16 +27,11 @@ if TYPE_CHECKING:
 
 
 def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
-    """Return a call of a function."""
     return exp.Anonymous(this=name, expressions=list(arguments))
 
 
 def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
-    """Let a value, in its place, be one of another type that it is to have in common with others.
-
-    Whole numbers have to be made real ones, and decimal numbers may have to lose digits; where a
-    record or a list is written out, in it.
-    """
+    """Coerce an expression in place to the common type, also inside written records and lists."""
     if isinstance(value, exp.Paren | exp.Alias):
         conform(value.this, kind, wanted)
     elif is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
@@ -80,7 +75,6 @@ def _real(value: exp.Expr) -> exp.Expr:
 
 
 def cast(value: exp.Expr, to: str) -> exp.Expr:
-    """Return a value cast to one of SQLite's types."""
     return call("CAST", exp.Alias(this=value.copy(), alias=exp.to_identifier(to)))
 
 
@@ -155,7 +149,6 @@ def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
 
 
 def _as_json(value: exp.Expr, kind: Kind) -> None:
-    """Let a value in JSON be what it is: a truth, a number with all digits, a record or a list."""
     if kind is Plain.TRUTH:
         value.replace(_truth(value))
     elif kind is Plain.REAL and not _is_short(value):
@@ -182,7 +175,6 @@ def _is_short(value: exp.Expr) -> bool:
 
 
 def _is_json(value: exp.Expr) -> bool:
-    """Return whether SQLite will know that a value is JSON, or null."""
     value = value.unnest()
     if isinstance(value, exp.Case):
         default = value.args.get("default")
@@ -263,7 +255,7 @@ def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
 
 
 def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kind:
-    """Name the type of the example; where it is not all known, the value itself is asked for it."""
+    """Replace an example by its type if that is known; otherwise SQLite examines the value."""
     wanted = _as_cast(kinds[1])
     if is_known(wanted):
         made.set("this", "try_cast")
@@ -272,7 +264,7 @@ def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kin
 
 
 def _as_cast(kind: Kind) -> Kind:
-    """Return the type of what is cast to that of an example: numbers are real, fields in order."""
+    """Return the type of a cast to an example's type: numbers are real, fields sorted."""
     if isinstance(kind, ListOf):
         return ListOf(_as_cast(kind.element))
     if isinstance(kind, RecordOf):

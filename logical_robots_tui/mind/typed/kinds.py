@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 
 class Plain(Enum):
-    """Types without parts."""
-
     ANY = "Any"
     NULL = "Null"
     TRUTH = "Bool"
@@ -33,12 +31,7 @@ class Plain(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Decimal:
-    """An exact number with a fixed count of digits after the point, as literals are.
-
-    Attributes:
-        scale: How many digits.
-        whole: How many there may be before the point; digits behind it give way to them.
-    """
+    """An exact number, as literals are: `scale` digits after the point, up to `whole` before."""
 
     scale: int
     whole: int
@@ -46,19 +39,15 @@ class Decimal:
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
-    """A list."""
-
     element: Kind
 
 
 @dataclass(frozen=True, slots=True)
 class RecordOf:
-    """A record."""
-
     fields: tuple[tuple[str, Kind], ...]
 
     def field(self, name: str) -> Kind:
-        """Return the type of a field; of one that is not there, anything."""
+        """Return the type of a field; any type if there is no such field."""
         return dict(self.fields).get(name, Plain.ANY)
 
 
@@ -70,27 +59,22 @@ _WHOLE_DIGITS: dict[Kind, int] = {Plain.SMALL: 10, Plain.WHOLE: 19, Plain.LARGE:
 
 
 def is_nested(kind: Kind) -> bool:
-    """Return whether a value is certainly a record or a list."""
     return isinstance(kind, ListOf | RecordOf)
 
 
 def is_number(kind: Kind) -> bool:
-    """Return whether a value is certainly a number, or null."""
     return isinstance(kind, Decimal) or kind is Plain.REAL or is_whole(kind)
 
 
 def is_whole(kind: Kind) -> bool:
-    """Return whether a value is certainly a whole number, or null."""
     return kind in _WHOLE_DIGITS
 
 
 def digits(kind: Kind) -> int:
-    """Return how many digits a number that is not real may have."""
     return kind.scale + kind.whole if isinstance(kind, Decimal) else _WHOLE_DIGITS[kind]
 
 
 def is_known(kind: Kind) -> bool:
-    """Return whether a type is completely known; null may be anything."""
     if isinstance(kind, ListOf):
         return is_known(kind.element)
     if isinstance(kind, RecordOf):
@@ -99,7 +83,6 @@ def is_known(kind: Kind) -> bool:
 
 
 def common(kinds: Iterable[Kind]) -> Kind:
-    """Return the type of a value that is one of several, such as a CASE."""
     none: Kind = Plain.NULL
     return reduce(_either, kinds, none)
 
@@ -230,12 +213,10 @@ def result_of(name: str, kinds: Sequence[Kind]) -> Kind:
 
 
 def sum_of(kinds: Sequence[Kind]) -> Kind:
-    """Return the type of a sum or difference, and of `%`."""
     return common(kinds) if all(map(is_number, kinds)) else Plain.ANY
 
 
 def product_of(left: Kind, right: Kind) -> Kind:
-    """Return the type of a product."""
     found = sum_of((left, right))
     if not isinstance(found, Decimal):
         return found
@@ -259,7 +240,7 @@ def _rounded(kinds: Sequence[Kind]) -> Kind:
 
 
 def _cut(kinds: Sequence[Kind]) -> Kind:
-    """That of a floor or a ceiling: DuckDB has one of whole numbers as a real number."""
+    """Return the type of a floor or ceiling; DuckDB's of a whole number is real."""
     return Plain.REAL if is_whole(kinds[0]) else _rounded(kinds)
 
 

@@ -40,17 +40,14 @@ _MOST_DIGITS = 15  # of a decimal number that a real one holds exactly enough
 
 
 class Reader:
-    """One query.
-
-    Every method that gives the type of an expression has rewritten it in its place.
-    """
+    """One query. Methods that return an expression's type rewrite the expression in place."""
 
     def __init__(self) -> None:
         self._named: dict[str, Columns] = {}
         self._scopes: list[dict[str, Columns]] = []
 
     def query(self, tree: exp.Expr) -> Columns:
-        """Return types by name of the columns of a query, which is changed in place."""
+        """Return a query's column types by name; changes the query in place."""
         if isinstance(tree, exp.Subquery):
             return self.query(tree.this)
         named = tree.args.get("with_")
@@ -118,7 +115,6 @@ class Reader:
     # -- expressions ---------------------------------------------------------------------------
 
     def kind(self, node: exp.Expr) -> Kind:
-        """Return the type of an expression."""
         if isinstance(node, exp.Paren | exp.Alias):
             return self.kind(node.this)
         if isinstance(node, exp.Column):

@@ -57,19 +57,8 @@ _INPUT = (events.InputEvent, events.Paste)
 class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     """The game in a terminal.
 
-    Args:
-        level: Where to begin.
-        sources: The programs to begin with by team; in a level without teams that of "".
-        data_dir: Where drafts, the player's programs and progress are.
-        recorder: Where progress is kept, if that is open already.
-        text: What the player made of the program, or None.
-        welcome: Whether to begin with the tour.
-        settings: What the player has set once for all.
-        theme: The theme to begin with where the settings name none; "" is what suits the terminal.
-        permissions: What the player may do with the machine; by default everything.
-        replay: A replay in the level, to open at once, or None.
-        games: The games that the player has open, where they are counted.
-        clock: What everything in the game is timed by; the event loop must have the same time.
+    `sources` are by team, "" without teams. `text` is the player's version of the program;
+    `theme` applies where the settings name none. The event loop must have the clock's time.
     """
 
     _event_loop: asyncio.AbstractEventLoop | None = None
@@ -125,15 +114,13 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._was_cut = False
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
-        """Variables that our style sheets use in every theme, once the first theme is known."""
+        """Return our style sheets' variables; empty until the first theme is set."""
         return {} if self._event_loop is None else colours_in(self.current_theme)
 
     def get_default_screen(self) -> MainScreen:
-        """The main screen."""
         return self.main
 
     def on_load(self) -> None:
-        """Choose the theme before the first picture."""
         self._event_loop = asyncio.get_running_loop()
         heartbeat.keep_beating(self._event_loop)
         self.register_theme(NIGHT)
@@ -143,14 +130,13 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.theme = wanted if wanted in self.available_themes else NIGHT.name
 
     def refresh_css(self, animate: bool = True) -> None:
-        """Work out all styles again; before the first picture, only take the theme's colours."""
+        """Recompute all styles; before the first screen, only load the theme's colours."""
         if self.screen_stack:
             super().refresh_css(animate)
         else:
             self.stylesheet.set_variables(self.get_css_variables())
 
     def on_mount(self) -> None:
-        """Do as the settings say, and tell what in them can't be used."""
         if not self.main.permissions.programs:
             signal.signal(signal.SIGTSTP, signal.SIG_IGN)
             self.watch_terminal()
@@ -180,7 +166,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event; a key or a mouse button is to be answered before all else."""
+        """Handle an event; keys and mouse buttons take priority over all other work."""
         typed = None
         if isinstance(event, events.Resize) and self._is_cut(event.size):
             columns, lines = LARGEST
@@ -203,7 +189,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
                 self._key_queue.begin(typed)
 
     def _is_cut(self, size: Size) -> bool:
-        """Whether a terminal is larger than what is drawn, and nobody was told yet."""
         was_cut, self._was_cut = (
             self._was_cut,
             size.width >= LARGEST[0] or size.height >= LARGEST[1],
@@ -212,19 +197,19 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     @property
     def backlog(self) -> int:
-        """How many keys and other events are not answered yet; may be asked in any thread."""
+        """The number of unhandled keys and other events; safe to read on any thread."""
         focused = self.focused if self.screen_stack else None
         queues = [node.message_queue_size for node in (self, focused) if node is not None]
         return self._key_queue.waiting + sum(queues)
 
     def drop_typed(self) -> None:
-        """Answer none of the keys that are held back: nobody types so much."""
+        """Discard the queued keys: nobody types that many."""
         self._key_queue.forget()
 
     def _is_gone(self, event: events.MouseEvent) -> bool:
-        """Whether the mouse points at what was taken away and not yet painted over.
+        """Whether the mouse points at something removed, but not yet painted over.
 
-        Textual would look for what that is a part of, to begin or go on with a selection there.
+        Textual would begin or continue a selection there.
         """
         try:
             widget, _ = self.screen.get_widget_at(event.x, event.y)
@@ -233,11 +218,10 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return widget.parent is None and self.mouse_captured is None
 
     def moving_picture(self) -> Region | None:
-        """The labyrinth, unless something lies over it."""
+        """The labyrinth, unless something covers it."""
         return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:
-        """Draw the labyrinth in the way that suits the terminal of this process."""
         self.main.labyrinth.view.drawing = self._settings.drawing or drawing_for(
             os.environ,
             self.console.color_system,
@@ -246,38 +230,35 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         )
 
     def save_unsaved(self) -> None:
-        """Write what was typed to its draft, and where the game stands."""
+        """Write the drafts of all unsaved work, and a bookmark of the game's position."""
         self.main.autosave.flush()
         self.main.editing.flush()
         self.main.bookmark.flush()
 
     def leave_soon(self) -> None:
-        """Ask the app to end; may be called on any thread or in a signal handler."""
+        """Ask the app to exit; safe on any thread and in a signal handler."""
         if self._event_loop is not None:
             self._event_loop.call_soon_threadsafe(self.exit)
 
     @contextmanager
     def suspend(self) -> Iterator[None]:
-        """Give the terminal to another program for a while."""
         with heartbeat.away(), super().suspend():
             yield
 
     def action_suspend_process(self) -> None:
-        """Go to the background, to the shell that the game was started from."""
         if self.main.permissions.programs:
             super().action_suspend_process()
         else:
             self.main.warn(with_keys("There is no shell to go to here; {quit} leaves the game."))
 
     def copy_to_clipboard(self, text: str) -> None:
-        """Keep a text to be pasted; the terminal's clipboard gets it where that is allowed."""
+        """Keep a text for pasting; copy it to the terminal's clipboard only if permitted."""
         if self.main.permissions.clipboard:
             super().copy_to_clipboard(text)
         else:
             self._clipboard = text
 
     def action_interrupt(self) -> None:
-        """Leave at the second ^C in a row; the first may have been meant for something else."""
         now = self.clock.now()
         if now - self._interrupted_at < _TWICE:
             self.main.quit()
@@ -297,25 +278,11 @@ def play(
     replay: Replay | None = None,
     games: OpenGames | None = None,
 ) -> int:
-    """Open the game and return when the player leaves.
+    """Open the game and return the exit status when the player leaves.
 
-    Args:
-        level_name: A level's name or path; by default the level played last, or the first one.
-        programs: A program's name or path for each team; by default the player's last program for
-            that level, or its starter.
-        data_dir: Folder with drafts, the player's programs and progress.
-        permissions: What the player may do and read; by default everything.
-        teams: Further programs by team.
-        start: The number of a shifted start; 0 is the given one.
-        replay: What to open instead of a level and a program.
-        games: The games that the player has open, where they are counted.
-
-    Returns:
-        The exit status.
-
-    Raises:
-        InputError: The level or the program can't be used.
-        Exception: A bug in the game; the terminal has been restored.
+    By default this is the level played last, with the player's last program. `programs` follow
+    the order of teams. Raises InputError if the level or a program can't be used; the terminal
+    is also restored after a bug.
     """
     permissions = permissions or Permissions()
     recorder = ProgressRecorder(data_dir / FILE_NAME)

@@ -25,14 +25,7 @@ Result = TypeVar("Result")
 def in_background(
     node: DOMNode, work: Work, group: str = "default", *, exclusive: bool = False
 ) -> Worker[None]:
-    """Start work for a widget.
-
-    Args:
-        node: The widget.
-        work: What to do.
-        group: Name of the work it belongs to.
-        exclusive: Whether what the group still does is cancelled.
-    """
+    """Start work for a widget; if exclusive, cancel its group's other work."""
 
     async def unless_gone() -> None:
         try:
@@ -47,33 +40,24 @@ def in_background(
 
 
 class ScreenUi(Ui):
-    """Does so on a screen of the app.
-
-    Args:
-        screen: Work in the background ends with it.
-    """
+    """Does so on a screen of the app; background work ends with it."""
 
     def __init__(self, screen: Screen[Any]) -> None:
         self._screen = screen
 
     def tell(self, message: str) -> None:
-        """Say something in passing."""
         self._screen.notify(message, markup=False, timeout=4)
 
     def warn(self, message: str) -> None:
-        """Say what went wrong."""
         self._screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
 
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        """Work in the background."""
         in_background(self._screen, work, group, exclusive=exclusive)
 
     def show(
         self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
     ) -> None:
-        """Show a dialog over the screen."""
         self._screen.app.push_screen(dialog, closed)
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
-        """Show a dialog over the screen and wait for what it gives."""
         return await self._screen.app.push_screen_wait(dialog)

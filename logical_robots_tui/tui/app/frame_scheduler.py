@@ -29,16 +29,9 @@ _HURRY = 0.1  # seconds after a key press
 class FrameRate:
     """Draws less often on a busy machine, so that keys are answered promptly.
 
-    The longer this thread waits for a processor, the longer the pause between two pictures: where
-    computing takes three times as long as alone, there are about 15 pictures a second; where it
-    takes five times as long, about 3. All times are in seconds.
-
-    Args:
-        clock: Returns the time, and how long the drawing thread has computed and waited. If it
-            can't tell that, only drawing counts: time not spent computing was spent waiting.
-
-    Attributes:
-        frames: The most pictures per second.
+    Where computing takes three times as long as alone, about 15 pictures a second; five times,
+    about 3. All times are in seconds. If `clock` can't tell how long the thread waited, time
+    not spent computing was spent waiting.
     """
 
     def __init__(self, clock: Clock = CLOCK) -> None:
@@ -50,32 +43,31 @@ class FrameRate:
 
     @property
     def spacing(self) -> float:
-        """The additional pause between two pictures."""
+        """Seconds to pause between two frames in addition to the usual pause."""
         usual, much = max(self._strain - _USUAL, 0.0), max(self._strain - _MUCH, 0.0)
         return min(_LEAVE * usual + _LEAVE_MORE * much, _LONGEST)
 
     @property
     def rested(self) -> float:
-        """Since the last picture."""
+        """Seconds since the last frame."""
         return self._clock.now() - self._drawn_at
 
     @property
     def wait(self) -> float:
-        """The time until the next picture may be drawn; not above 0 if it may be drawn now."""
+        """Seconds until the next frame may be drawn; not above 0 if it may be drawn now."""
         return 1 / self.frames + (0.0 if self.is_hurried else self.spacing) - self.rested
 
     @property
     def is_hurried(self) -> bool:
-        """Whether a key was pressed just now."""
         return self._clock.now() - self._hurried_at < _HURRY
 
     def hurry(self) -> None:
-        """Pause less for a moment, because a key was pressed and its effect should be seen."""
+        """Shorten the pause for a moment, so that the effect of a key shows soon."""
         self._hurried_at = self._clock.now()
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
-        """Measure while a picture is drawn."""
+        """Measure the cost of drawing a frame."""
         self._drawn_at, began = self._clock.now(), self._clock.computed()
         yield
         computed = self._clock.computed() - began
@@ -89,17 +81,7 @@ class FrameRate:
 
 
 class FrameScheduler:
-    """Draws soon after something has changed, but no more often than `FrameRate` allows.
-
-    Args:
-        widget: The widget to draw for; it receives exceptions.
-        draw: Draws everything.
-        clock: What the rate is measured by.
-
-    Attributes:
-        rate: How often to draw.
-        pace: Pauses as long as drawing takes; None for no pause.
-    """
+    """Draws soon after a change, at most as `FrameRate` allows; sends exceptions to `widget`."""
 
     def __init__(self, widget: Widget, draw: Callable[[], None], clock: Clock = CLOCK) -> None:
         self.rate = FrameRate(clock)
@@ -109,14 +91,13 @@ class FrameScheduler:
         self._due: asyncio.TimerHandle | None = None
 
     def soon(self) -> None:
-        """Draw as soon as allowed."""
         if self._due is None and self._widget.is_mounted:
             # Textual's timers are tasks, and start too slowly.
             loop = asyncio.get_running_loop()
             self._due = loop.call_later(max(self.rate.wait, 0.0), self._now)
 
     def hasten(self) -> None:
-        """Draw the changes of this moment without a pause, because the player pressed a key."""
+        """Draw pending changes without a pause, because the player pressed a key."""
         self.rate.hurry()
         if self._due is not None:
             self._due.cancel()

@@ -68,24 +68,7 @@ _READABLE = 0.2  # seconds that a number stays while robots run
 
 
 class MainScreen(Screen[None], SessionListener):
-    """Everything that a player sees outside of dialogs.
-
-    Args:
-        level: The first level.
-        sources: The first programs by team; in a level without teams that of "".
-        data_dir: Folder with drafts and the player's programs.
-        recorder: Records progress.
-        text: The player's text of the program, or None.
-        welcome: Whether to start with the tour.
-        permissions: What the player may do with the machine.
-        replay: What to open at once, a replay in the level, or None.
-        games: The games that the player has open, where they are counted.
-
-    Attributes:
-        data_dir: Folder with drafts and the player's programs.
-        permissions: What the player may do with the machine.
-        scheduler: Schedules drawing.
-    """
+    """Everything that a player sees outside of dialogs; arguments as of the app."""
 
     AUTO_FOCUS = ""
 
@@ -191,7 +174,6 @@ class MainScreen(Screen[None], SessionListener):
         )
 
     def compose(self) -> ComposeResult:
-        """Yield the status line, tabs, panes, timeline and command bar."""
         self._fit(self.app.size)
         yield from (self._status, self._tabs, self.arrangement.container)
         yield from (self._too_small, self.timeline, self._bar)
@@ -227,7 +209,6 @@ class MainScreen(Screen[None], SessionListener):
             self.tour.begin()
 
     async def on_unmount(self) -> None:
-        """Save the text and stop all work."""
         self.autosave.stop()
         self.editing.close()
         self.drafts.close()
@@ -237,12 +218,10 @@ class MainScreen(Screen[None], SessionListener):
     # -- for the parts -------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
-        """Show the level with no robot selected."""
         self.labyrinth.select(None)
         self.scheduler.soon()
 
     def quit(self) -> None:
-        """Leave the game; ask first if that would lose work."""
         leave(self.ui, self.app.exit, self.drafts, self.autosave, self.editing)
 
     # -- drawing -------------------------------------------------------------------------------
@@ -264,7 +243,6 @@ class MainScreen(Screen[None], SessionListener):
         self.inspector.follow()
 
     def redraw_lines(self) -> None:
-        """Update the lines around the panes."""
         self._lines_drawn_at = self.session.clock.now()
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
@@ -282,7 +260,6 @@ class MainScreen(Screen[None], SessionListener):
     # -- layout --------------------------------------------------------------------------------
 
     def on_resize(self, event: events.Resize) -> None:
-        """Arrange the panes for the new size."""
         before = self.arrangement.layout
         self._fit(event.size)
         if self.arrangement.layout is before:
@@ -315,8 +292,7 @@ class MainScreen(Screen[None], SessionListener):
     def focuses(self, key: str) -> bool:
         """Focus the pane that a key names, unless the player is typing; return whether it did.
 
-        A binding would run after keys that arrive at the same moment, and a letter for the editor
-        would become a command.
+        A binding would run after keys that arrive at the same moment, and take letters as commands.
         """
         if isinstance(self.focused, TextArea | Input):
             return False
@@ -329,7 +305,6 @@ class MainScreen(Screen[None], SessionListener):
         return False
 
     def on_descendant_focus(self) -> None:
-        """Note which pane has the focus, and offer its commands."""
         if self.arrangement.focused():
             self.tour.end()
         self.redraw_lines()
@@ -391,13 +366,11 @@ class MainScreen(Screen[None], SessionListener):
         self.select(event.robot_name)
 
     def select(self, robot_name: str) -> None:
-        """Look at a robot, and at the program that it thinks with."""
         if self.team_choice.follow(robot_name):
             self.labyrinth.select(robot_name)
             self.inspector.choose(robot_name)
 
     def action_command(self, command_id: str) -> None:
-        """Run a command."""
         entry = command(command_id)
         if entry.scope == "level":
             self.editing.do(command_id)

@@ -44,20 +44,8 @@ if TYPE_CHECKING:
 class Session:
     """One level under one program at a time; another level starts a new game.
 
-    Listeners are notified of each event once, in order.
-
-    Args:
-        level: The first level.
-        sources: The program of each team, or of "" in a level without teams.
-        spawn: Starts background work.
-        changed: Called after every change that the screen may show.
-        clock: What paces the robots.
-
-    Attributes:
-        levels: The current level: in its file, edited, and on the screen.
-        sources: The programs, and the team that is looked at.
-        listeners: Notified of events.
-        movement: What the robots are doing.
+    Listeners are notified of each event once, in order. `sources` are by team, "" without
+    teams; `clock` paces the robots.
     """
 
     def __init__(
@@ -87,12 +75,11 @@ class Session:
 
     @property
     def level(self) -> Level:
-        """The level of the frame on the screen."""
         return self.levels.shown
 
     @property
     def opened(self) -> Level:
-        """The level as in its file."""
+        """The level as its file has it."""
         return self.levels.saved
 
     @property
@@ -102,12 +89,11 @@ class Session:
 
     @property
     def busy(self) -> bool:
-        """Whether something is in progress that the player may want to stop."""
         return not self.movement.is_resting
 
     @property
     def source(self) -> Source:
-        """The program in the editor: that of the team that is looked at."""
+        """The program in the editor: that of the selected team."""
         return self.sources.source
 
     @property
@@ -117,23 +103,20 @@ class Session:
 
     @property
     def predicates(self) -> tuple[Predicate, ...]:
-        """The predicates of the robots' program."""
         return self._program.predicates if self._program else ()
 
     @property
     def history(self) -> History | None:
-        """The history, or None before there is a program."""
         return self.game.history if self.game is not None else None
 
     def problem_with(self, breakpoint_: Breakpoint) -> str:
-        """Return why a breakpoint can't be hit, one sentence, or ""."""
+        """Return one sentence on why a breakpoint can't be hit, or ""."""
         if self.game is None:
             return mistake_in(breakpoint_, self.level, None)
         return self.game.problem_with(breakpoint_)
 
     @property
     def won_at(self) -> int | None:
-        """The tick of victory as of the current frame, or None."""
         return self.frame.after.won_at
 
     @property
@@ -144,7 +127,7 @@ class Session:
     # -- level and program ---------------------------------------------------------------------
 
     def open_level(self, level: Level, sources: Mapping[str, Source], text: str) -> None:
-        """Open a level with programs, the first with another text; its robots are at the start."""
+        """Open a level at its start; `text` replaces that of the first program."""
         self.pause()
         if self.game is not None:
             self.release(self.game.close)
@@ -158,7 +141,7 @@ class Session:
         self.apply(text)
 
     def look_at(self, team: str) -> None:
-        """Look at another team's program; the robots notice nothing."""
+        """Show another team's program in the editor; the robots are not affected."""
         self.sources.team = team
         if self.game is not None:
             self.game.look_at(team)
@@ -166,17 +149,14 @@ class Session:
         self._changed()
 
     def open_program(self, source: Source, text: str) -> None:
-        """Use another program from the next tick."""
         self.sources.source = source
         self.apply(text)
 
     def saved_as(self, source: Source) -> None:
-        """Note that the editor's text was saved as `source`."""
         self.sources.source = source
         self._changed()
 
     def level_saved_as(self, level: Level) -> None:
-        """Note that the level was saved, with the name and source of its file."""
         self.levels.saved = level
         self._tell(lambda listener: listener.level_saved(level))
 
@@ -192,7 +172,6 @@ class Session:
         self._spawn(partial(self._compile, text, texts), "compile", exclusive=True)
 
     def use(self, program: Program) -> None:
-        """Use a compiled program from the next tick on."""
         from logical_robots_tui.game import Game  # loading it would delay the first picture
 
         program = self._think_with(program)
@@ -220,7 +199,6 @@ class Session:
             self.run()
 
     def run(self) -> None:
-        """Run the robots as soon as there is a program."""
         if self.game is not None and self.movement.kind != "run":
             self._begin(Movement("run"), lambda game: game.run())
         elif self.game is None and self.state.phase in ("fresh", "compiling"):
@@ -250,34 +228,25 @@ class Session:
         self._begin(Movement("until"), lambda game: game.run_until(tick=tick))
 
     def go_through(self, program: Program, work: Going) -> None:
-        """Restart with a program, and move as the work does; pausing ends that."""
+        """Restart with a program and let `work` advance the game until paused."""
         self.restart()
         self._spawn(nothing, "compile", exclusive=True)
         self.use(program)
         self._begin(Movement("until"), work)
 
     def back(self, ticks: int = 1) -> None:
-        """Go back so many ticks, as far as the history reaches."""
         self.pause()
         if self.game is not None:
             self.game.back(ticks)
 
     def go_to(self, tick: int) -> None:
-        """Go to a tick of the history.
-
-        Raises:
-            NoSuchTickError: The history does not hold it.
-        """
+        """Go to a tick of the history, or raise NoSuchTickError."""
         self.pause()
         if self.game is not None:
             self.game.go_to(tick)
 
     def change_course(self) -> None:
-        """Switch to the other future and its program.
-
-        Raises:
-            NoSuchTickError: There is no other future.
-        """
+        """Switch to the other future and its program, or raise NoSuchTickError."""
         self.pause()
         if self.game is not None:
             self._spawn(nothing, "compile", exclusive=True)
@@ -298,7 +267,6 @@ class Session:
         self.change_level(self.level, {robot_name: pose})
 
     def restart(self) -> None:
-        """Start the level again, paused."""
         self.pause()
         self._won = None
         if self.game is not None:
@@ -306,21 +274,17 @@ class Session:
         self._tell(lambda listener: listener.restarted())
 
     def faster(self) -> None:
-        """Choose the next higher speed."""
         self.pace.faster()
         self._changed()
 
     def slower(self) -> None:
-        """Choose the next lower speed."""
         self.pace.slower()
         self._changed()
 
     def release(self, close: Work) -> None:
-        """Close something in the background."""
         self._spawn(close, "close", exclusive=False)
 
     async def close(self) -> None:
-        """Stop all work."""
         game, self.game = self.game, None
         if game is not None:
             await game.close()
@@ -371,7 +335,6 @@ class Session:
             what(listener)
 
     def _begin(self, movement: Movement, work: Going) -> None:
-        """Start background work that pausing ends."""
         if self.game is not None:
             self.movement = movement
             movement.waiting_since = self.clock.now()
@@ -403,5 +366,4 @@ class Session:
                 movement.owed = 0
 
     def _hits(self, game: Game) -> tuple[Hit, ...]:
-        """Return the breakpoints that stop the robots at the current tick."""
         return tuple(hit for hit in game.hits if self.breakpoints.is_on(hit.breakpoint))

@@ -19,16 +19,7 @@ if TYPE_CHECKING:
 
 
 class OpenLevel:
-    """One level in its three versions, from opening it until another is opened.
-
-    Args:
-        level: The level as it was opened.
-
-    Attributes:
-        saved: The level as in its file, or as created.
-        edits: The edited level, with undo and redo.
-        shown: The level of the frame on the screen.
-    """
+    """One level in three versions: as in its file, edited with undo, and as on the screen."""
 
     def __init__(self, level: Level) -> None:
         self.saved = self.shown = level
@@ -36,30 +27,19 @@ class OpenLevel:
 
     @property
     def edited(self) -> Level:
-        """The level as edited."""
         return self.edits.level
 
     @property
     def has_changes(self) -> bool:
-        """Whether the edited level differs from the file, or from the created level."""
         return not alike(self.edited, self.saved)
 
     @property
     def is_saved(self) -> bool:
-        """Whether a file holds the edited level."""
         return bool(self.saved.source) and not self.has_changes
 
 
 class TeamSources:
-    """The programs of a level by team, of which one is looked at.
-
-    Args:
-        sources: By team in the order of the level; in a level without teams one of "".
-
-    Attributes:
-        team: The team that is looked at: the editor and questions are about its program.
-        hides_others: Whether the player wants to see nothing of what the other teams think.
-    """
+    """A level's programs by team ("" without teams), in order; editor and questions use one."""
 
     def __init__(self, sources: Mapping[str, Source]) -> None:
         self._sources = {team: each._replace(team=team) for team, each in sources.items()}
@@ -69,17 +49,14 @@ class TeamSources:
 
     @property
     def teams(self) -> tuple[str, ...]:
-        """The teams, () if there is one program for all robots."""
         return tuple(filter(None, self._sources))
 
     @property
     def first(self) -> Source:
-        """The program of the player's own team."""
         return next(iter(self._sources.values()))
 
     @property
     def source(self) -> Source:
-        """The program of the team that is looked at."""
         return self._sources[self.team]
 
     @source.setter
@@ -87,7 +64,6 @@ class TeamSources:
         self._sources[self.team] = source._replace(team=self.team)
 
     def of(self, team: str) -> tuple[Source, str]:
-        """Return the program of a team, and its text as last applied."""
         return self._sources[team], self._texts[team]
 
     def with_text(self, text: str) -> Texts:
@@ -95,12 +71,12 @@ class TeamSources:
         return {**self._texts, self.team: text}
 
     def seen(self, program: Program) -> Program:
-        """Note what the robots think with, and return it as that of the team looked at."""
+        """Store all teams' texts, and return the program as the selected team sees it."""
         self._texts |= program.texts if program.teams else {}
         return program.for_team(self.team)
 
     def mistakes(self, error: ProgramError) -> tuple[Diagnostic, ...]:
-        """Return the mistakes in the text in the editor, or that another team's has one."""
+        """Return the errors in the editor's text, or a note about another team's error."""
         if error.team in ("", self.team):
             return error.diagnostics
         first = error.diagnostics[0]
@@ -116,15 +92,10 @@ Kind: TypeAlias = Literal["rest", "awaiting", "run", "steps", "until"]
 
 @dataclass(slots=True, eq=False)
 class Movement:
-    """What is in progress. Each movement is a new object, so that work can recognise its own.
+    """What is in progress. Each is a new object, so that work can recognise its own.
 
-    A session changes from any kind to any other by replacing its movement.
-
-    Attributes:
-        kind: ``rest``; ``awaiting`` a program to run with; ``run`` at the game's speed;
-            ``steps``, tick by tick; ``until`` a tick, at full speed.
-        owed: The steps still to take.
-        waiting_since: When the current think began, by the game's clock.
+    ``awaiting`` is for a program to run with, ``until`` at full speed; `waiting_since` is by
+    the game's clock.
     """
 
     kind: Kind = "rest"
@@ -133,30 +104,22 @@ class Movement:
 
     @property
     def is_resting(self) -> bool:
-        """Whether nothing is in progress."""
         return self.kind == "rest"
 
     @property
     def goes_on(self) -> bool:
-        """Whether the robots run, or will run as soon as there is a program."""
         return self.kind in ("awaiting", "run", "until")
 
     @property
     def thinks(self) -> bool:
-        """Whether a think is in progress."""
         return self.kind in ("run", "steps", "until")
 
     def owe(self, steps: int) -> None:
-        """Add steps, but not many more than were requested at once."""
+        """Add steps, capped at a multiple of what is requested at once."""
         self.owed = min(self.owed + steps, max(self.owed, _MOST_OWED * steps))
 
     def thinking_for(self, now: float, period: float) -> float:
-        """Return the seconds that the current think has taken; 0.0 while not worth showing.
-
-        Args:
-            now: The time by the game's clock.
-            period: Seconds per tick while running.
-        """
+        """Return seconds of the current think, 0.0 while not worth showing; `period` per tick."""
         if not self.thinks:
             return 0.0
         seconds = now - self.waiting_since - (period if self.kind == "run" else 0.0)
@@ -168,7 +131,7 @@ async def nothing() -> None:
 
 
 class SessionListener:
-    """Is notified of a session's events; ignores those that it does not override."""
+    """Receives a session's events; each method does nothing unless overridden."""
 
     def level_opened(self, level: Level) -> None:
         """The player has opened a level."""
@@ -199,15 +162,9 @@ Phase: TypeAlias = Literal["fresh", "compiling", "applied", "mistake"]
 
 
 class ProgramState(NamedTuple):
-    """The state of the program.
+    """The state of the program; `tried` was compiled last, the robots use `applied`.
 
-    Attributes:
-        phase: ``fresh`` before the first compilation, then the result of the last one.
-        tried: The last compiled text.
-        applied: The text that the robots use, or None.
-        mistakes: Errors of `tried`, or warnings if it runs.
-        warnings: Warnings of `applied`.
-        compiled: The number of compiled predicates and of all, while compiling.
+    `mistakes` are errors of `tried`, or warnings if it runs; `compiled` is (done, total).
     """
 
     phase: Phase = "fresh"
@@ -219,18 +176,13 @@ class ProgramState(NamedTuple):
 
     @classmethod
     def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
-        """Return the state when the robots start to use a text."""
         return cls("applied", text, text, warnings, warnings)
 
     def compiling(self, text: str) -> ProgramState:
-        """Return the state when the compilation of a text starts."""
         return self._replace(phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
 
     def seen_from(self, text: str) -> ProgramState:
-        """Return the state to show while that text is in the editor.
-
-        Errors of another text are dropped once the robots' text is back.
-        """
+        """Return the state for an editor's text; errors vanish once the robots' text is back."""
         if self.phase != "mistake" or text == self.tried or text != self.applied:
             return self
         return self._replace(phase="applied", tried=text, mistakes=self.warnings)

@@ -38,19 +38,9 @@ _CHANGEABLE = {entry.id: entry for entry in COMMANDS if entry.scope != "text"}
 
 
 class Settings(NamedTuple):
-    """Settings from the configuration file, with defaults.
+    """Settings from the configuration file, with defaults; None is the terminal's default.
 
-    Attributes:
-        theme: Name of a theme, or "" for the one chosen in the game.
-        drawing: How to draw the labyrinth, or None for the terminal's default.
-        frames: The most pictures per second.
-        cones: Whether to show the light of the robots' radars.
-        trails: Whether to show trails.
-        completion: Whether a dot or a capital letter opens the list of words.
-        wrap: Whether lines of the program that are too long for the pane are wrapped.
-        drag_robots: Whether the mouse drags robots, or only the map.
-        keys: Changed keys, in Textual's names, by id of the command.
-        complaints: Errors in the file, each with its place.
+    `complaints` are errors in the file, each with its place; `frames` is pictures per second.
     """
 
     theme: str = ""
@@ -66,16 +56,12 @@ class Settings(NamedTuple):
 
 
 def settings_path() -> Path:
-    """Return the place of the configuration file, whether there is one or not."""
+    """Return the path of the configuration file, which may not exist."""
     return user_config_path("logical-robots", appauthor=False) / "config.toml"
 
 
 def read_settings(path: Path) -> Settings:
-    """Return the settings in a file; errors in it become complaints.
-
-    Args:
-        path: The file; it may be missing.
-    """
+    """Return a file's settings, or defaults if it is missing; errors become complaints."""
     try:
         text = read_ordinary(path, _LONGEST + 1).decode("utf-8-sig")
         if len(text) > _LONGEST or excess_of_toml(text):
@@ -95,7 +81,6 @@ def read_settings(path: Path) -> Settings:
 
 
 def _refusal(error: Exception) -> str:
-    """Return why a file can't be used at all."""
     if isinstance(error, OSError):
         return error.strerror or str(error)
     if isinstance(error, UnicodeDecodeError):
@@ -104,7 +89,6 @@ def _refusal(error: Exception) -> str:
 
 
 def _settings(found: dict[str, Any], complain: Complain) -> Settings:
-    """Return the valid settings of a file."""
     readers: dict[str, Callable[[Any], Any]] = {
         "theme": lambda value: _one_of(value, THEMES),
         "drawing": lambda value: Drawing(_one_of(value, [way.value for way in Drawing])),
@@ -149,10 +133,7 @@ def _truth(value: object) -> bool:
 
 
 def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
-    """Return the keys of the commands that the file names.
-
-    A key can have one command, and another one in the level editor.
-    """
+    """Return the keys in the file; a key may have one command, and one in the level editor."""
     if not isinstance(found, dict):
         raise ValueError("this must be a table, [keys]")
     owners: dict[tuple[str, str], str] = {
@@ -182,7 +163,6 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
 
 
 def _taken(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> str:
-    """Return the key for a command, if no other command of its scope has it."""
     is_free = entry.scope == "level" and isinstance(text, str) and text in _ONLY_EDITING
     key = str(text) if is_free else key_from(text)
     other = owners.setdefault((entry.scope, key), entry.id)
@@ -194,7 +174,7 @@ def _taken(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> 
 
 
 def _line_of(name: str, text: str) -> str:
-    """Return the line of a name, such as ``keys.run``, in a file, as ``:3``; "" if unknown."""
+    """Return the line of a name such as ``keys.run`` in a file, as ``:3``; "" if unknown."""
     table, _, last = name.rpartition(".")
     lines = text.splitlines()
     begins = re.compile(rf"""\s*["']?{re.escape(last)}["']?\s*[=.]""")
@@ -205,7 +185,7 @@ def _line_of(name: str, text: str) -> str:
 
 
 def as_toml(settings: Settings) -> str:
-    """Return a file with these settings, with every command and its keys."""
+    """Write settings as a TOML file that lists every command with its keys."""
     lines = [
         _set("theme", settings.theme, NIGHT.name),
         _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
@@ -225,7 +205,6 @@ def as_toml(settings: Settings) -> str:
 
 
 def _set(name: str, value: object, example: str = "") -> str:
-    """Return a line that sets something; a comment with an example if it is not set."""
     if not value and example:
         return f"# {_set(name, example)}"
     return f"{name} = {json.dumps(value, ensure_ascii=False)}"

@@ -16,8 +16,6 @@ Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 
 
 class Spawn(Protocol):
-    """Starts background work on the screen."""
-
     def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
         """Run `work`; an exclusive one cancels the other work of its group."""
 
@@ -46,11 +44,7 @@ class Ui(Protocol):
 class Permissions(NamedTuple):
     """Everything on one's own machine; less on a shared or public one, or in a class.
 
-    Attributes:
-        programs: Whether other programs may use the terminal: an editor, or the shell after
-            suspending.
-        clipboard: Whether the game may write to the terminal's clipboard.
-        solutions: Whether the solution of a level can be read before it is won.
+    `programs` are an editor, or the shell after suspending.
     """
 
     programs: bool = True

@@ -35,18 +35,11 @@ class Command(NamedTuple):
 
     Attributes:
         id: Its name in the configuration file and in texts that name its key.
-        title: What it does, a few words that start with a capital letter.
-        help: One sentence for the help and the palette.
-        group: The heading it stands under in the help.
-        scope: Where its keys act.
-        keys: Keys that ask for it, as Textual names them. Printable ones act only while nobody
-            is typing.
+        keys: As Textual names them. Printable ones act only while nobody is typing.
         act: Does it, given the main screen, or the edit mode for one of the level editor.
-        bar: Label in the command bar, or "" to leave it out; beside an equal key it is not shown.
-        place: Where the bar shows it.
+        bar: Label in the command bar, or "" to leave it out; not shown beside an equal key.
         spare: How early the bar drops it when there is little room; 0 is never.
         worker: The group of workers that an asynchronous `act` runs in, one at a time.
-        without_key: What to name where it has no key: that of the palette, which finds all.
     """
 
     id: str
@@ -63,7 +56,6 @@ class Command(NamedTuple):
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:
-        """Do it, in the background if `act` is asynchronous."""
         if iscoroutinefunction(self.act):
             spawn(partial(self.act, target), self.worker, exclusive=True)
         else:
@@ -71,11 +63,11 @@ class Command(NamedTuple):
 
     @property
     def key_name(self) -> str:
-        """The first key as printed on a keyboard, or what to name instead."""
+        """The first key as printed on a keyboard, or `without_key`."""
         return key_name(self.keys[0]) if self.keys else self.without_key
 
     def bar_key(self, *, typing: bool) -> str:
-        """The key that the command bar names, or "" if there is none."""
+        """Return the key to show in the command bar, or "" if none works while typing."""
         keys = [
             key for key in self.keys if not typing or (len(key_name(key)) > 1 and key != "space")
         ]
@@ -93,7 +85,6 @@ class Group:
     def add(
         self, name: str, title: str, text: str, act: Callable[[Any], object], *keys: str
     ) -> None:
-        """Declare a command that needs no function of its own."""
         self.commands.append(Command(name, title, text, self.title, self.scope, keys, act))
 
     def command(
@@ -121,7 +112,6 @@ class Group:
 
 
 def key_name(key: str) -> str:
-    """A key as printed on a keyboard, such as ``^R`` or ``F5``."""
     if key.startswith("ctrl+"):
         letter = key.removeprefix("ctrl+")
         name = _NAMES.get(letter, letter)

@@ -81,7 +81,7 @@ _BESIDE_FROM = 84  # columns from which the sentence stands beside its title
 
 
 class Help(Dialog[None]):
-    """A scrolling text: the pane in use first, then everything else, or what matches a text."""
+    """The help: the current pane first, then everything else, or the matches of a search."""
 
     DEFAULT_CSS = """
     Help > #box { height: 90%; max-width: 100; }
@@ -103,17 +103,14 @@ class Help(Dialog[None]):
         self._drawing, self._about = drawing, about
 
     def content_widgets(self) -> ComposeResult:
-        """A line to type in, above one long text."""
         yield Input(placeholder="Type to filter")
         with VerticalScroll(can_focus=False):
             yield Static(id="help")
 
     def on_resize(self) -> None:
-        """Wrap the lines again."""
         self.call_after_refresh(self._write)
 
     def action_scroll(self, where: str) -> None:
-        """Scroll the text."""
         getattr(self.query_one(VerticalScroll), f"scroll_{where}")()
 
     @on(Input.Changed)
@@ -151,7 +148,6 @@ class Help(Dialog[None]):
 
 
 def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
-    """Signs, each with its style and what it means."""
     return [
         Content.assemble("  ", (sign, style), "  ", (said, INK.text)) for sign, style, said in signs
     ]
@@ -162,7 +158,6 @@ def _heading(text: str) -> Content:
 
 
 def _entry(entry: Command, width: int) -> Content:
-    """Keys, title and help of a command, the help wrapped in a column of its own."""
     keys = _keys(entry) if entry.keys else Content.styled(entry.key_name, INK.key)
     head = Content("  ").append(keys)
     indent = 3 + _KEYS_WIDTH
@@ -176,16 +171,15 @@ def _entry(entry: Command, width: int) -> Content:
 
 
 def _keys(entry: Command) -> Content:
-    """The keys of a command in their colour, apart from each other."""
     separator = Content.styled(" · ", INK.faint)
     return separator.join(Content.styled(key_name(key), INK.key) for key in entry.keys)
 
 
 class Palette(CommandPalette, ClosedOnce[None]):
-    """A line to type in, and what can be had by that."""
+    """The command palette: a text field above the commands that match."""
 
     def on_click(self, event: events.Click) -> None:
-        """Keep from Textual a click outside of the screen, which has become smaller since."""
+        """Hide from Textual a click that is now outside of the screen, which has shrunk."""
         try:
             self.get_widget_at(event.screen_x, event.screen_y)
         except NoWidget:
@@ -196,11 +190,9 @@ class CommandProvider(Provider):
     """Offers every command but those of the level editor."""
 
     def offered(self) -> list[Command]:
-        """The commands, in the order in which they are shown."""
         return commands("screen", "text")
 
     async def discover(self) -> Hits:
-        """All commands, before anything is typed."""
         for entry in self.offered():
             if entry.id != "palette":
                 yield DiscoveryHit(
@@ -208,7 +200,6 @@ class CommandProvider(Provider):
                 )
 
     async def search(self, query: str) -> Hits:
-        """The commands whose title or help matches."""
         matcher = self.matcher(query)
         for entry in self.offered():
             score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
@@ -218,7 +209,6 @@ class CommandProvider(Provider):
                 )
 
     def _line(self, entry: Command) -> Content:
-        """The title of a command, and its keys at the right."""
         title, keys = Content(entry.title), _keys(entry)
         gap = min(self.app.size.width, _PALETTE_WIDTH) - _PALETTE_EDGES
         gap -= title.cell_length + keys.cell_length
@@ -232,5 +222,4 @@ class EditingProvider(CommandProvider):
     """Offers the commands of the level editor first, then all others."""
 
     def offered(self) -> list[Command]:
-        """The commands, in the order in which they are shown."""
         return commands("level") + super().offered()

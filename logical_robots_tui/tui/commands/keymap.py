@@ -35,7 +35,6 @@ class KeyMap:
         self.by_id = {entry.id: entry._replace(without_key=instead) for entry in found.values()}
 
     def bindings(self) -> Iterator[Binding]:
-        """The key bindings of the main screen."""
         for entry in self.by_id.values():
             if entry.keys and entry.scope == "screen":
                 yield Binding(
@@ -53,17 +52,15 @@ KEY_MAP: ContextVar[KeyMap] = ContextVar("key_map")
 
 
 def commands(*scopes: Scope) -> list[Command]:
-    """The commands whose keys act in one of these scopes, or all."""
     return [entry for entry in KEY_MAP.get().by_id.values() if not scopes or entry.scope in scopes]
 
 
 def command(command_id: str) -> Command:
-    """The command of that name."""
     return KEY_MAP.get().by_id[command_id]
 
 
 def with_keys(text: str) -> str:
-    """Put the player's keys into a text that names commands in braces, such as ``{run} runs``."""
+    """Insert the player's keys for commands in braces, such as ``{run} runs``."""
     known = KEY_MAP.get().by_id
     return text.format_map({name: entry.key_name for name, entry in known.items()})
 
@@ -120,7 +117,7 @@ def key_from(text: object) -> str:
 
 
 def _named(text: str) -> str:
-    """A key by Textual's name; what is not a key stays as it is."""
+    """Convert a key to Textual's name; return anything else unchanged."""
     if len(text) == 1:
         return _NAMES.get(text, _KEYS.get(text, text))
     folded = _NAMES.get(text.lower(), text.lower())

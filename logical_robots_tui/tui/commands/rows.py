@@ -59,7 +59,7 @@ def open_value(screen: MainScreen) -> None:
     view = inspector.pages.why.view
 
     def follow_back(pin: Pin) -> bool:
-        """Follow a value of the tree; whether it is part of a memory."""
+        """Trace a value of the tree; return whether it is part of a memory."""
         asked = memory_of(pin, screen.session.frame.tick)
         if asked is not None:
             screen.point_at(inspector)
@@ -236,7 +236,6 @@ def break_here(screen: MainScreen) -> None:
 
 
 def _question_asked(screen: MainScreen) -> str:
-    """The question whose answer the inspector shows, or ""."""
     from logical_robots_tui.tui.inspector.predicate_list import ASK
 
     inspector = screen.inspector

@@ -35,15 +35,7 @@ NO_PROGRAM = "There is no program to query yet."
 
 
 class Page(Vertical):
-    """Shows one thing about the current tick.
-
-    Args:
-        above: Widgets above the message.
-        below: Widgets below the view.
-
-    Attributes:
-        pending: The background query that escape cancels, if the page has one.
-    """
+    """Shows one thing about the current tick; `pending` is what escape cancels."""
 
     DEFAULT_CSS = """
     Page { height: 1fr; }
@@ -66,13 +58,13 @@ class Page(Vertical):
 
     @dataclass
     class Opened(Message):
-        """The player follows a link to a predicate, a query or another page."""
+        """The player followed a link to a predicate, a query or another page."""
 
         name: str
 
     @dataclass
     class Left(Message):
-        """The player returns to what was shown before this page."""
+        """The player returned to what was shown before this page."""
 
         name: str
 
@@ -98,18 +90,16 @@ class Page(Vertical):
 
     @property
     def depends_on_robot(self) -> bool:
-        """Whether choosing another robot changes what is shown."""
         return False
 
     async def show(self, frame: Frame) -> None:
-        """Show a tick. Cancelled when another tick or page is wanted."""
+        """Show a tick; cancelled when another tick or page is wanted."""
         raise NotImplementedError
 
     def show_survey(self, survey: Survey) -> None:
         """Use the rows of all predicates at the current tick, which have just been counted."""
 
     def head(self, tick: int, more: str = "", title: str = "") -> None:
-        """Set the heading, now that the page shows a tick."""
         name = Content.styled(one_line(title or self.title), f"bold {INK.title}")
         parts = [name, Content(f"tick {tick}"), *([Content(more)] if more else [])]
         if self.replays and self._questions.is_by_another_program(tick):
@@ -119,17 +109,13 @@ class Page(Vertical):
             self.post_message(self.Ready(self))
 
     def redraw(self) -> None:
-        """Draw at the present size.
-
-        Textual loses the resize event of a widget that is shown while another one scrolls.
-        """
+        """Draw now: Textual loses the resize of a widget that is shown while another scrolls."""
         if isinstance(self.view, LinesView):
             self.view.redraw()
         if self.table is not None:
             self.table.redraw()
 
     def say(self, words: Content | str) -> None:
-        """Show a message above the view, or none if there are no words."""
         content = words if isinstance(words, Content) else Content.styled(one_line(words), INK.warn)
         self._message.update(content)
         self._message.display = bool(content)
@@ -146,11 +132,7 @@ class Cancelled(Exception):  # noqa: N818 - the player's wish, and no error
 
 
 class BackgroundQuery:
-    """Waits for one answer at a time.
-
-    Attributes:
-        seconds: How long the present query, or the last one, has been running.
-    """
+    """Waits for one answer at a time; `seconds` is how long the last query ran so far."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -163,13 +145,7 @@ class BackgroundQuery:
         return self._task is not None and self.seconds > 0
 
     async def run(self, work: Coroutine[Any, Any, T], report: Callable[[], None]) -> T:
-        """Run a query.
-
-        The query is cancelled if this call is; `report` is called ten times a second meanwhile.
-
-        Raises:
-            Cancelled: `cancel` was called meanwhile.
-        """
+        """Run a query, reporting ten times a second; raise Cancelled after `cancel`."""
         task = asyncio.ensure_future(work)
         self._task, self.seconds = task, 0.0
         began = self._clock.now()
@@ -186,13 +162,11 @@ class BackgroundQuery:
                 self._task = None
 
     def cancel(self) -> None:
-        """Cancel the running query."""
         if self._task is not None:
             self._task.cancel()
 
 
 def progress(what: str, seconds: float) -> Content:
-    """A spinner, what is running, for how long, and how to cancel it."""
     spin = _SPINNER[int(seconds / _INTERVAL) % len(_SPINNER)]
     return Content.assemble(
         (f"{spin} ", INK.key),
@@ -204,11 +178,7 @@ def progress(what: str, seconds: float) -> Content:
 
 @dataclass
 class Placed(Message):
-    """Highlight a place in the program.
-
-    Attributes:
-        place: Offsets of its first character and behind its last one.
-    """
+    """Highlight a place: offsets of its first character and behind its last one."""
 
     program: str
     place: tuple[int, int]
@@ -223,10 +193,7 @@ class Sighted(Message):
 
 
 def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
-    """The robot or the ray that a node of a proof is about, or None.
-
-    Of equal rays, that of `robot` is taken, whose reasoning the node belongs to.
-    """
+    """The robot or ray that a proof's node is about; of equal rays, that of `robot`."""
     if node.robot:
         return Highlight(node.robot)
     if node.ray is not None and len(node.values) == 1:
@@ -239,7 +206,7 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
 
 
 def _is_same(node: Node, ray: Mapping[str, Any]) -> bool:
-    """Whether a node's value is a ray; SQLite may change the last digits of its angle."""
+    """Return whether a node's value is a ray; SQLite may change its angle's last digits."""
     value = node.values[0]
     return (
         isinstance(value, Mapping)
@@ -251,7 +218,6 @@ def _is_same(node: Node, ray: Mapping[str, Any]) -> bool:
 
 
 def definition(program: Program | None, name: str) -> Placed | None:
-    """Where a predicate is defined, or None if that is not in the program."""
     predicate = None if program is None else program.predicate(name)
     if program is None or predicate is None or predicate.line is None:
         return None

@@ -27,11 +27,7 @@ if TYPE_CHECKING:
 
 
 class Pages:
-    """The pages, each under its name in the list.
-
-    Attributes:
-        by_name: All but that of predicates, from left to right where two stand side by side.
-    """
+    """The pages by name, except predicates, from left to right."""
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self.decision = DecisionPage(session, questions)

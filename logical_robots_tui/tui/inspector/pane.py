@@ -45,10 +45,7 @@ _ROOMY = 150  # columns of the inspector from which a page and the robot stand s
 
 
 class InspectorPane(Pane):
-    """Follows the current tick, a few times a second while the game runs.
-
-    Where there is room, the decision of the robot stands beside the selected page.
-    """
+    """Follows the current tick a few times a second, with the decision alongside if it fits."""
 
     command_id: ClassVar[str] = "inspector"
 
@@ -78,7 +75,6 @@ class InspectorPane(Pane):
 
     @property
     def pages(self) -> Pages:
-        """The pages besides that of the robots, loaded when first used."""
         if self._pages is None:
             from logical_robots_tui.tui.inspector.page_loader import Pages
 
@@ -91,14 +87,13 @@ class InspectorPane(Pane):
 
     @property
     def page(self) -> Page:
-        """The selected page; it may not be on the screen yet."""
+        """The selected page, which may not be visible yet."""
         if self._inspected == ROBOTS:
             return self._robots
         return self.pages.by_name.get(self._inspected, self.pages.predicate)
 
     @property
     def beside(self) -> Page | None:
-        """The page that stands beside the selected one, if there is room and it is loaded."""
         if not self._is_roomy or self._pages is None:
             return None
         return self._robots if self._inspected == DECISION else self._pages.decision
@@ -112,12 +107,10 @@ class InspectorPane(Pane):
 
     @property
     def shows_robot(self) -> bool:
-        """Whether a page that is shown is about the chosen robot."""
         return self.beside is not None or self._inspected in (DECISION, WHY, WATCH)
 
     @property
     def shown_table(self) -> ValueTable | None:
-        """The table on the screen, or None."""
         page = self.page
         if self.inspected != self._inspected or not page.display:
             return None
@@ -125,17 +118,14 @@ class InspectorPane(Pane):
 
     @property
     def robot(self) -> str:
-        """Name of the robot that pages are about."""
         names = [robot.name for robot in self._session.level.robots]
         return self._robot if self._robot in names else names[0]
 
     @property
     def is_function(self) -> bool:
-        """Whether the selected predicate is a function, which has calls instead of rows."""
         return self.questions.is_function(self._inspected)
 
     def on_mount(self) -> None:
-        """Begin with the robots, and load the other pages in the background."""
         in_background(self, self._load_pages, "pages")
         self._list_predicates()
         self.follow()
@@ -147,11 +137,9 @@ class InspectorPane(Pane):
             self.follow()
 
     def on_show(self) -> None:
-        """Catch up after having been hidden."""
         self.follow()
 
     def on_resize(self) -> None:
-        """Show one page or two."""
         is_roomy = self.content_size.width >= _ROOMY
         if is_roomy is not self._is_roomy:
             if self.beside is not None and self.beside.has_focus_within:
@@ -162,15 +150,12 @@ class InspectorPane(Pane):
             self.follow()
 
     async def on_unmount(self) -> None:
-        """Stop all queries."""
         await self.questions.close()
 
     def enter(self) -> None:
-        """Focus the list."""
         self.screen.set_focus(self._list)
 
     def choose(self, robot_name: str) -> None:
-        """Select the robot that pages are about."""
         self._robot = robot_name
         self._robots.view.choose(robot_name)
         if any(page.depends_on_robot for page in self._wanted):
@@ -178,7 +163,6 @@ class InspectorPane(Pane):
         self.follow()
 
     def inspect(self, name: str) -> None:
-        """Show a page or the rows of a predicate."""
         self._inspected = name
         if name != WHY:
             self.post_message(Sighted(None, self._session.frame))
@@ -186,7 +170,6 @@ class InspectorPane(Pane):
         self.follow()
 
     def open(self, name: str) -> None:
-        """Select a page or a predicate in the list."""
         if name in self._list.names:
             self._select(name)
             self.enter()
@@ -194,26 +177,22 @@ class InspectorPane(Pane):
             self.notify(f"The program has no predicate {name}.", markup=False)
 
     def why(self) -> None:
-        """Explain the rows of the selected predicate, or what the robot does."""
         own = {p.name for p in self._session.predicates if p.kind == "program"}
         self.pages.why.begin(self._inspected if self._inspected in own else "Robot")
         self._enter_page(WHY)
 
     def ask(self, query: str = "") -> None:
-        """Go to the query line, and run a query if one is given."""
         self._enter_page(ASK)
         self.pages.ask.put(query)
 
     def go_to_pins(self) -> None:
-        """Go to the pinned values."""
         self._enter_page(WATCH)
 
     def diagnose(self) -> None:
-        """Go to the diagnosis of the whole run."""
         self._enter_page(DIAGNOSIS)
 
     def memory_here(self, tick: int) -> MemoryPart | None:
-        """The memory under the cursor; all of a robot's memory where only robots are shown."""
+        """Return the memory under the cursor; all of a robot's memory if only robots are shown."""
         from logical_robots_tui.tui.inspector.under_cursor import (
             MemoryPart,
             memory_in_proof,
@@ -230,30 +209,28 @@ class InspectorPane(Pane):
         return memory_of(pin_here(self.inspected, self.shown_table, self.robot), tick)
 
     def follow_back(self, asked: MemoryPart | None) -> None:
-        """Trace where a value comes from, or return to the last trace."""
         self.pages.origin.come_from(self._inspected, asked)
         self.inspect(ORIGIN)
         self.screen.set_focus(self.page.view)
 
     def rearrange(self, how: RowOrder) -> None:
-        """Sort and filter the table on the screen."""
         if (table := self.shown_table) is not None:
             table.rearrange(how)
             self.follow()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Leave escape to others unless a query is running."""
+        """Handle escape only while a query is running."""
         del parameters
         return action != "stop" or ((query := self.page.pending) is not None and query.is_long)
 
     def action_stop(self) -> None:
-        """Cancel the running query, and do not begin it again for the same tick."""
+        """Cancel the running query; don't restart it at the same tick."""
         if self.page.pending is not None:
             self.page.pending.cancel()
             self._stale = False
 
     def follow(self) -> None:
-        """Show the current tick: at once, or shortly if the game runs."""
+        """Show the current tick: at once, or shortly after while the game runs."""
         if self._list.predicates != self._session.predicates:
             self._list_predicates()
         self._stale = True
@@ -263,7 +240,7 @@ class InspectorPane(Pane):
             self._follower = in_background(self, self._catch_up, "inspect")
 
     def _cancel(self) -> None:
-        """Stop what the page is doing: it may be waiting for an answer that nobody wants."""
+        """Stop the page's work: it may be waiting for an answer that is no longer needed."""
         if self._follower is not None:
             self._follower.cancel()
             self._follower = None
@@ -285,7 +262,6 @@ class InspectorPane(Pane):
                 await self._count_rows(frame)
 
     async def _count_rows(self, frame: Frame) -> None:
-        """Count the rows of every predicate, and find which changed since the tick before."""
         if not self.display:
             return
         try:
@@ -300,11 +276,11 @@ class InspectorPane(Pane):
 
     @property
     def _wanted(self) -> tuple[Page, ...]:
-        """The pages to show; the one that may take long comes last."""
+        """The pages to show, the one that may be slow last."""
         return (self.page,) if self.beside is None else (self.beside, self.page)
 
     def _show_pages(self) -> None:
-        """Hide what is no longer wanted, as soon as everything else has something to show."""
+        """Hide unwanted pages once all others have something to show."""
         if all(page.display for page in self._wanted):
             for page in self._row.query_children(Page):
                 page.display = page in self._wanted

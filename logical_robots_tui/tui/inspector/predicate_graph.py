@@ -35,7 +35,7 @@ _ARROWS = 10  # columns for the two joints with their arrows
 
 
 class GraphView(LinesView):
-    """The neighbours of a predicate."""
+    """A predicate in the middle, its users and the predicates it uses at the sides."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         ("up", "choose(-1)"),
@@ -57,12 +57,10 @@ class GraphView(LinesView):
 
     @property
     def chosen(self) -> str:
-        """The predicate under the cursor."""
         column, row = self._at
         return self._columns[column][row]
 
     def centre(self, name: str) -> None:
-        """Move a predicate to the middle, with the cursor on it."""
         uses = self._program.uses
         users = [user for user, used in uses.items() if name in used]
         self.middle = name
@@ -71,7 +69,7 @@ class GraphView(LinesView):
         self.redraw()
 
     def on_click(self, event: events.Click) -> None:
-        """Move a predicate to the middle, or open the one that is there."""
+        """Move a predicate to the middle; open the one that is already there."""
         row, column, x = event.y + self.scroll_offset.y, _USERS, event.x
         while column < _USED and x >= self._widths[column]:
             x -= self._widths[column] + _ARROWS // 2
@@ -84,13 +82,11 @@ class GraphView(LinesView):
                 self.centre(self._columns[column][place])
 
     def action_choose(self, down: int) -> None:
-        """Move the cursor up and down among the users, or among what is used."""
         column, row = self._at
         self._at = (column, max(0, min(row + down, len(self._columns[column]) - 1)))
         self.redraw()
 
     def action_along(self, right: int) -> None:
-        """Move the cursor to the next column; beyond the last, move its predicate to the middle."""
         column = self._at[0] + right
         if not _USERS <= column <= _USED:
             self.centre(self.chosen)
@@ -100,11 +96,9 @@ class GraphView(LinesView):
             self.redraw()
 
     def action_open(self) -> None:
-        """Open the predicate under the cursor in the inspector."""
         self._opened(self.chosen)
 
     def draw(self) -> None:
-        """Paint the graph, and bring the cursor into view."""
         labels = [[self._label(name) for name in names] for names in self._columns]
         labels[_USERS] = labels[_USERS] or [Content.styled(_NOBODY, INK.dim)]
         labels[_USED] = labels[_USED] or [Content.styled(_NOTHING, INK.dim)]
@@ -120,7 +114,6 @@ class GraphView(LinesView):
         self.scroll_to_region(area, animate=False, force=True)
 
     def _line(self, row: int, labels: Sequence[Sequence[Content]]) -> Content:
-        """One line: a user, a connector, the middle, a connector, a used predicate."""
         parts = []
         for column, (top, width) in enumerate(zip(self._tops, self._widths, strict=True)):
             place = row - top
@@ -153,10 +146,7 @@ class GraphView(LinesView):
 
 
 def joint(row: int, ends: range, middle: int, *, to_right: bool) -> str:
-    """The directions of the connector on a row: some of ``e``, ``n``, ``s``, ``w``, in this order.
-
-    It connects the rows `ends` with the row `middle`.
-    """
+    """The connector's directions, of ``ensw``, from rows `ends` to `middle`."""
     if not ends:
         return ""
     top, bottom = min(ends[0], middle), max(ends[-1], middle)
@@ -188,11 +178,9 @@ class Graph(Dialog[str]):
         self.view = GraphView(program, name, self.dismiss)
 
     def content_widgets(self) -> ComposeResult:
-        """The graph."""
         yield self.view
 
     def on_mount(self) -> None:
-        """Focus the graph."""
         self.view.focus()
 
 
@@ -200,10 +188,7 @@ _BAR = 24  # columns of the longest bar
 
 
 def query_plan_text(found: Sequence[QueryPlan], predicate: str) -> Static:
-    """How long each predicate takes, and the SQL and plan of one of them.
-
-    That is `predicate`, or the slowest, which comes first, if it is not among them.
-    """
+    """How long each predicate takes, and SQL and plan of one, otherwise the slowest."""
     chosen = next((each for each in found if each.predicate == predicate), found[0])
     return Static(Content("\n").join([*_times(found, chosen), *_in_full(chosen)]))
 

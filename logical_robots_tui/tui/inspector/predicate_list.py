@@ -37,8 +37,6 @@ _NARROWEST = 12  # columns of an entry
 
 
 class PredicateList(Listing):
-    """Lists what can be inspected."""
-
     DEFAULT_CSS = """
     PredicateList {
         width: 24; height: 1fr; border: none; padding: 0; background: $surface;
@@ -55,7 +53,6 @@ class PredicateList(Listing):
         self._counted: dict[str, tuple[str, bool, int]] = {}
 
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
-        """List the predicates of a program."""
         self.predicates, self._survey = predicates, None
         self._counted.clear()
         # Functions of the prelude never have rows to show; those of the program have calls.
@@ -72,17 +69,14 @@ class PredicateList(Listing):
         self.highlighted = names.index(inspected) if inspected in names else None
 
     def count(self, survey: Survey) -> None:
-        """Show how many rows each predicate has, if the survey is about the listed program."""
         if survey.program.predicates == self.predicates:
             self._survey = survey
             self._count()
 
     def on_resize(self) -> None:
-        """Fit the entries to the new width."""
         self._count()
 
     def go_to(self, name: str) -> None:
-        """Highlight a page or a predicate."""
         self.highlighted = self.get_option_index(name)
 
     def _count(self) -> None:
@@ -109,7 +103,6 @@ def _entry(predicate: Predicate) -> Content:
 
 
 def _with_count(entry: Content, rows: str, differs: bool, width: int) -> Content:
-    """An entry with its row count at the right end, marked if the rows have changed."""
     count = f"{rows}{_CHANGED if differs else ' '}"
     room = width - len(count) - 1
     gap = " " * max(1, width - entry.cell_length - len(count))

@@ -20,12 +20,7 @@ MOST_ROBOTS = 100
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """The rows of every predicate at a tick.
-
-    Attributes:
-        tables: Rows of each predicate by name, or why there are none.
-        before: The same at the tick before, as far as it is known.
-    """
+    """The rows of every predicate at a tick, or why there are none, and at the tick before."""
 
     program: Program
     frame: Frame
@@ -33,23 +28,18 @@ class Survey:
     before: dict[str, Table | QueryError]
 
     def count(self, predicate: str) -> str:
-        """The number of a predicate's rows in a few characters."""
         table = self.tables.get(predicate)
         if not isinstance(table, Table):
             return "" if table is None else "!"
         return f"{len(table.rows)}{'+' if table.truncated else ''}"
 
     def differs(self, predicate: str) -> bool:
-        """Whether a predicate has other rows than at the tick before."""
         now, before = self.tables.get(predicate), self.before.get(predicate)
         return isinstance(now, Table) and isinstance(before, Table) and now != before
 
 
 class Questions:
-    """Runs queries against the program that the robots think with.
-
-    Each raises `Superseded` if there is no program yet, or if something newer was asked.
-    """
+    """Queries the robots' program; raises `Superseded` without one or after newer ones."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -59,36 +49,25 @@ class Questions:
 
     @property
     def program(self) -> Program:
-        """The program that the robots think with.
-
-        Raises:
-            Superseded: There is none yet.
-        """
+        """The program that the robots think with, or raise Superseded if there is none yet."""
         if self._session.game is None:
             raise Superseded
         return self._session.game.program
 
     def about(self) -> tuple[Inquiry, Program]:
-        """Return what answers questions, and the program that they are about."""
         return self._inquiry(), self.program
 
     def is_by_another_program(self, tick: int) -> bool:
-        """Whether another program than the current one decided a tick."""
         history, program = self._session.history, self._session.program
         decided = history.program_at(tick) if history else None
         return bool(decided and program and decided.texts != program.texts)
 
     def is_function(self, name: str) -> bool:
-        """Whether a predicate is a function of the program, which has calls instead of rows."""
         known = (each for each in self._session.predicates if each.name == name)
         return any(each.kind == "program" and each.is_function for each in known)
 
     async def rows(self, predicate: str, robot: str, frame: Frame) -> Table:
-        """The rows of a predicate at a frame; of a function, its calls for a robot.
-
-        Raises:
-            QueryError: It has none, or it failed.
-        """
+        """A predicate's rows, or a function's calls for a robot, or raise QueryError."""
         if self.is_function(predicate):
             return await self._inquiry().calls(self.program, robot, frame, predicate)
         game = self._session.game
@@ -97,7 +76,6 @@ class Questions:
         return await game.query(predicate, frame)
 
     async def survey(self, frame: Frame) -> Survey:
-        """The rows of every predicate at a frame, and at the one before."""
         program, last = self.program, self._surveyed
         if known := self.surveyed(frame):
             return known
@@ -113,14 +91,13 @@ class Questions:
         return self._surveyed
 
     def surveyed(self, frame: Frame) -> Survey | None:
-        """The survey of a frame, if it has been taken."""
+        """Return the survey of a frame if it is known; never computes one."""
         last, game = self._surveyed, self._session.game
         if last is None or game is None:
             return None
         return last if last.frame is frame and last.program is game.program else None
 
     async def close(self) -> None:
-        """Cancel all queries."""
         inquiry, self._asked = self._asked, None
         if inquiry is not None:
             await inquiry.close()

@@ -22,11 +22,7 @@ _OF_A_ROBOT = (ROBOTS, DECISION, WHY)
 
 @dataclass(frozen=True, slots=True)
 class MemoryPart:
-    """A part of a memory.
-
-    Attributes:
-        tick: The tick after which the robot has it; 0 is the start.
-    """
+    """A part of a memory after a tick; 0 is the start."""
 
     robot: str
     path: Path
@@ -34,11 +30,7 @@ class MemoryPart:
 
 
 def pin_here(inspected: str, table: ValueTable | None, robot: str) -> Pin | None:
-    """The pin for a cell, a number of rows or a robot's memory.
-
-    Returns:
-        The pin, or None if there is nothing to pin or the row cannot be told from others.
-    """
+    """The pin for a cell, a number of rows or a memory; None if the row can't be told apart."""
     if inspected in _OF_A_ROBOT:
         return Pin("Memory", "memory", (("robot_name", robot),))
     if table is None or inspected == ASK:
@@ -51,7 +43,6 @@ def pin_here(inspected: str, table: ValueTable | None, robot: str) -> Pin | None
 
 
 def branches_of(node: Node) -> tuple[str, Sequence[Branch]]:
-    """A title for a node of a proof and its values, numbered if there are several."""
     title = f"{node.text} (and {node.more:,} more)" if node.more else node.text
     if len(node.values) == 1:
         return title, (Branch(node.text, node.values[0]),)
@@ -61,7 +52,7 @@ def branches_of(node: Node) -> tuple[str, Sequence[Branch]]:
 def branches_here(
     inspected: str, table: ValueTable | None, robot: str, frame: Frame
 ) -> tuple[str, Sequence[Branch]]:
-    """The values to open as a tree: that of a cell, or the inputs and outputs of a decision."""
+    """Return what to open as a tree: a cell's value, or a decision's inputs and outputs."""
     if inspected in _OF_A_ROBOT:
         return f"Decision of {robot}", _decision(frame, robot)
     if table is None or table.pointed is None:
@@ -71,9 +62,9 @@ def branches_here(
 
 
 def memory_of(pin: Pin | None, tick: int) -> MemoryPart | None:
-    """The part of a memory that a pin reads, or None if it reads something else.
+    """The part of a memory that a pin reads, or None.
 
-    `Memory` holds memories as of the tick before, `Robot` those as of this tick.
+    `Memory` holds memories as of the tick before, `Robot` as of this tick.
     """
     robot = dict(pin.where).get("robot_name") if pin is not None else None
     if pin is None or not isinstance(robot, str) or pin.column != "memory":
@@ -84,7 +75,6 @@ def memory_of(pin: Pin | None, tick: int) -> MemoryPart | None:
 
 
 def memory_in_proof(view: WhyView, tick: int) -> MemoryPart | None:
-    """The part of a memory that the node under the cursor has read."""
     line = view.line
     if line is None or line.node.kind != "read":
         return None

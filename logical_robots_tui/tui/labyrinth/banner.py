@@ -42,12 +42,11 @@ class Overlay(Static):
     """
 
     def on_click(self, event: events.Click) -> None:
-        """Close."""
         event.stop()
         self.close()
 
     def close(self) -> None:
-        """Hide, and repaint what was below: Textual's layout alone may leave it on the screen."""
+        """Hide, and repaint what was below: Textual's layout alone may leave remnants."""
         if self.display:
             self.display = False
             self.call_after_refresh(self.screen.refresh)
@@ -68,13 +67,11 @@ class VictoryBanner(Overlay):
         self._offers: Sequence[tuple[str, str]] = _OFFERS
 
     def celebrate(self, ticks: int, who: str, recorder: ProgressRecorder) -> None:
-        """Show a victory."""
         self._seed, self._offers = ticks, _OFFERS
         self._said = f"★ {clip(who, 50)} — {counted(ticks, 'tick')} ★"
         self._show(recorder)
 
     def toggle(self, recorder: ProgressRecorder) -> None:
-        """Show the results so far, or hide the banner."""
         if self.display:
             self.close()
             return
@@ -82,7 +79,6 @@ class VictoryBanner(Overlay):
         self._show(recorder)
 
     def follow(self, recorder: ProgressRecorder) -> None:
-        """Update the measures."""
         if self.display and (rows := self._table(recorder)) != self._rows:
             same = len(rows) == len(self._rows)
             self._rows = rows
@@ -101,7 +97,6 @@ class VictoryBanner(Overlay):
         return rows
 
     def render(self) -> Content:
-        """Return the lines with confetti at their sides, as wide as the widget."""
         width = self.size.width
         chance = random.Random(self._seed)  # noqa: S311 - confetti
         said = Content.styled(self._said, f"bold {INK.key}")
@@ -113,14 +108,12 @@ class VictoryBanner(Overlay):
 
 
 def _offer(label: str, command_id: str) -> Content:
-    """Return the key and the label of a command; clickable."""
     key = command(command_id).key_name
     content = Content.assemble((key, f"bold {INK.key}"), f" {label}")
     return content.stylize(Style.from_meta({"@click": f"screen.command('{command_id}')"}))
 
 
 def _confetti(width: int, middle: Content, chance: random.Random, density: float) -> Content:
-    """Return a line with its text in the middle and confetti at its sides."""
     left = max((width - middle.cell_length) // 2 - 2, 0)
     right = max(width - middle.cell_length - left - 4, 0)
     if not middle.cell_length:

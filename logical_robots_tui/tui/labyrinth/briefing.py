@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 
 
 class Briefing(Overlay):
-    """The briefing at the start, until the game runs or the player closes it.
-
-    It is where it hides the fewest robots and goals.
-    """
+    """The briefing, placed to hide the fewest robots and goals, until the game runs."""
 
     DEFAULT_CSS = """
     Briefing { position: absolute; padding: 0 1; border: round $frame; }
@@ -42,7 +39,6 @@ class Briefing(Overlay):
         self._place: tuple[Level, Viewport] | None = None
 
     def tell(self, level: Level) -> None:
-        """Show the briefing of a level, if it has one."""
         text = "\n".join(visible(line) for line in level.briefing.strip().splitlines())
         title = (one_line(level.title), f"bold {INK.title}")
         goals = "".join(f"   ☆ {goal.words}" for goal in level.second_goals)
@@ -62,7 +58,6 @@ class Briefing(Overlay):
         self.place()
 
     def toggle(self) -> bool:
-        """Show or hide it; return False if there is nothing to show."""
         if self.display:
             self.close()
         elif self._level is not None:
@@ -71,7 +66,6 @@ class Briefing(Overlay):
         return self._level is not None
 
     def place(self) -> None:
-        """Go to the best place of the picture as it is now."""
         if self._level is None or not self.display or not self._view.size.area:
             return
         viewport = self._view.camera.viewport(self._level, *self._view.size)
@@ -91,13 +85,7 @@ _FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")
 def least_covering(
     level: Level, viewport: Viewport, as_written: Content, flowing: Content
 ) -> tuple[Content, Region]:
-    """Return the text to show over a picture of a level, and the cells for it.
-
-    They hide as few robots and goals as possible. Corners are better than other places, and lines
-    as they are written than narrower ones.
-
-    `as_written` has the lines that its author wanted, `flowing` is for less width.
-    """
+    """Return text, preferably `as_written`, and cells that hide few robots and goals."""
     needed = as_written.get_optimal_width({}, viewport.columns)
     spots = []
     for width in range(needed, needed // 3, -max(needed // 12, 1)):
@@ -128,7 +116,7 @@ def least_covering(
 def _hidden(
     region: Region, viewport: Viewport, circles: Iterable[tuple[float, float, float]]
 ) -> int:
-    """Return how many circles, each of x, y and radius in map units, touch a region of cells."""
+    """Return how many circles (x, y, radius in map units) touch a region of cells."""
     left, top = viewport.left + region.x * viewport.units, viewport.top
     top += region.y * viewport.units * CELL_ASPECT
     right = left + region.width * viewport.units

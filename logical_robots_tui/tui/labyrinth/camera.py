@@ -23,7 +23,7 @@ _CALM = 0.22
 
 
 class Sight(Enum):
-    """What is shown."""
+    """What the camera shows."""
 
     WHOLE = "whole"
     """The whole labyrinth."""
@@ -59,13 +59,7 @@ class Overlay(Protocol):
 
 
 class Camera(NamedTuple):
-    """The player's view.
-
-    Attributes:
-        step: Index into ``ZOOMS``.
-        x: Map units of the view's middle, unless it shows the whole labyrinth.
-        y: Map units in the middle of the view.
-    """
+    """The player's view: index into ``ZOOMS``, and its middle in map units."""
 
     sight: Sight = Sight.WHOLE
     step: int = 0
@@ -78,7 +72,6 @@ class Camera(NamedTuple):
         return ZOOMS[self.step]
 
     def viewport(self, level: Level, columns: int, rows: int) -> Viewport:
-        """Return the part of a level's map that is shown in a block of cells."""
         whole = Viewport.fit(level.width, level.height, columns, rows)
         if self.sight not in (Sight.FOLLOW, Sight.FREE):
             return whole
@@ -89,17 +82,14 @@ class Camera(NamedTuple):
         return view.centred(x, _beside_rim(self.y, view.height, level.height))
 
     def next_sight(self) -> Camera:
-        """Switch to the next kind of view; from a free view to the whole labyrinth."""
         if self.sight is Sight.WHOLE:
             return self._replace(sight=Sight.FOLLOW, step=self.step or _NEAR)
         return self._replace(sight=Sight.SENSES if self.sight is Sight.FOLLOW else Sight.WHOLE)
 
     def following(self, x: float, y: float, view: Viewport, *, at_once: bool = False) -> Camera:
-        """Centre a robot that has left the middle of the view.
+        """Centre a robot (map units) that has left the view's middle; always if `at_once`.
 
         A view that moved with every step would change every cell in every picture.
-
-        x and y are map units; `at_once` centres it in any case.
         """
         if self.sight is not Sight.FOLLOW:
             return self
@@ -111,11 +101,7 @@ class Camera(NamedTuple):
         return self._replace(x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
 
     def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
-        """Zoom.
-
-        The point `at` (map units), by default the middle, stays in place on the screen; but a
-        followed robot stays in the middle. Negative steps zoom out.
-        """
+        """Zoom (out if negative) around a point in map units, or around a followed robot."""
         if self.sight is Sight.SENSES:
             return self
         step = min(max((self.step if self.sight is not Sight.WHOLE else 0) + steps, 0), _LAST)
@@ -130,7 +116,6 @@ class Camera(NamedTuple):
         return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
 
     def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
-        """Pan the view; part of the map stays in view."""
         if self.sight is Sight.SENSES:
             return self
         x = view.left + view.width / 2 + columns * view.units
@@ -142,7 +127,7 @@ class Camera(NamedTuple):
 
 
 def _beside_rim(middle: float, length: float, whole: float) -> float:
-    """Return the middle closest to one that shows as little as possible beyond the map."""
+    """Return the closest middle that shows as little as possible beyond the map."""
     if length >= whole:
         return whole / 2
     return min(max(middle, length / 2), whole - length / 2)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class LabyrinthPane(Pane, can_focus=True):
-    """Shows the world at the tick on the screen."""
+    """The pane that shows the world at the current tick."""
 
     command_id: ClassVar[str] = "labyrinth"
 
@@ -53,11 +53,9 @@ class LabyrinthPane(Pane, can_focus=True):
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
 
     def on_mount(self) -> None:
-        """Update the card when the theme changes."""
         self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
 
     def on_resize(self) -> None:
-        """Place the briefing again."""
         self.call_after_refresh(self.briefing.place)
 
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
@@ -68,7 +66,6 @@ class LabyrinthPane(Pane, can_focus=True):
         self.select(self.view.selected)
 
     def select(self, robot_name: str | None) -> None:
-        """Highlight a robot, and show its card or that of the one under the pointer."""
         self.view.selected = robot_name
         if self._shown is None:
             return
@@ -84,7 +81,6 @@ class LabyrinthPane(Pane, can_focus=True):
 
     @on(RobotPointed)
     def _robot_pointed(self) -> None:
-        """Show the card of the robot under the pointer."""
         self.select(self.view.selected)
 
     @on(LabyrinthView.Looked)
@@ -103,12 +99,10 @@ class LabyrinthPane(Pane, can_focus=True):
         self.select(self.view.selected)
 
     def close_overlays(self) -> None:
-        """Hide the briefing and the banner."""
         self.briefing.close()
         self.banner.close()
 
     def action_pan(self, across: int, down: int) -> None:
-        """Pan the view by an eighth."""
         columns, rows = self.view.size
         self.view.pan(across * columns / 8, down * rows / 8)
 
@@ -138,10 +132,7 @@ class RobotCard(Static):
         self._content = Content("")
 
     def show(self, level: Level, frame: Frame, name: str | None, *, on_the_left: bool) -> None:
-        """Show a robot, or hide.
-
-        `on_the_left` says that the robot is in the left half, so that the card goes to the right.
-        """
+        """Show a robot, or hide; `on_the_left` robots get the card on the right."""
         robots = zip(level.robots, frame.after.robots, strict=True)
         found = next((pair for pair in robots if pair[0].name == name), None)
         self.display = found is not None
@@ -155,7 +146,6 @@ class RobotCard(Static):
             self.update(content)
 
     def on_click(self) -> None:
-        """Hide until the next tick, or until another robot is selected."""
         self.display = False
 
 
@@ -181,7 +171,6 @@ def _labelled(label: str, content: Content) -> Content:
 
 
 def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> Content:
-    """What is wrong with a robot, or its team."""
     if state.dead:
         return Content.styled("battery empty", INK.bad)
     if decision is not None and decision.desire is None:

@@ -23,10 +23,9 @@ _LABEL = 11
 
 
 def results_lines(recorder: ProgressRecorder) -> list[Content]:
-    """Return lines of equal width: titles, the victory, the bests, the solution, scales, the trial.
+    """Return lines of equal width: victory, bests (new ones starred), solution, scales, trial.
 
-    If several programs won together, the last one alone is measured, from the start. A new best is
-    marked with a star; unknown values are a dot.
+    If several programs won together, the last one alone is measured, from the start.
     """
     references, bests = recorder.references.values(), recorder.record.bests
     rows = [_row("", _TITLES, INK.dim)]
@@ -53,10 +52,7 @@ _MINE, _REFERENCE = "●", "┼"
 
 
 def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Content]:
-    """Yield a line for ticks, rules and distance, with the references' marks and the player's.
-
-    A scale goes from the best value to the worst; the values follow in the same order.
-    """
+    """Yield a scale, from best to worst, of ticks, rules and distance, with references' marks."""
     for title, mine, *others in zip(
         _TITLES, bests[:3], *(each[:3] for each in references), strict=False
     ):
@@ -81,7 +77,6 @@ def _scale(title: str, known: list[int], mine: int | None) -> Content:
 
 
 def goal_lines(goals: Iterable[SecondGoal], reached: Collection[str]) -> Iterator[Content]:
-    """Yield a line with the second goals, ticked if they are reached, if there are any."""
     told = [
         Content.styled(f"✓ {goal.words}", f"bold {INK.good}")
         if goal.words in reached
@@ -93,14 +88,12 @@ def goal_lines(goals: Iterable[SecondGoal], reached: Collection[str]) -> Iterato
 
 
 def _inked(text: str) -> Content:
-    """Return a part of a scale: the player's is bright, the line is faint."""
     if _MINE in text:
         return Content.styled(text, f"bold {INK.key}")
     return Content.styled(text, INK.faint if text == "─" else INK.text)
 
 
 def brief(bests: Bests, width: int) -> str:
-    """Return the bests in a few words that fit, or "" if there are none."""
     if bests.ticks is None or bests.rules is None or bests.distance is None:
         return ""
     parts = [counted(bests.ticks, "tick"), counted(bests.rules, "rule")]

@@ -27,21 +27,13 @@ class RobotPointed(Message):
 
 @dataclass
 class RobotPut(Message):
-    """A robot was dragged or turned."""
-
     name: str
     pose: Pose
 
 
 @dataclass(frozen=True)
 class Grip:
-    """How a robot is held with the mouse.
-
-    Attributes:
-        dx: Map units from its centre to the pointer.
-        dy: Map units from its centre to the pointer.
-        is_turned: Whether it turns towards the pointer instead of following it.
-    """
+    """How a robot is held: `dx` and `dy` are map units from its centre to the pointer."""
 
     name: str
     dx: float
@@ -49,7 +41,7 @@ class Grip:
     is_turned: bool
 
     def put(self, robot: RobotState, x: float, y: float) -> RobotPut:
-        """Return where the robot is with the pointer at a point in map units."""
+        """Return the robot's pose when the pointer is at a point in map units."""
         if self.is_turned:
             angle = math.atan2(y - robot.y, x - robot.x)
             return RobotPut(robot.name, (robot.x, robot.y, angle))
@@ -57,10 +49,7 @@ class Grip:
 
 
 def robot_near(robots: Iterable[RobotState], x: float, y: float, units: float) -> RobotState | None:
-    """Return the robot nearest to a point, if it is close.
-
-    x and y are map units, `units` is map units per column.
-    """
+    """Return the robot near a point in map units, or None; `units` is map units per column."""
     reach = max(_PICK_REACH * units, ROBOT_RADIUS + CELL_ASPECT * units / 2)
     away = [(math.hypot(robot.x - x, robot.y - y), i, robot) for i, robot in enumerate(robots)]
     distance, _, nearest = min(away, default=(math.inf, 0, None))

@@ -29,7 +29,7 @@ _FONT_SIZE = 12  # map units
 
 
 def svg(level: Level, paths: Mapping[str, Sequence[Point]] | None = None) -> str:
-    """Return a level at its start as SVG in dark colours; one map unit is one unit of it."""
+    """Return a level at its start as SVG in dark colours; one SVG unit is one map unit."""
     paths = paths or {}
     return "\n".join(
         [
@@ -51,7 +51,7 @@ def svg(level: Level, paths: Mapping[str, Sequence[Point]] | None = None) -> str
 
 
 def _rectangles(walls: NDArray[np.bool_]) -> Iterator[str]:
-    """Return the walls as rectangles, one for each run in equal rows."""
+    """Yield the walls as rectangles: one for each run within a band of equal rows."""
     changes = np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)) + 1
     for top, bottom in pairwise([0, *changes.tolist(), len(walls)]):
         for left, right in _runs(walls[top]):
@@ -59,7 +59,6 @@ def _rectangles(walls: NDArray[np.bool_]) -> Iterator[str]:
 
 
 def _edges(walls: NDArray[np.bool_]) -> Iterator[str]:
-    """Return the lines between walls and floor."""
     for y in np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)).tolist():
         for left, right in _runs(walls[y] != walls[y + 1]):
             yield f"M{left} {y + 1}h{right - left}"
@@ -69,7 +68,6 @@ def _edges(walls: NDArray[np.bool_]) -> Iterator[str]:
 
 
 def _runs(row: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return where each run of a row begins and ends."""
     edges = np.flatnonzero(np.diff(np.pad(row, 1).astype(np.int8))).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))
 
@@ -112,7 +110,6 @@ def _robot(robot: Robot) -> str:
 
 
 def _path(robot: Robot, points: Sequence[Point]) -> str:
-    """Return the line that a robot drove, and a ring where it was last."""
     if not points:
         return ""
     colour = _hex(robot_colour(robot.color, DARK))

@@ -31,8 +31,6 @@ _TROUBLE: dict[MarkKind, tuple[str, str]] = {
 
 
 class VictoryAnnouncer(SessionListener):
-    """Shows the briefing at the start, and announces each victory once, after it is recorded."""
-
     def __init__(
         self,
         session: Session,
@@ -48,11 +46,9 @@ class VictoryAnnouncer(SessionListener):
         self._tick = 0
 
     def level_opened(self, level: Level) -> None:
-        """Show the briefing and hide the banner."""
         self.restarted()
 
     def restarted(self) -> None:
-        """Show the briefing and hide the banner."""
         self._waiting = None
         self._pane.banner.close()
         self._brief()
@@ -81,16 +77,13 @@ class VictoryAnnouncer(SessionListener):
             self._pane.briefing.tell(self._session.level)
 
     def won(self, victory: Victory) -> None:
-        """Announce a victory, now or when the level is no longer edited."""
+        """Announce a victory, now or once level editing ends."""
         self._waiting = victory
         if not self._is_held:
             self._announce()
 
     def hold(self, is_held: bool) -> None:
-        """Delay announcements, as while the level is edited, or stop delaying.
-
-        A victory meanwhile is announced if it still holds.
-        """
+        """Delay announcements, or stop; a victory meanwhile is announced if it still holds."""
         self._is_held = is_held
         if not self._tick:
             self._brief()
@@ -98,7 +91,6 @@ class VictoryAnnouncer(SessionListener):
             self._announce()
 
     def measured(self, level: Level, found: Measures, is_here: bool) -> None:
-        """Show the measures of a victory, unless the banner does."""
         if not (is_here and self._pane.banner.display):
             title = one_line(level.title)
             self._tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")

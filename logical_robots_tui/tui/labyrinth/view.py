@@ -46,15 +46,10 @@ _BEAT = 0.35  # seconds between changes of a beacon's brightness while the robot
 
 
 class LabyrinthView(Widget):
-    """Shows one frame of a level.
+    """Shows one frame of a level, repainting only changes.
 
-    Only changes since the last frame are repainted.
-
-    Attributes:
-        drags_robots: Whether a drag that begins at a robot moves it, and not the map.
-        pointed: Name of the robot under the mouse pointer, or None.
-        camera: What is shown. ``view`` is the resulting part of the map, and converts cells of this
-            widget to map units and back.
+    `camera` is what to show; ``view`` is the resulting part of the map, and converts cells to
+    map units and back.
     """
 
     DEFAULT_CSS = "LabyrinthView { width: 1fr; height: 1fr; }"
@@ -74,8 +69,6 @@ class LabyrinthView(Widget):
 
     @dataclass
     class RobotPicked(Message):
-        """A robot was clicked."""
-
         name: str
 
     def __init__(self, clock: Clock = CLOCK) -> None:
@@ -98,14 +91,10 @@ class LabyrinthView(Widget):
 
     @property
     def view(self) -> Viewport | None:
-        """The current view; None before the first frame."""
         return None if self._level is None else self.camera.viewport(self._level, *self.size)
 
     def show(self, level: Level, frame: Frame, *, hurried: bool = False) -> None:
-        """Show a frame.
-
-        If `hurried`, the next frame follows at once, so less must be sent.
-        """
+        """Show a frame; if `hurried`, the next one follows at once, so less must be sent."""
         if self._level is None or _place_of(level) != _place_of(self._level):
             self.set_reactive(LabyrinthView.camera, Camera())
             self._traces.forget()
@@ -115,13 +104,11 @@ class LabyrinthView(Widget):
         self.redraw()
 
     def highlight(self, highlight: Highlight | None, frame: Frame) -> None:
-        """Highlight a ray or a robot while a frame is shown, or nothing."""
         self._highlight = None if highlight is None else (highlight, frame)
         self.redraw()
 
     @property
     def highlighted(self) -> Highlight | None:
-        """The highlighted ray or robot of the current frame."""
         highlight, frame = self._highlight or (None, None)
         return highlight if frame is self._frame else None
 
@@ -134,11 +121,7 @@ class LabyrinthView(Widget):
             self.camera = self._followed(at_once=True)
 
     def zoom(self, steps: int, at: tuple[float, float] | None = None) -> None:
-        """Zoom in, or out with negative steps.
-
-        The point `at`, in map units, stays in place; by default the overlay's cursor or the
-        followed robot.
-        """
+        """Zoom (out if negative) around a map point, by default the cursor or followed robot."""
         if self.view is None:
             return
         if self.overlay is not None:
@@ -150,12 +133,10 @@ class LabyrinthView(Widget):
             self.camera = self.camera.zoomed(steps, self.view, at)
 
     def pan(self, columns: float, rows: float) -> None:
-        """Pan the view by cells to the right and down."""
         if self.view is not None and self._level is not None:
             self.camera = self.camera.panned(columns, rows, self.view, self._level)
 
     def select_next(self) -> None:
-        """Select the robot after the selected one, or the first."""
         if self._level is None:
             return
         names = [robot.name for robot in self._level.robots]
@@ -164,14 +145,12 @@ class LabyrinthView(Widget):
         self.post_message(self.RobotPicked(self.selected))
 
     def _followed(self, *, at_once: bool = False) -> Camera:
-        """Return the camera with the selected robot in view, if it is followed."""
         robot = self._robot(self.selected)
         if self.view is None or robot is None or not math.isfinite(robot.x + robot.y):
             return self.camera
         return self.camera.following(robot.x, robot.y, self.view, at_once=at_once)
 
     def _look(self, camera: Camera) -> None:
-        """Use a camera without drawing yet."""
         if camera != self.camera:
             self.set_reactive(LabyrinthView.camera, camera)
             self.post_message(self.Looked())
@@ -189,7 +168,6 @@ class LabyrinthView(Widget):
         return [f for f in super().get_line_filters() if not isinstance(f, ANSIToTruecolor)]
 
     def render_line(self, y: int) -> Strip:
-        """Return the picture's row `y`."""
         columns, rows = self.size
         if self._cells.text.shape != (rows, columns):
             self._draw()
@@ -206,11 +184,7 @@ class LabyrinthView(Widget):
         return self.palette or palette_of(self.app.current_theme)
 
     def _draw(self) -> list[tuple[int, int, int]]:
-        """Draw the frame.
-
-        Returns:
-            (row, first column, column after the last) of each row that changed.
-        """
+        """Draw, and return (row, first column, column after the last) of changes."""
         view = self.view
         if view is None or self._level is None or self._frame is None:
             return []
@@ -242,7 +216,6 @@ class LabyrinthView(Widget):
         return changes
 
     def redraw(self) -> None:
-        """Show all changes."""
         if not self.is_mounted or not self.size:
             return
         changes = self._draw()
@@ -257,17 +230,14 @@ class LabyrinthView(Widget):
             mark_rendered_stale(self, regions)
 
     def on_mount(self) -> None:
-        """Follow the theme."""
         self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
 
     def on_resize(self) -> None:
-        """Fit the picture to the new size."""
         self._strips.clear()
         self._draw()
         self.refresh()
 
     def on_click(self, event: events.Click) -> None:
-        """Post which robot was clicked."""
         if self.overlay is not None:
             if event.chain == 2 and event.button == 1:
                 self.overlay.open()
@@ -279,7 +249,6 @@ class LabyrinthView(Widget):
             self.post_message(self.RobotPicked(name))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Start to drag a robot, the map, or what is edited."""
         if self.overlay is not None and event.button == 1 and (at := self._point(event)):
             self._is_drawing = True
             self.capture_mouse()
@@ -290,7 +259,6 @@ class LabyrinthView(Widget):
         self.capture_mouse()
 
     def on_mouse_up(self) -> None:
-        """Stop dragging."""
         self._held = self._grip = None
         self.release_mouse()
         if self._is_drawing and self.overlay is not None:
@@ -298,7 +266,6 @@ class LabyrinthView(Widget):
         self._is_drawing = False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Drag."""
         if self._held is None:
             self._point_at(self.robot_at(event.x, event.y))
             if self.overlay is not None and (at := self._point(event)):
@@ -314,7 +281,6 @@ class LabyrinthView(Widget):
             self.post_message(self._grip.put(robot, *at))
 
     def on_leave(self) -> None:
-        """Point at no robot."""
         self._point_at(None)
 
     def _point_at(self, name: str | None) -> None:
@@ -327,7 +293,6 @@ class LabyrinthView(Widget):
         return next((robot for robot in robots if robot.name == name), None)
 
     def _grip_at(self, event: events.MouseDown) -> Grip | None:
-        """Return how the pointer holds the robot there, if there is one."""
         robot, at = self._robot(self.robot_at(event.x, event.y)), self._point(event)
         if robot is None or at is None:
             return None
@@ -335,15 +300,13 @@ class LabyrinthView(Widget):
         return Grip(robot.name, at[0] - robot.x, at[1] - robot.y, is_turned)
 
     def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Zoom in at the pointer."""
         self._wheel(event, 1)
 
     def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Zoom out at the pointer."""
         self._wheel(event, -1)
 
     def _point(self, event: events.MouseEvent) -> tuple[float, float] | None:
-        """Return the pointer's place on the map, even off the picture while a button is held."""
+        """Return the pointer's map position; while a button is held, it may be off the picture."""
         view = self.view
         if view is None or self.camera.sight is Sight.SENSES:
             return None
@@ -356,22 +319,19 @@ class LabyrinthView(Widget):
             self.zoom(steps, self.view.position(offset.y, offset.x))
 
     def watch_camera(self) -> None:
-        """Redraw, and post that the view has changed."""
         self.redraw()
         self.post_message(self.Looked())
 
     def watch_selected(self) -> None:
-        """Redraw with the selected robot highlighted."""
         self._look(self._followed(at_once=True))
         self.redraw()
 
     def watch_rays(self) -> None:
-        """Redraw."""
         self.redraw()
 
     watch_marks = watch_lines = watch_trails = watch_drawing = watch_palette = watch_rays
 
 
 def _place_of(level: Level) -> tuple[str, str, int, int]:
-    """Return what stays the same while a level is edited, unless its size changes."""
+    """Return what identifies a level during editing; only a change of its size changes it."""
     return level.name, level.source, level.width, level.height

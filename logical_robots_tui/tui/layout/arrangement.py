@@ -22,7 +22,7 @@ _WIDEST_TEXT, _HIGHEST_TABLE = 96, 26
 
 
 class Layout(Enum):
-    """Layouts, by the screen's CSS class."""
+    """Layouts; the values are CSS classes of the screen."""
 
     WIDE = "-wide"
     """All panes at once: the program beside the labyrinth, the inspector below."""
@@ -35,33 +35,26 @@ class Layout(Enum):
 
     @property
     def is_roomy(self) -> bool:
-        """Whether there is room for all panes."""
         return self in (Layout.WIDE, Layout.TALL)
 
 
 class Shares(NamedTuple):
-    """The player's changes to the sizes of panes.
+    """The player's additional columns of the program, and rows of the inspector.
 
-    Attributes:
-        columns: Additional columns of the program.
-        rows: Additional rows of the inspector; also of the program where it is below the labyrinth.
+    The rows are also those of the program where it is below the labyrinth.
     """
 
     columns: int = 0
     rows: int = 0
 
     def changed(self, columns: int, rows: int) -> Shares:
-        """Give the program more columns, or the inspector more rows."""
         return self._replace(columns=self.columns + columns, rows=self.rows + rows)
 
 
 class Grid(NamedTuple):
     """Sizes of panes in cells; the labyrinth gets the rest.
 
-    Attributes:
-        program: Columns of the program beside the labyrinth, otherwise its rows.
-        inspector: Rows of the inspector.
-        shares: The player's changes, as far as there was room.
+    `program` is columns beside the labyrinth, otherwise rows; `inspector` is rows.
     """
 
     program: int
@@ -70,7 +63,6 @@ class Grid(NamedTuple):
 
 
 def layout_for(width: int, height: int) -> Layout:
-    """Return the layout for a terminal of that many columns and rows."""
     if width < LEAST_WIDTH or height < LEAST_HEIGHT:
         return Layout.TINY
     if width >= _WIDE_FROM[0] and height >= _WIDE_FROM[1]:
@@ -79,7 +71,6 @@ def layout_for(width: int, height: int) -> Layout:
 
 
 def grid_for(layout: Layout, width: int, height: int, shares: Shares) -> Grid:
-    """Return the sizes of the panes."""
     room = height - 2  # status and command bar
     inspector = min(max(round(0.3 * height), 8), _HIGHEST_TABLE)
     if layout is Layout.WIDE:
@@ -97,7 +88,7 @@ def _within(number: int, least: int, most: int) -> int:
 
 
 class Arrangement:
-    """Places the panes, and knows the active one."""
+    """Arranges the panes and tracks the active one."""
 
     def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
         self.container = Container(*panes, id="panes")
@@ -116,21 +107,17 @@ class Arrangement:
 
     @property
     def is_tiny(self) -> bool:
-        """Whether the terminal is too small for any pane."""
         return self.layout is Layout.TINY
 
     def covers(self, pane: Pane) -> bool:
-        """Return whether another pane covers this one."""
         return self.layout is Layout.NARROW and self.active is not pane
 
     def fit(self, size: Size) -> None:
-        """Arrange the panes for a terminal of that size."""
         self._size = size
         self.layout = layout_for(*size)
         self.show()
 
     def show(self) -> None:
-        """Arrange the panes again."""
         self._hidden.discard(self.active)
         for pane in self.panes:
             if self.layout.is_roomy and not self.is_one_large:
@@ -143,11 +130,10 @@ class Arrangement:
             self._lay_out(grid)
 
     def beside_active(self, steps: int) -> Pane:
-        """Return the pane so many places after the active one, wrapping around."""
+        """Return the pane some places after the active one, wrapping around."""
         return self.panes[(self.panes.index(self.active) + steps) % len(self.panes)]
 
     def focused(self) -> bool:
-        """Make the pane with the focus the active one; return whether there is one."""
         for pane in self.panes:
             if pane.has_focus_within:
                 self.active = pane
@@ -155,11 +141,10 @@ class Arrangement:
         return False
 
     def toggle_large(self) -> None:
-        """Give the active pane the whole screen, or share it again."""
         self.is_one_large = not self.is_one_large
 
     def hide(self, pane: Pane) -> Pane:
-        """Hide a pane and return the pane to focus; if one is hidden already, show all instead."""
+        """Hide a pane and return the pane to focus; if one is already hidden, show all instead."""
         if self._hidden:
             self._hidden.clear()
             return pane
@@ -169,14 +154,12 @@ class Arrangement:
         return inspector if pane is labyrinth else labyrinth
 
     def change(self, columns: int, rows: int) -> None:
-        """Give the program more columns, or the inspector more rows, at the next ``show``."""
         self._shares = self._shares.changed(columns, rows)
 
     def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
-        """Move an edge of a pane, and what is beyond it, at the next ``show``.
+        """Move an edge of a pane, and what is beyond it, at the next ``show``; outer edges stay.
 
-        `side` is ``left``, ``right``, ``top`` or ``bottom``; outer edges stay. `columns` count to
-        the right, `rows` down.
+        `columns` count to the right, `rows` down.
         """
         labyrinth, program, inspector = self.panes
         beside = self.layout is Layout.WIDE

@@ -25,8 +25,6 @@ _WHILE_EDITING = ("run", "help")
 
 @dataclass
 class CommandChosen(Message):
-    """A command was clicked."""
-
     command_id: str
 
 
@@ -41,7 +39,6 @@ class Labels(Widget):
         """Row, first column, column after the last, and command of each label."""
 
     def line(self, labels: list[tuple[Content, str]], gap: int) -> Content:
-        """Lay out labels with their commands from the left, and remember their places."""
         content, self.places = Content(" "), []
         for label, command_id in labels:
             start = content.cell_length + (gap if self.places else 0)
@@ -53,14 +50,12 @@ class Labels(Widget):
         return content
 
     def on_click(self, event: events.Click) -> None:
-        """Run the command under the pointer."""
         event.stop()
         for row, start, end, command_id in self.places:
             if command_id and event.y == row and start <= event.x < end:
                 self.post_message(self.chosen(command_id))
 
     def chosen(self, command_id: str) -> Message:
-        """Return what to post when a label is clicked."""
         return CommandChosen(command_id)
 
 
@@ -86,17 +81,13 @@ class CommandBar(Labels):
         editing: bool = False,
         own: Sequence[tuple[str, str]] = (),
     ) -> None:
-        """Show the commands for a situation.
-
-        The keys of the focused widget, `own`, come first.
-        """
+        """Show a situation's commands, after the focused widget's `own` keys."""
         now = typing, running, editing, own
         if now != (self._typing, self._game_runs, self._edits, self._own):
             self._typing, self._game_runs, self._edits, self._own = now
             self.refresh()
 
     def render(self) -> Content:
-        """Return the line, as wide as the widget."""
         unwanted = "outside" if self._typing else "editor"
         offered = [entry for entry in commands("screen", "level") if entry.bar]
         shown = [e for e in offered if e.scope == "screen" and e.place != unwanted]
@@ -133,7 +124,7 @@ def _label(key: str, title: str) -> Content:
 
 
 class PaneTabs(Labels):
-    """The names of the panes, when only one of them fits on the screen."""
+    """The names of the panes, when only one fits on the screen."""
 
     DEFAULT_CSS = """
     PaneTabs { height: 1; background: $background; }
@@ -145,13 +136,11 @@ class PaneTabs(Labels):
         self._active = ""
 
     def show(self, tabs: tuple[tuple[str, str], ...], active: str) -> None:
-        """Show tabs as (command, label), one of them active."""
         if (tabs, active) != (self._tabs, self._active):
             self._tabs, self._active = tabs, active
             self.refresh()
 
     def render(self) -> Content:
-        """Return the line, as wide as the widget."""
         labels = []
         for command_id, text in self._tabs:
             is_active = command_id == self._active

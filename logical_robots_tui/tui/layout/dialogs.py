@@ -26,13 +26,9 @@ Result = TypeVar("Result")
 
 
 class ClosedOnce(Screen[Result]):
-    """A screen that closes only once, even for a double click.
-
-    Textual would close the screen below as well, or end the app if there is none.
-    """
+    """A screen that closes only once; Textual would also close the one below, or the app."""
 
     def dismiss(self, result: Result | None = None) -> AwaitComplete:
-        """Close, unless already closed."""
         return super().dismiss(result) if self.is_active else AwaitComplete()
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -71,7 +67,6 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
         self._complaint = Static(id="complaint")
 
     def compose(self) -> ComposeResult:
-        """Yield the content in a box, above complaints and keys."""
         with Vertical(id="box") as box:
             box.border_title = Content(one_line(self._heading))
             yield from self.content_widgets()
@@ -80,15 +75,13 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
                 yield Static(self.keys, id="keys", markup=False)
 
     def content_widgets(self) -> ComposeResult:
-        """Yield what is in the box."""
         raise NotImplementedError
 
     def action_leave(self) -> None:
-        """Close without an answer."""
         self.dismiss(None)
 
     async def leave_with(self, load: Callable[[str], Result], name: str) -> None:
-        """Return what is loaded by a name, in a thread, or show what is wrong with it."""
+        """Call `load` in a thread and close with its result, or show its error."""
         try:
             result = await asyncio.to_thread(load, name)
         except LogicalRobotsError as error:
@@ -97,14 +90,12 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
             self.dismiss(result)
 
     def complain(self, message: str) -> None:
-        """Show what is wrong in the line for that; "" hides the line."""
+        """Show an error message; "" hides it."""
         self._complaint.update(Content(one_line(message)))
         self._complaint.display = bool(message)
 
 
 class Prompt(Dialog[Result]):
-    """Asks for a line of text."""
-
     DEFAULT_CSS = """
     Prompt > #box { max-width: 60; padding: 1 2 0 2; }
     """
@@ -114,11 +105,10 @@ class Prompt(Dialog[Result]):
         self._line = Input(text, placeholder=placeholder)
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the line."""
         yield self._line
 
     def take(self, text: str) -> None:
-        """Return what the text stands for, or complain."""
+        """Close with the value of a text, or show an error."""
         raise NotImplementedError
 
     @on(Input.Changed)
@@ -126,7 +116,6 @@ class Prompt(Dialog[Result]):
         self.forget()
 
     def forget(self) -> None:
-        """Forget complaints about another text."""
         self.complain("")
 
     @on(Input.Submitted)
@@ -140,20 +129,14 @@ class LinePrompt(Prompt[str]):
     keys = "enter accept   esc close"
 
     def take(self, text: str) -> None:
-        """Return the text."""
         self.dismiss(text)
 
 
 class Question(Dialog[str]):
     """Asks a question, and returns the name of the answer.
 
-    Args:
-        answers: Pairs of name and label; the first letter of the label is its key.
-        text: A text that the answer ``show`` shows.
-        noticing: Seconds before the answers are shown.
-
-    Attributes:
-        answered_from: When the answers were shown, by the clock of events; inf before.
+    A label's first letter is its key; the answer ``show`` shows the text. Answers appear after
+    `noticing` seconds; `answered_from` is when, inf before.
     """
 
     DEFAULT_CSS = """
@@ -187,7 +170,6 @@ class Question(Dialog[str]):
         self._text = text
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the question above its answers."""
         yield Static(Content(self._question), id="question")
         with VerticalScroll(id="text"):
             yield Static(Content(visible_lines(self._text)))
@@ -196,7 +178,6 @@ class Question(Dialog[str]):
                 yield Button(Content(label), id=f"answer-{name}", compact=True)
 
     def on_mount(self) -> None:
-        """Show the answers, at once or after a delay."""
         if self._noticing:
             self.query_one("#answers").visible = False
             self.call_after_refresh(partial(self.set_timer, self._noticing, self._show_answers))
@@ -209,7 +190,7 @@ class Question(Dialog[str]):
         self.query(Button).first().focus()
 
     def on_key(self, event: events.Key) -> None:
-        """Answer by the first letter, or go to the next answer with the arrows."""
+        """Answer by first letter; the arrows move between answers."""
         if event.key in ("left", "right"):
             event.stop()
             self.focus_next(Button) if event.key == "right" else self.focus_previous(Button)
@@ -232,31 +213,24 @@ class Question(Dialog[str]):
 
 
 class Listing(OptionList):
-    """A list that handles being empty; Textual's would end the game."""
+    """A list that tolerates being empty; Textual's would end the game."""
 
     def on_click(self, event: events.Click) -> None:
-        """Ignore a click on a line that has just disappeared."""
         line = event.style.meta.get("option")
         if line is not None and line >= self.option_count:
             event.prevent_default()
 
     def action_page_up(self) -> None:
-        """Go up a page, if the list is visible."""
         if self.scrollable_content_region:
             super().action_page_up()  # type: ignore[no-untyped-call] # so it is in Textual
 
     def action_page_down(self) -> None:
-        """Go down a page, if the list is visible."""
         if self.scrollable_content_region:
             super().action_page_down()  # type: ignore[no-untyped-call] # this, too
 
 
 class Search(NamedTuple):
-    """A search.
-
-    Attributes:
-        instead: The replacement for all matches; None only searches.
-    """
+    """A search; `instead` replaces all matches, None only searches."""
 
     wanted: str
     instead: str | None
@@ -277,7 +251,6 @@ class Find(Dialog[Search]):
         self._wanted = wanted
 
     def content_widgets(self) -> ComposeResult:
-        """Yield two lines."""
         yield Input(self._wanted, placeholder="find", id="wanted")
         yield Input(placeholder="replace by", id="instead")
 

@@ -19,11 +19,7 @@ if TYPE_CHECKING:
 
 
 class Pane(Container):
-    """A part of the screen with a title; the same instance is used in every layout.
-
-    Attributes:
-        command_id: The command that focuses it; also its id.
-    """
+    """A part of the screen with a title; every layout uses the same instance."""
 
     DEFAULT_CSS = """
     Pane {
@@ -40,11 +36,7 @@ class Pane(Container):
 
     @dataclass
     class Pulled(Message):
-        """An edge is dragged with the mouse.
-
-        Attributes:
-            moved: Columns and rows since the last message.
-        """
+        """An edge is dragged with the mouse, by columns and rows since the last message."""
 
         pane: Pane
         side: str
@@ -59,18 +51,15 @@ class Pane(Container):
 
     @property
     def label(self) -> str:
-        """The title with the note, for a tab."""
         return f"{self._heading} · {self._note}" if self._note else self._heading
 
     def note(self, text: str) -> None:
-        """Set the note beside the title; "" for none."""
         if text != self._note:
             self._note = visible(text)
             self._set_border_title()
             self.post_message(self.Retitled())
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Start to drag an edge."""
         sides = {
             "left": event.x == 0,
             "right": event.x == self.outer_size.width - 1,
@@ -90,20 +79,18 @@ class Pane(Container):
             return False
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Drag the edge."""
         if self._held is not None:
             side, before = self._held
             self._held = (side, event.screen_offset)
             self.post_message(self.Pulled(self, side, event.screen_offset - before))
 
     def on_mouse_up(self) -> None:
-        """Stop dragging."""
         if self._held is not None:
             self._held = None
             self.release_mouse()
 
     def enter(self) -> None:
-        """Focus the widget where work begins, at once, because the next key belongs there."""
+        """Focus the main widget at once, because the next key belongs to it."""
         raise NotImplementedError
 
     def _set_border_title(self) -> None:

@@ -37,10 +37,8 @@ _SIGNS: dict[Activity, tuple[str, str]] = {
 class Status(NamedTuple):
     """The content of the status line.
 
-    Attributes:
-        speed: The chosen ticks per second; None for full speed.
-        achieved: Ticks per second over the last second, or None while nothing runs.
-        thinking_for: Seconds that a long think has taken so far, otherwise 0.0.
+    Speeds are in ticks per second: chosen, None for full speed; achieved over the last second,
+    None at rest. `thinking_for` is seconds of a long think, otherwise 0.0.
     """
 
     title: str
@@ -56,7 +54,6 @@ class Status(NamedTuple):
 
 
 def status_of(session: Session) -> Status:
-    """Return the current status of a session."""
     activity: Activity = "paused"
     if session.running:
         activity = "running"
@@ -83,7 +80,7 @@ def status_of(session: Session) -> Status:
 
 
 class StatusLine(Widget):
-    """The top line; the least important parts are left out if there is no room."""
+    """The top line; omits the least important parts if there is too little room."""
 
     DEFAULT_CSS = """
     StatusLine { dock: top; height: 1; background: $panel; color: $foreground; }
@@ -94,13 +91,11 @@ class StatusLine(Widget):
         self._status: Status | None = None
 
     def show(self, status: Status) -> None:
-        """Show the status."""
         if status != self._status:
             self._status = status
             repaint(self)
 
     def render(self) -> Content:
-        """Return the line, as wide as the widget."""
         if self._status is None:
             return Content("")
         return fit(self._status, self.size.width)
@@ -113,10 +108,7 @@ class StatusLine(Widget):
 
 
 def fit(status: Status, width: int) -> Content:
-    """Return the parts of a status line that fit into a width, in reading order.
-
-    More important parts are placed first; each later one only if there is still room.
-    """
+    """Return the most important parts of a status line that fit, in reading order."""
     tick = f"tick {status.tick}"
     sign, sign_style = _SIGNS[status.activity]
     if status.thinking_for:
@@ -145,7 +137,6 @@ def fit(status: Status, width: int) -> Content:
 
 
 def _thinking(seconds: float) -> str:
-    """Return how long a think has taken; if long, with the key that stops it."""
     key = command("run").bar_key(typing=True)
     if seconds < _LONG or not key:
         return f"◌ thinking… {seconds:.1f} s"
@@ -153,7 +144,6 @@ def _thinking(seconds: float) -> str:
 
 
 def _standing(found: Sequence[tuple[str, float]]) -> Content:
-    """Return the points of each team; the best are bright."""
     best = max((points for _team, points in found), default=0.0)
     teams = [
         Content.assemble(
@@ -166,7 +156,6 @@ def _standing(found: Sequence[tuple[str, float]]) -> Content:
 
 
 def _goals(found: Sequence[Goal], *, long: bool) -> Content:
-    """Return each goal with the robots it wants; if short, with their number."""
     parts: list[Content] = []
     for goal in found:
         words: list[Content] = []

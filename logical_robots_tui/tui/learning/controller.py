@@ -1,7 +1,4 @@
-"""Hints, the lesson, the reference programs, and the player's earlier versions.
-
-Dialogs are loaded when first used, so that the first picture comes sooner.
-"""
+"""Hints, the lesson, the reference programs, and the player's earlier versions."""
 
 from __future__ import annotations
 
@@ -40,7 +37,6 @@ class LearningController:
         self._program, self._open_program = program, open_program
 
     def hints(self) -> None:
-        """Show the hints revealed so far, and reveal more on request."""
         from logical_robots_tui.tui.learning.reader import Hints
 
         level, recorder = self._session.level, self._recorder
@@ -51,7 +47,6 @@ class LearningController:
             self._ui.tell("This level has no hints.")
 
     def lesson(self) -> None:
-        """Show the lesson and, after a victory, what to try next."""
         from logical_robots_tui.tui.learning.reader import Reader, markdown
 
         level = self._session.level
@@ -65,7 +60,6 @@ class LearningController:
             self._ui.tell("This level has no lesson.")
 
     async def solution(self) -> None:
-        """Show the reference programs; before a victory, ask first."""
         from logical_robots_tui.tui.learning.reader import Reader, coloured
 
         level = self._session.level
@@ -93,7 +87,6 @@ class LearningController:
         self._ui.show(Reader(f"References · {level.title}", coloured(text)))
 
     async def choose_version(self) -> None:
-        """Ask for an earlier version and use it; the editor's text is kept as a version."""
         from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf
 
         versions = await self._recorder.versions()
@@ -111,7 +104,6 @@ class LearningController:
             self._ui.tell("The earlier version is back.")
 
     async def reset(self) -> None:
-        """Put the level's starter program back, after asking."""
         level = self._session.level
         if not level.starter:
             self._ui.tell("This level has no starter program.")
@@ -136,5 +128,5 @@ class LearningController:
 
 
 def _references(solution: str) -> list[Source]:
-    """Return the programs with whose results a level's are compared. Blocks."""
+    """Return the reference programs to compare results with. Blocks."""
     return [load_program(name) for name in reference_names(solution)]

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 
 class Reader(Dialog[None]):
-    """A long text to scroll."""
-
     DEFAULT_CSS = """
     Reader > #box { height: 90%; max-width: 88; }
     Reader VerticalScroll { height: 1fr; scrollbar-gutter: stable; padding: 1 1 0 1; }
@@ -47,16 +45,13 @@ class Reader(Dialog[None]):
         self._text = text
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the text."""
         with VerticalScroll():
             yield self._text
 
     def on_mount(self) -> None:
-        """Start at the top."""
         self.query_one(VerticalScroll).focus()
 
     def action_page(self) -> None:
-        """Scroll a page; at the end, close."""
         scroll = self.query_one(VerticalScroll)
         if scroll.scroll_y >= scroll.max_scroll_y:
             self.dismiss(None)
@@ -65,13 +60,12 @@ class Reader(Dialog[None]):
 
 
 def markdown(text: str) -> Markdown:
-    """Return a widget for Markdown; its links don't work, because anybody may have written it."""
+    """Return a Markdown widget without working links, because anybody may be the author."""
     lines = "\n".join(visible(line) for line in text.splitlines())
     return Markdown(lines, open_links=False)
 
 
 def coloured(text: str) -> Static:
-    """Return a widget for a program, coloured as in the editor."""
     lines = [visible(line) for line in text.splitlines()]
     states, told = LineStates(), []
     for number, line in enumerate(lines):
@@ -83,12 +77,7 @@ def coloured(text: str) -> Static:
 
 
 class Hints(Dialog[None]):
-    """Shows the hints revealed so far, and reveals the next one when asked.
-
-    Args:
-        revealed: The number of revealed hints; if 0, the first one is revealed now.
-        reveal: Called with the number of revealed hints when that grows.
-    """
+    """Shows the hints revealed so far, at least one, and reveals the next when asked."""
 
     DEFAULT_CSS = """
     Hints > #box { max-width: 76; padding: 1 2 0 2; }
@@ -107,27 +96,22 @@ class Hints(Dialog[None]):
         self._reveal = reveal
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the hints, and how many are left."""
         with VerticalScroll():
             yield Static(id="hints")
         yield Static(id="more")
 
     def on_mount(self) -> None:
-        """Reveal the first hint if none is revealed yet."""
         if not self._revealed:
             self.action_more()
 
     def on_resize(self) -> None:
-        """Wrap the lines again."""
         self.call_after_refresh(self._write)
 
     def on_click(self, event: events.Click) -> None:
-        """Reveal the next hint on a click on the last line."""
         if event.widget is not None and event.widget.id == "more":
             self.action_more()
 
     def action_more(self) -> None:
-        """Reveal one more."""
         if self._revealed < len(self._hints):
             self._revealed += 1
             self._reveal(self._revealed)

@@ -23,11 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """One stop of the tour.
-
-    Attributes:
-        text: One or two sentences about it, with commands in braces for their keys.
-    """
+    """One stop of the tour; commands in braces in its text stand for their keys."""
 
     place: str
     title: str
@@ -65,7 +61,7 @@ _WIDTH = 46
 
 
 class Tour(Static, can_focus=True):
-    """Explains the parts of the screen; other keys keep their meaning."""
+    """Explains the parts of the screen; other keys work as usual."""
 
     DEFAULT_CSS = """
     Tour {
@@ -87,16 +83,14 @@ class Tour(Static, can_focus=True):
 
     @property
     def stop(self) -> Stop:
-        """The current stop."""
         return STOPS[self._at]
 
     def on_mount(self) -> None:
-        """Start the tour."""
         self.focus()
         self.action_move(0)
 
     def place(self) -> None:
-        """Place the box where the part has room: above the labyrinth, below all others."""
+        """Place the box where there is room: above the labyrinth, at the bottom of other parts."""
         part, room = self.screen.query_one(f"#{self.stop.place}").region, self.screen.region
         height = self.size.height + self.gutter.height
         if part.height <= height:
@@ -111,7 +105,6 @@ class Tour(Static, can_focus=True):
         )
 
     def action_move(self, steps: int) -> None:
-        """Go some stops forward; after the last one the tour ends."""
         if self._at + steps >= len(STOPS):
             self.action_end()
             return
@@ -131,11 +124,9 @@ class Tour(Static, can_focus=True):
         self._moved()
 
     def action_end(self) -> None:
-        """End the tour."""
         self._ended()
 
     def on_click(self, event: events.Click) -> None:
-        """Go to the next stop."""
         event.stop()
         self.action_move(1)
 
@@ -155,14 +146,12 @@ class TourController:
         self._tour: Tour | None = None
 
     def begin(self) -> None:
-        """Start the tour, or restart it."""
         self._remove()
         if not self._arrangement.is_tiny:
             self._tour = Tour(moved=self._show, ended=self._come_home)
             self._mount(self._tour)
 
     def place(self) -> None:
-        """Place the box, such as after a resize."""
         if self._tour is None:
             return
         if self._arrangement.is_tiny:
@@ -171,7 +160,7 @@ class TourController:
             self._tour.place()
 
     def end(self) -> None:
-        """End the tour without moving the focus, because the player went on."""
+        """End the tour without moving the focus, because the player has moved on."""
         if self._tour is not None:
             self._remove()
             self._ended()

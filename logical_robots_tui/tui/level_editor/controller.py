@@ -1,7 +1,4 @@
-"""The level editor's interface to the rest of the game.
-
-The editor is loaded when first used, so that the game starts sooner.
-"""
+"""The level editor's interface to the rest, which loads the editor when first used."""
 
 from __future__ import annotations
 
@@ -47,15 +44,12 @@ class LevelEditing(SessionListener):
 
     @property
     def level(self) -> Level:
-        """The level to draw: that of the frame on the screen, or its edited version."""
+        """The level to draw: that of the visible frame, or its edited version."""
         levels = self._session.levels
         return levels.edited if self.is_on else levels.shown
 
     def open(self, key: str = "") -> None:
-        """Edit the current level, or continue editing it.
-
-        `key` is that of its draft from a crashed session, if there is one.
-        """
+        """Edit the current level, with its draft's key from a crashed session, if any."""
         from logical_robots_tui.tui.level_editor.mode import EditMode
 
         if self.mode is None:
@@ -63,7 +57,6 @@ class LevelEditing(SessionListener):
         self.mode.enter()
 
     async def make_level(self) -> None:
-        """Ask for a new level, open it and edit it."""
         from logical_robots_tui.tui.level_editor.forms import ask_for_level
 
         made = await ask_for_level(self._ui, self._session.level.name, self._own)
@@ -76,18 +69,16 @@ class LevelEditing(SessionListener):
         return self.mode is not None and self.mode.view.handles(key)
 
     def do(self, command_id: str) -> None:
-        """Run an editing command."""
         if self.mode is not None:
             self.mode.view.do(command_id)
 
     def level_opened(self, level: Level) -> None:
-        """Note that another level was opened; unsaved changes stay in a draft."""
+        """End editing for another level; unsaved changes stay in a draft."""
         if self.mode is not None:
             self.mode.end()
             self.mode = None
 
     def level_changed(self) -> None:
-        """Note that the game shows another version of the level, such as an earlier tick's."""
         if self.mode is not None and self.mode.is_on:
             self.mode.follow_game()
 
@@ -97,12 +88,11 @@ class LevelEditing(SessionListener):
             self.mode.autosave.flush()
 
     def close(self) -> None:
-        """Write the draft, and nothing later."""
+        """Write the draft, and stop writing."""
         if self.mode is not None:
             self.mode.autosave.stop()
 
     async def offer(self, offers: Offers) -> None:
-        """Offer the level that an earlier session left unsaved, if there is one."""
         try:
             drafts = await offers.at_hand(partial(asyncio.to_thread, self._drafts.adopt, "level"))
         except OSError:

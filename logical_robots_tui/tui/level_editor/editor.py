@@ -31,9 +31,8 @@ _REACH = 1.5  # columns beside a thing within which it is picked
 class Stroke:
     """A stroke between pressing and releasing.
 
-    Attributes:
-        what: Its name for undo, or "" before it has changed anything.
-        grip: The offset from the thing's position to where it was grabbed.
+    `what` is its name for undo, "" before any change; `grip` the offset from a thing's
+    position.
     """
 
     what: str
@@ -45,10 +44,7 @@ class Stroke:
 
 
 class LevelEditor:
-    """A level, the current tool, the cursor and the selection.
-
-    An invalid change is reported and has no effect.
-    """
+    """A level, tool, cursor and selection; an invalid change is reported without effect."""
 
     def __init__(
         self,
@@ -67,7 +63,6 @@ class LevelEditor:
 
     @property
     def level(self) -> Level:
-        """The level as it is now."""
         return self.edits.level
 
     @property
@@ -82,19 +77,16 @@ class LevelEditor:
 
     @property
     def thing(self) -> Thing | None:
-        """The selected thing, at its current place."""
         return None if self.selected is None else things.thing(self.standing, self.selected)
 
     def configure(self, **values: Any) -> None:
-        """Change the tools' settings; ends a stroke."""
         self.finish()
         self.settings = replace(self.settings, **values)
 
     def press(self, x: float, y: float, units: float) -> None:
-        """Start a stroke with the current tool.
+        """Start a stroke with the current tool, at map units.
 
-        x and y are map units, `units` map units per column: a thing can be picked from a little
-        further away.
+        `units` is map units per column: a thing can be picked from a little further away.
         """
         tool = self.settings.tool
         self.stroke = Stroke("", (x, y), (x, y))
@@ -110,7 +102,6 @@ class LevelEditor:
             self._place(tool, x, y)
 
     def drag(self, x: float, y: float) -> None:
-        """Continue the stroke to a point."""
         stroke, tool = self.stroke, self.settings.tool
         if stroke is None or (x, y) == stroke.end:
             return
@@ -121,7 +112,6 @@ class LevelEditor:
             self._drag_thing(stroke, x, y)
 
     def release(self) -> None:
-        """End the stroke."""
         stroke, self.stroke = self.stroke, None
         if stroke is None:
             return
@@ -140,11 +130,10 @@ class LevelEditor:
             )
 
     def finish(self) -> None:
-        """End the stroke for another action: its changes stay, an unfinished line is dropped."""
+        """End the stroke before another action: keep its changes, but drop an unfinished line."""
         self.stroke = None
 
     def cancel(self) -> bool:
-        """Cancel the stroke and undo its changes; return whether there was one."""
         stroke, self.stroke = self.stroke, None
         if stroke is not None and stroke.has_done:
             self.undo()
@@ -163,16 +152,13 @@ class LevelEditor:
         return True
 
     def adopt(self, what: str, level: Level) -> None:
-        """Add an undo step for a change that the game has made, and clear the selection."""
         self.selected = None
         self.edits.do(what, level)
 
     def undo(self) -> str:
-        """Undo a step and return its name, or ""."""
         return self._noted(self.edits.undo())
 
     def redo(self) -> str:
-        """Redo a step and return its name, or ""."""
         return self._noted(self.edits.redo())
 
     def _noted(self, what: str) -> str:
@@ -181,11 +167,7 @@ class LevelEditor:
         return what
 
     def set_values(self, ref: Ref, values: dict[str, Any]) -> None:
-        """Set properties of a thing; a robot under way stays where it is.
-
-        Raises:
-            LevelError: They are invalid.
-        """
+        """Set properties, leaving a robot under way in place, or raise LevelError."""
         self._note_pose(ref)
         level = things.change(self.level, ref, **values)
         if ref.kind == "robots" and self.is_under_way:
@@ -194,10 +176,7 @@ class LevelEditor:
             self._changed()
 
     def change_level(self, what: str, level: Level) -> None:
-        """Replace the level; robots that it moves start from their current places.
-
-        `what` names the undo step.
-        """
+        """Replace the level as an undo step; robots that it moves start where they are."""
         standing = {robot.name: robot for robot in self.standing.robots}
         starts = {robot.name: robot for robot in self.level.robots}
         for robot in level.robots:
@@ -209,7 +188,6 @@ class LevelEditor:
         self.do(what, lambda _: level)
 
     def turn(self, steps: int) -> None:
-        """Turn the selected robot by so many steps to its right."""
         ref, robot = self.selected, self.thing
         if ref is None or not isinstance(robot, Robot):
             self._complain("Select a robot first.")
@@ -222,7 +200,6 @@ class LevelEditor:
         )
 
     def duplicate(self) -> None:
-        """Place a copy of the selected thing beside it, and select it."""
         ref, thing = self.selected, self.thing
         if ref is None or thing is None:
             self._complain("Select something to duplicate first.")
@@ -238,7 +215,6 @@ class LevelEditor:
         self.do("duplicate", work)
 
     def delete(self) -> None:
-        """Delete the selected thing."""
         ref = self.selected
         if ref is None or self.thing is None:
             self._complain("Select something to delete first.")
@@ -246,7 +222,6 @@ class LevelEditor:
             self.selected = None
 
     def select_next(self, steps: int) -> None:
-        """Select the thing so many places further in the level, and move the cursor there."""
         level = self.level
         refs = [Ref(kind, i) for kind in KINDS for i in range(len(getattr(level, kind)))]
         start = refs.index(self.selected) if self.selected in refs else (-1 if steps > 0 else 0)
@@ -262,7 +237,6 @@ class LevelEditor:
         self._tell_changed()
 
     def _take(self, x: float, y: float, units: float) -> None:
-        """Pick the thing at a point, or the handle of the selected thing."""
         thing, stroke = self.thing, self.stroke
         if stroke is None:
             return
@@ -346,23 +320,19 @@ class LevelEditor:
         stroke.has_done = stroke.has_done or done
 
     def _note_pose(self, ref: Ref) -> None:
-        """Remember a robot's place, so that undo moves it back there."""
         if ref.kind == "robots":
             self.poses.note(self.level.robots[ref.index], self.standing.robots[ref.index])
 
 
 def reach_of(thing: Thing) -> float:
-    """Return the map units from a thing's centre to its edge."""
+    """Return the distance in map units from a thing's centre to its edge."""
     if isinstance(thing, Area):
         return thing.radius
     return ROBOT_RADIUS if isinstance(thing, Robot) else BEACON_RADIUS
 
 
 def handle_of(thing: Thing, units: float) -> Point | None:
-    """Return the handle that turns or resizes a thing, or None.
-
-    `units` is map units per column: the handle is beside the thing.
-    """
+    """Return a thing's turn or resize handle, or None; `units` is map units per column."""
     if isinstance(thing, Robot):
         away = max(2 * ROBOT_RADIUS, 3.5 * units)
         return thing.x + away * math.cos(thing.angle), thing.y + away * math.sin(thing.angle)

@@ -24,25 +24,19 @@ if TYPE_CHECKING:
 
 
 class Text(Input):
-    """A text."""
-
     def __init__(self, name: str, value: str) -> None:
         super().__init__(value, id=name, select_on_focus=False)
 
     def read(self) -> str:
-        """Return the text without white space around it."""
         return self.value.strip()
 
 
 class Number(Input):
-    """A number."""
-
     def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
         super().__init__(f"{value:.10g}", id=name, select_on_focus=False)
         self._said, self._whole = said, whole
 
     def read(self) -> float:
-        """Return the number."""
         typed = self.value.strip()
         try:
             found = float(typed)
@@ -56,22 +50,17 @@ class Number(Input):
 
 
 class Lines(TextArea):
-    """A text of several lines."""
-
     def __init__(self, name: str, value: str) -> None:
         super().__init__(value, id=name, tab_behavior="focus")
 
     def read(self) -> str:
-        """Return the text without white space around it."""
         return self.text.strip()
 
 
 class Choice(Select[str]):
-    """One of several names; the space bar and the down key list them.
+    """One of several names, even a missing one; space and down list them.
 
-    Args:
-        value: The chosen name; it can be chosen even if it is missing.
-        nothing: The label for no name, or "" if one must be chosen.
+    `nothing` is the label for no name, or "" if one must be chosen.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [("enter", "submit")]
@@ -93,11 +82,9 @@ class Choice(Select[str]):
         )
 
     def read(self) -> str:
-        """Return the name, or ""."""
         return "" if self.value is Select.NULL else str(self.value)
 
     def action_submit(self) -> None:
-        """Post that enter was pressed."""
         self.post_message(self.Submitted())
 
 
@@ -108,25 +95,18 @@ class Flag(Checkbox):
         super().__init__(Content(label), value, id=name, compact=True)
 
     def on_mount(self) -> None:
-        """Show the initial state."""
         self.BUTTON_INNER = "X" if self.value else " "
 
     def watch_value(self) -> None:
-        """Show the new state."""
         self.BUTTON_INNER = "X" if self.value else " "
         super().watch_value()
 
     def read(self) -> bool:
-        """Return whether it is ticked."""
         return self.value
 
 
 class Ticks(Listing):
-    """Any number of names, with checkboxes.
-
-    Args:
-        ticked: The ticked names; they are listed even if they are missing.
-    """
+    """Any number of names, with checkboxes; ticked ones are listed even if missing."""
 
     def __init__(self, name: str, known: Sequence[str], ticked: Sequence[str]) -> None:
         self._names = list(dict.fromkeys([*known, *ticked]))
@@ -135,16 +115,13 @@ class Ticks(Listing):
         super().__init__(*map(self._line, self._names), id=name, markup=False, compact=True)
 
     def read(self) -> tuple[str, ...]:
-        """Return the ticked names, in list order."""
         return tuple(name for name in self._names if name in self._ticked)
 
     def toggle(self, name: str) -> None:
-        """Tick or untick a name."""
         self._ticked ^= {name}
         self.replace_option_prompt_at_index(self._names.index(name), self._line(name))
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Tick or untick it."""
         event.stop()
         self.toggle(self._names[event.option_index])
 
@@ -159,10 +136,7 @@ Field: TypeAlias = Text | Number | Lines | Choice | Flag | Ticks
 
 
 class Form(Dialog[bool]):
-    """Fields with labels; `take` applies them, and may refuse.
-
-    Returns True if it was applied.
-    """
+    """Fields with labels; returns True once `take` has applied them."""
 
     DEFAULT_CSS = """
     Form > #box { max-width: 76; padding: 0 1 0 2; }
@@ -194,19 +168,13 @@ class Form(Dialog[bool]):
         self._before: dict[str, Any] = {}
 
     def fields(self) -> Iterable[tuple[str, Field]]:
-        """Yield labels and fields, in order."""
         raise NotImplementedError
 
     def take(self) -> None:
-        """Apply the fields.
-
-        Raises:
-            LevelError: A value is invalid.
-        """
+        """Apply the fields, or raise LevelError."""
         raise NotImplementedError
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the fields and the buttons."""
         with VerticalScroll(can_focus=False):
             for label, field in self.fields():
                 self._fields[field.id or ""] = field
@@ -218,7 +186,6 @@ class Form(Dialog[bool]):
             yield Button("Cancel", id="close", compact=True)
 
     def on_mount(self) -> None:
-        """Remember the initial values, and stop the cursors from blinking."""
         self._before = self.values()
         for line in self.query(Input):
             line.cursor_blink = False
@@ -229,12 +196,10 @@ class Form(Dialog[bool]):
         self.field_entered()
 
     def field_entered(self) -> None:
-        """Handle the enter key in a field."""
         self.action_take()
 
     @on(Button.Pressed, "#take")
     def action_take(self) -> None:
-        """Apply the fields, or show what is wrong."""
         try:
             self.take()
         except LevelError as error:
@@ -247,19 +212,14 @@ class Form(Dialog[bool]):
         self.dismiss(None)
 
     def values(self, *names: str) -> dict[str, Any]:
-        """Return the values of some fields, or of all, by their names.
-
-        Raises:
-            LevelError: One is invalid.
-        """
+        """Return values of some fields, or all, by name, or raise LevelError."""
         return {name: self._fields[name].read() for name in names or self._fields}
 
     def changed(self) -> dict[str, Any]:
-        """Return the values of the fields that were changed, by their names, as `values` does."""
+        """Return the values of changed fields by name, like `values`."""
         return {name: v for name, v in self.values().items() if v != self._before[name]}
 
     def row(self, name: str) -> Horizontal:
-        """Return the row of a field, with its label."""
         row = self._fields[name].parent
         assert isinstance(row, Horizontal)
         return row

@@ -53,11 +53,7 @@ _TITLES = {"robots": "Robot", "beacons": "Beacon", "areas": "Area"}
 
 
 class ThingForm(Form):
-    """Edits the properties of one thing; the fields have the names of its attributes.
-
-    While a robot is under way, its position and heading are those of the current tick, and its
-    start has fields of its own.
-    """
+    """Edits one thing's attributes; a robot under way has extra fields for its start."""
 
     def __init__(self, editor: LevelEditor, ref: Ref, put: Callable[[str, Pose], None]) -> None:
         super().__init__(_TITLES[ref.kind])
@@ -68,7 +64,6 @@ class ThingForm(Form):
         self._is_moving = ref.kind == "robots" and editor.is_under_way
 
     def fields(self) -> Iterator[tuple[str, Field]]:
-        """Yield the fields for this kind of thing."""
         thing = self._thing
         yield "Name", Text("name", thing.name)
         now = thing_of(self._editor.standing, self._ref)
@@ -109,7 +104,6 @@ class ThingForm(Form):
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 
     def take(self) -> None:
-        """Apply the properties that were changed."""
         editor, ref, values = self._editor, self._ref, self.changed()
         for name in ("angle", "start_angle"):
             if name in values:
@@ -148,7 +142,6 @@ class LevelForm(Form):
         self._level = editor.level
 
     def fields(self) -> Iterator[tuple[str, Field]]:
-        """Yield the fields of a level."""
         level = self._level
         yield "Title", Text("title", level.title)
         yield "Idea", Text("idea", level.idea)
@@ -163,7 +156,6 @@ class LevelForm(Form):
         yield "Hints", Lines("hints", "\n\n".join(level.hints))
 
     def take(self) -> None:
-        """Apply the properties as one step."""
         level, values = self._level, self.values()
         width, height, share = values["width"], values["height"], int(values["place"]) / 2
         left = int((width - level.width) * share)
@@ -188,7 +180,7 @@ _OF = {
 
 
 class NewLevelForm(Form):
-    """Asks for a new level, which is in `made` afterwards."""
+    """Asks for a new level, which is then in `made`."""
 
     keys = "tab or enter next   F2 create   esc cancel"
     verb = "Create"
@@ -201,7 +193,6 @@ class NewLevelForm(Form):
         self.made: Level | None = None
 
     def fields(self) -> Iterator[tuple[str, Field]]:
-        """Yield the fields; each kind of level has its own."""
         yield "Kind", Choice("kind", _KINDS, "room")
         yield "Title", Text("title", "")
         yield "Width", Number("width", 600, "The width", whole=True)
@@ -216,23 +207,19 @@ class NewLevelForm(Form):
         yield "Copy of", Choice("original", {name: name for name in self._names}, self._here)
 
     def on_mount(self) -> None:
-        """Start with a room."""
         self._arrange()
 
     def field_entered(self) -> None:
-        """Go on to the next field; after the last one, create the level."""
         if isinstance(self.focus_next(), Button):
             self.action_take()
 
     @on(Select.Changed, "#kind")
     def _arrange(self) -> None:
-        """Show only the fields of the chosen kind."""
         wanted = _OF[self.values("kind")["kind"]]
         for name in {each for names in _OF.values() for each in names}:
             self.row(name).display = name in wanted
 
     def take(self) -> None:
-        """Create the level."""
         kind, title = self.values("kind", "title").values()
         makers: dict[str, Callable[..., Level]] = {
             "room": empty_room,
@@ -248,7 +235,6 @@ class NewLevelForm(Form):
 
 
 async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
-    """Ask for a new level and return it, or None."""
     own_names = await asyncio.to_thread(own_levels, own)
     shipped = await asyncio.to_thread(list_shipped)
     names = list(dict.fromkeys([*shipped, *own_names]))
@@ -257,8 +243,6 @@ async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
 
 
 class FindingList(Dialog[LevelFinding]):
-    """Lists findings; returns the one to go to."""
-
     DEFAULT_CSS = """
     FindingList > #box { max-width: 90; padding: 1 2 0 2; }
     FindingList OptionList { height: auto; max-height: 16; }
@@ -272,7 +256,6 @@ class FindingList(Dialog[LevelFinding]):
         self._findings = findings
 
     def content_widgets(self) -> ComposeResult:
-        """Yield one line for each."""
         yield Listing(
             *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
         )

@@ -63,17 +63,10 @@ class EditView(Protocol):
 
 
 class EditMode:
-    """Editing the current level, until another level is opened.
+    """Editing the current level until another is opened; returning continues, with undo.
 
-    Leaving and returning continues where the player was; undo reaches back to the start.
-
-    Args:
-        key: The key of its earlier draft, if it has no file.
-
-    Attributes:
-        file: Its file if the player may save there, otherwise None.
-        findings: Likely mistakes, or None while they are being looked for.
-        saving: Held while the level is being saved.
+    `file` is where the player may save, or None; `findings` are None while being looked for;
+    `saving` is held meanwhile.
     """
 
     def __init__(
@@ -122,26 +115,22 @@ class EditMode:
         self.redraw()
 
     def leave(self) -> None:
-        """Let keys and mouse play; the changes stay in the game."""
         self.editor.finish()
         self.sync.flush()
         self.is_on = False
         self.view.leave(is_testing=self.is_testing)
 
     def test(self) -> None:
-        """Test the level from its start."""
         self.is_testing = True
         self.leave()
         self.session.restart()
         self.session.run()
 
     def end_test(self) -> None:
-        """Return from the test."""
         self.session.restart()
         self.enter()
 
     def end(self) -> None:
-        """End editing, because another level was opened; unsaved changes stay in the draft."""
         self._is_over = True
         self.sync.stop()
         if self.is_on or self.is_testing:
@@ -151,7 +140,6 @@ class EditMode:
         self.view.remove()
 
     def redraw(self) -> None:
-        """Show what has changed, at once."""
         if self.is_on:
             self.view.redraw()
 
@@ -170,10 +158,7 @@ class EditMode:
         return "same" if alike(found, self.levels.saved) else "another"
 
     def saved(self, level: Level, saved: Level) -> None:
-        """Note that the level was saved.
-
-        `saved` has the name and source of the file.
-        """
+        """Note a save; `saved` has the name and source of the file."""
         self.ui.tell(f"Saved as {one_line(saved.name)}.")
         if self._is_over and level is not self.levels.edited:
             return  # the draft holds later changes
@@ -189,7 +174,7 @@ class EditMode:
         self.redraw()
 
     def throw_away(self) -> None:
-        """Go back to the level in its file; undo restores the changes."""
+        """Revert to the level in its file; undo restores the changes."""
         self.editor.do("throw away", lambda _: self.levels.saved)
         self._is_unwanted = True
         self.autosave.drop(("level", self._path))
@@ -209,7 +194,6 @@ class EditMode:
             self.ui.tell("Your unsaved changes to the level have been restored.")
 
     def _unsaved(self) -> tuple[str, str, Level | None]:
-        """Return path, title, and the level if it must be kept."""
         is_wanted = not (self.levels.is_saved or self._is_unwanted)
         return self._path, self.levels.saved.title, self.levels.edited if is_wanted else None
 
@@ -245,11 +229,7 @@ _SHARE = 3  # pause after a change, as a multiple of its duration
 
 
 class GameSync:
-    """Keeps the game in step with the edited level.
-
-    While walls are painted the picture is ahead of the game, which catches up as fast as it can: a
-    large level takes a moment.
-    """
+    """Keeps the game in step with the edited level, which the picture may precede."""
 
     def __init__(self, session: Session, editor: LevelEditor, spawn: Spawn) -> None:
         self._session, self._editor, self._spawn = session, editor, spawn
@@ -258,7 +238,7 @@ class GameSync:
         self._is_due = self._is_over = False
 
     def edited(self) -> None:
-        """Note a change of the level; the game follows at once, or soon if only walls changed."""
+        """Update the game after a change: at once, or soon if only walls changed."""
         before, after = self._levels.shown, self._levels.edited
         only_walls = (
             before.robots is after.robots
@@ -273,7 +253,6 @@ class GameSync:
             self._spawn(self._flush_soon, "live", exclusive=False)
 
     def flush(self) -> None:
-        """Update the game now."""
         before, after = self._levels.shown, self._levels.edited
         if after is before or self._is_over:
             return
@@ -283,7 +262,6 @@ class GameSync:
         self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
     def stop(self) -> None:
-        """Stop updating, because there is another game."""
         self._is_over = True
 
     async def _flush_soon(self) -> None:

@@ -36,7 +36,6 @@ _BLANK = text_id(" ")
 def mark(
     cells: Cells, view: Viewport, editor: LevelEditor, findings: Sequence[LevelFinding], look: Look
 ) -> None:
-    """Draw the editor's state over the picture of a level."""
     plain = look.drawing is Drawing.ASCII
     if editor.settings.is_grid_shown:
         _dot_grid(cells, view, editor, "." if plain else "·", look)
@@ -54,7 +53,7 @@ def mark(
 
 
 def _dot_grid(cells: Cells, view: Viewport, editor: LevelEditor, dot: str, look: Look) -> None:
-    """Draw a dot at crossings of grid lines, or of every so many of them."""
+    """Draw a dot at each crossing of grid lines; when zoomed out, only at every n-th."""
     level, grid = editor.level, editor.settings.grid
     times = next(
         (n for n in (1, 2, 4, 5, 10, 20, 50, 100) if n * grid >= _LEAST_COLUMNS * view.units), 200
@@ -84,7 +83,6 @@ def _cells_of(
 
 
 def _covered(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
-    """Return the cells that the current tool would paint, or None."""
     settings, stroke = editor.settings, editor.stroke
     if settings.tool not in PAINTING:
         return None
@@ -116,7 +114,7 @@ def _rectangle(
     view: Viewport,
     border: int,
 ) -> NDArray[np.bool_]:
-    """Return the cells of a rectangle, or of its border of so many map units."""
+    """Return the cells of a rectangle, or of its border, whose width is in map units."""
     half_x, half_y = view.units / 2, view.units * CELL_ASPECT / 2
     left, right = sorted((start[0], end[0]))
     top, bottom = sorted((start[1], end[1]))
@@ -141,7 +139,6 @@ def _tint(cells: Cells, where: NDArray[np.bool_], colour: RGB) -> None:
 
 
 def _mark_selection(cells: Cells, view: Viewport, editor: LevelEditor, *, plain: bool) -> None:
-    """Draw corners around the selected thing, and its handle."""
     thing = editor.thing
     if thing is None:
         return

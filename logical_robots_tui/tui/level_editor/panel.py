@@ -30,9 +30,8 @@ _WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 class EditPanel(EditView):
     """Shows an edited level, and handles keys and mouse.
 
-    Args:
-        switched: Called with whether keys edit now.
-        changed: Called when the lines around the panes may have changed.
+    `switched` is called with whether keys edit now, `changed` when the lines around the panes
+    may have changed.
     """
 
     def __init__(
@@ -52,7 +51,6 @@ class EditPanel(EditView):
         self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
 
     def enter(self) -> None:
-        """Let keys and mouse edit."""
         pane = self._pane
         pane.view.overlay = self
         pane.select(None)
@@ -65,7 +63,6 @@ class EditPanel(EditView):
         self._enter()
 
     def leave(self, *, is_testing: bool) -> None:
-        """Let keys and mouse play."""
         self._tools.display = self._info.display = False
         self._pane.view.overlay = None
         key = command("test").key_name
@@ -75,13 +72,11 @@ class EditPanel(EditView):
         self._changed()
 
     def remove(self) -> None:
-        """Remove everything that is only shown while a level is edited."""
         for line in (self._tools, self._info):
             if line.is_attached:
                 line.remove()
 
     def handles(self, key: str) -> bool:
-        """Run the editing command of a key; return whether there is one."""
         if self._mode.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
             self._mode.end_test()
             return True
@@ -96,13 +91,11 @@ class EditPanel(EditView):
         return True
 
     def do(self, command_id: str) -> None:
-        """Run a command."""
         if self._mode.is_on:
             command(command_id).run(self._mode, self._mode.ui.spawn)
             self._mode.redraw()
 
     def use(self) -> None:
-        """Press or release the button at the cursor."""
         editor = self._mode.editor
         if editor.stroke is None:
             editor.press(*editor.cursor, self._units)
@@ -111,12 +104,10 @@ class EditPanel(EditView):
             self._mode.sync.flush()
 
     def go_to(self, point: Point) -> None:
-        """Move the cursor to a point."""
         self._mode.editor.cursor = point
         self._keep_in_sight(point)
 
     def _move(self, key: str) -> None:
-        """Move the cursor by an arrow key, and the view with it."""
         editor, view = self._mode.editor, self._pane.view.view
         if view is None:
             return
@@ -147,7 +138,6 @@ class EditPanel(EditView):
             self._pane.view.pan(columns, rows)
 
     def press(self, x: float, y: float) -> None:
-        """Press the button at a point of the map."""
         editor = self._mode.editor
         editor.finish()
         editor.cursor = (x, y)
@@ -155,20 +145,17 @@ class EditPanel(EditView):
         self._mode.redraw()
 
     def hover(self, x: float, y: float, *, is_held: bool) -> None:
-        """Move the mouse to a point of the map."""
         self._mode.editor.cursor = (x, y)
         if is_held:
             self._mode.editor.drag(x, y)
         self._mode.redraw()
 
     def release(self) -> None:
-        """Release the button."""
         self._mode.editor.release()
         self._mode.sync.flush()
         self._mode.redraw()
 
     def open(self) -> None:
-        """Double-click a thing."""
         editor = self._mode.editor
         if editor.settings.tool is Tool.HAND and editor.thing is not None:
             self.do("properties")
@@ -179,11 +166,9 @@ class EditPanel(EditView):
         return self._mode.editor.cursor
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
-        """Draw over a picture of the level."""
         mark(cells, view, self._mode.editor, self._mode.findings or (), look)
 
     def redraw(self) -> None:
-        """Show what has changed, at once."""
         mode, session = self._mode, self._mode.session
         level = mode.levels.edited
         self._pane.view.show(level, session.frame, hurried=session.running)
@@ -198,7 +183,7 @@ class EditPanel(EditView):
 
 
 def _beyond(place: float, length: int) -> float:
-    """Return by how many cells a view must move so that a place is well inside; 0 if it is."""
+    """Return how many cells to move a view so that a place is well inside; 0 if it is."""
     if 0 <= place < length:
         return 0.0
     return place - length * (0.25 if place < 0 else 0.75)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 async def save(mode: EditMode) -> bool:
-    """Save a level in its file, or under a new name if it has none; return whether it was saved."""
+    """Save a level in its file, or else under a new name; return whether it was saved."""
     if mode.file is None:
         return await save_as(mode)
     # Not cancelled, because the game must learn that the file was written.
@@ -40,7 +40,7 @@ async def save(mode: EditMode) -> bool:
 
 
 async def _save_in(mode: EditMode, file: Path) -> bool | None:
-    """Save a level in its file; return whether it was saved, None if another program changed it."""
+    """Save in a file; return whether that worked, or None if another program changed it."""
     async with mode.saving:
         on_disk = await asyncio.to_thread(mode.on_disk)
         if on_disk == "another":
@@ -60,7 +60,6 @@ async def _save_in(mode: EditMode, file: Path) -> bool | None:
 
 
 async def save_as(mode: EditMode) -> bool:
-    """Ask for a name and save a level under it; return whether it was saved."""
     level = mode.levels.edited
     dialog = SaveLevel(level, _proposal(mode), mode.own, mode.file)
     saved = await mode.ui.ask(dialog)
@@ -72,7 +71,7 @@ async def save_as(mode: EditMode) -> bool:
 
 
 async def ask_what_to_keep(mode: EditMode) -> None:
-    """Leave editing, and ask what to do with the changes, after any saving in progress."""
+    """Wait for saving to end, ask what to do with unsaved changes, and leave editing."""
     async with mode.saving:
         is_saved = mode.levels.is_saved
     if is_saved:
@@ -94,7 +93,6 @@ async def ask_what_to_keep(mode: EditMode) -> None:
 
 
 async def ask_to_throw_away(mode: EditMode) -> None:
-    """Go back to the level in its file, after asking."""
     if not mode.levels.has_changes:
         mode.ui.tell("Nothing has changed.")
         return
@@ -117,11 +115,7 @@ def _proposal(mode: EditMode) -> str:
 
 
 class SaveLevel(SaveDialog[Level]):
-    """Saves a level, with a title.
-
-    Args:
-        file: The level's own file, whose formatting is kept as far as possible, or None.
-    """
+    """Saves a level with a title, keeping its file's formatting as far as possible."""
 
     DEFAULT_CSS = """
     SaveLevel .label { color: $ink-dim; height: 1; }
@@ -137,18 +131,15 @@ class SaveLevel(SaveDialog[Level]):
         self._file = file
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the name of the file, and the title."""
         yield Static("File name", classes="label", markup=False)
         yield from super().content_widgets()
         yield Static("Title", classes="label", markup=False)
         yield Input(self._level.title, id="title", select_on_focus=False)
 
     def file(self, name: str) -> Path:
-        """Return the file for a name."""
         return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
 
     async def save(self, path: Path) -> Level:
-        """Save the level with its title."""
         title = self.query_one("#title", Input).value.strip()
         level = set_words(self._level, title=title or self._level.title)
         return await asyncio.to_thread(save_level, level, path, anew=path != self._file)

@@ -35,18 +35,15 @@ class ToolLine(Labels):
         self._shown: object = None
 
     def follow(self) -> None:
-        """Show what has changed."""
         now = self._editor.settings, self._editor.edits.can_undo, self._editor.edits.can_redo
         if now != self._shown:
             self._shown = now
             self.refresh(layout=True)
 
     def get_content_height(self, container: object, viewport: object, width: int) -> int:
-        """Return as many lines as the labels take."""
         return len(self._lines(width))
 
     def render(self) -> Content:
-        """Return the labels."""
         return Content("\n").join(self._lines(self.size.width))
 
     def _lines(self, width: int) -> list[Content]:
@@ -84,7 +81,7 @@ class ToolLine(Labels):
 
 
 class InfoLine(Widget):
-    """Where the cursor is, what is selected, and what looks wrong."""
+    """Shows where the cursor is, what is selected, and what looks wrong."""
 
     DEFAULT_CSS = """
     InfoLine { dock: bottom; height: 1; background: $panel; text-wrap: nowrap; layer: picture; }
@@ -97,10 +94,7 @@ class InfoLine(Widget):
         self._line = Content("")
 
     def show(self, *, findings: int | None, forbidden: bool, saved: bool) -> None:
-        """Show the state.
-
-        `findings` is None while they are being looked for; a `forbidden` level can't be loaded.
-        """
+        """Show findings, None while sought; a `forbidden` level can't be loaded."""
         editor = self._editor
         x, y = editor.cursor
         thing = editor.thing
@@ -119,12 +113,10 @@ class InfoLine(Widget):
             self.refresh()
 
     def render(self) -> Content:
-        """Return the line."""
         return self._line
 
 
 def described(thing: Thing | None) -> str:
-    """Describe a thing in a few words."""
     if thing is None:
         return "nothing selected"
     name = clip(one_line(thing.name), 24)

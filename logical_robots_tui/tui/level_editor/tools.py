@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class Tool(Enum):
-    """What the mouse button does; the values are names of commands."""
+    """What the mouse button does; the values are command names."""
 
     HAND = "hand"
     BRUSH = "brush"
@@ -35,13 +35,7 @@ GRIDS = (1, 2, 5, 10, 20, 50)
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Settings of the tools.
-
-    Attributes:
-        width: Width of brush, line and border, in grid squares.
-        grid: Size of a grid square, in map units.
-        is_wall: Whether lines, rectangles and fillings are wall instead of floor.
-    """
+    """Settings of the tools: `width` in grid squares, `grid` in map units."""
 
     tool: Tool = Tool.HAND
     width: int = 1
@@ -52,15 +46,12 @@ class Settings:
 
     @property
     def paints_wall(self) -> bool:
-        """Whether the current tool paints wall."""
         return self.is_wall and self.tool is not Tool.ERASER
 
     def wider(self, steps: int) -> Settings:
-        """Return the settings with another width."""
         return replace(self, width=_beside(WIDTHS, self.width, steps))
 
     def next_grid(self) -> Settings:
-        """Return the settings with the next grid size, wrapping around."""
         later = [grid for grid in GRIDS if grid > self.grid]
         return replace(self, grid=later[0] if later else GRIDS[0])
 

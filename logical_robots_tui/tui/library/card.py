@@ -42,8 +42,6 @@ _PAPER = "on $surface"
 
 
 class _Frame(NamedTuple):
-    """Characters of a frame."""
-
     left: str
     flat: str
     right: str
@@ -57,13 +55,7 @@ _FRAMES = {False: _Frame(*"╭─╮│╰╯"), True: _Frame(*"┏━┓┃┗�
 
 @dataclass(frozen=True)
 class LevelCard:
-    """The content of a card.
-
-    Attributes:
-        level: The level, or None until it is loaded.
-        complaint: Why the level can't be used, or "".
-        file: Its file if it is the player's own, otherwise None.
-    """
+    """A card's content; the level is None until loaded, the file None for shipped levels."""
 
     name: str
     level: Level | None = None
@@ -74,7 +66,6 @@ class LevelCard:
 
     @property
     def title(self) -> str:
-        """Number and title, as far as known."""
         if self.file is not None:
             return one_line(self.level.title) if self.level else self.name
         number, _, rest = self.name.partition("-")
@@ -93,19 +84,18 @@ class LevelCard:
 
     @property
     def sign(self) -> str:
-        """What the player has achieved, or that teams meet here."""
+        """The player's achievement, or a mark for levels where teams compete."""
         is_arena = self.level is not None and self.level.teams
         return "◇ arena" if is_arena else SIGNS[self.record.state]
 
     @property
     def results(self) -> str:
-        """Who meets here, or that there are no results to tell."""
+        """The competing teams, or a note that there are no results."""
         if self.level is not None and self.level.teams:
             return one_line(f"teams: {', '.join(team.name for team in self.level.teams)}")
         return _UNMEASURED[self.record.state]
 
     def matches(self, words: list[str]) -> bool:
-        """Return whether all words occur in the card, ignoring case."""
         told = f"{self.name} {self.title} {self.idea} {self.sign[2:]}".casefold()
         return all(word in told for word in words)
 
@@ -113,10 +103,7 @@ class LevelCard:
 def card_strips(
     card: LevelCard, picture: Cells | None, width: int, rows: int, chosen: bool
 ) -> list[Strip]:
-    """Return the lines of a card.
-
-    The picture is `width - 2` cells wide and `rows` high, or None if not drawn yet.
-    """
+    """Return a card's lines; the picture, if drawn, is `width - 2` by `rows` cells."""
     frame = _FRAMES[chosen]
     ink = _style(INK.key if chosen else INK.faint, bold=chosen)
     room = width - 2
@@ -138,7 +125,6 @@ def card_strips(
 
 
 def _head(card: LevelCard, width: int, frame: _Frame, ink: Style) -> Strip:
-    """Return the top of the frame with the title and the state."""
     sign = card.sign
     title = _cut(f"{'▸ ' * card.is_here}{card.title}", width - len(sign) - 8)
     rest = width - cell_len(title) - len(sign) - 7
@@ -154,12 +140,10 @@ def _head(card: LevelCard, width: int, frame: _Frame, ink: Style) -> Strip:
 
 
 def _line(text: str, width: int, style: Style) -> Strip:
-    """Return a text padded or cut to a width."""
     return Strip([Segment(_cut(text, width), style)]).adjust_cell_length(width, style)
 
 
 def _cut(text: str, width: int) -> str:
-    """Return a text cut to a width, with a sign if something is missing."""
     if cell_len(text) <= width:
         return text
     return set_cell_size(text, max(width - 1, 0)).rstrip() + "…"

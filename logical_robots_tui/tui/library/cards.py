@@ -25,11 +25,7 @@ _ROWS, _TALL_ROWS = 6, 8
 
 
 class LevelCards(ScrollView, can_focus=False):
-    """Cards in a grid, one of them chosen.
-
-    Attributes:
-        chosen: Index of the chosen card, -1 if there is none.
-    """
+    """Cards in a grid; `chosen` is an index, -1 if there is none."""
 
     DEFAULT_CSS = """
     LevelCards { width: 1fr; height: 1fr; background: $surface; scrollbar-gutter: stable;
@@ -52,12 +48,10 @@ class LevelCards(ScrollView, can_focus=False):
 
     @property
     def across(self) -> int:
-        """The number of cards in a row."""
         return max(self._room // _LEAST_WIDTH, 1)
 
     @property
     def card_width(self) -> int:
-        """The columns of a card."""
         return self._room // self.across
 
     @property
@@ -83,7 +77,6 @@ class LevelCards(ScrollView, can_focus=False):
         return max(self.size.height // self._card_height, 1) * self.across
 
     def show(self, cards: Sequence[LevelCard], chosen: int) -> None:
-        """Show cards, one of them chosen."""
         self._cards = cards
         self.chosen = chosen if 0 <= chosen < len(cards) else -1
         self._lay_out()
@@ -91,13 +84,11 @@ class LevelCards(ScrollView, can_focus=False):
         self.post_message(self.Chosen())
 
     def replace(self, index: int, cards: Sequence[LevelCard]) -> None:
-        """Replace the content of a card."""
         self._cards = cards
         self._strips.pop(index, None)
         self._refresh_card(index)
 
     def set_picture(self, name: str, picture: Cells) -> None:
-        """Set the miniature of a level."""
         self._pictures[name] = picture
         for index, card in enumerate(self._cards):
             if card.name == name:
@@ -105,17 +96,14 @@ class LevelCards(ScrollView, can_focus=False):
                 self._refresh_card(index)
 
     def forget_pictures(self) -> None:
-        """Drop the miniatures, because their size has changed."""
         self._pictures.clear()
         self._lay_out()
 
     def move(self, steps: int) -> None:
-        """Choose the card some steps further, or the one at that end."""
         if self._cards:
             self.choose(min(max(self.chosen + steps, 0), len(self._cards) - 1))
 
     def choose(self, index: int) -> None:
-        """Choose a card and scroll to it."""
         for each in {self.chosen, index}:
             self._strips.pop(each, None)
             self._refresh_card(each)
@@ -124,19 +112,16 @@ class LevelCards(ScrollView, can_focus=False):
         self.post_message(self.Chosen())
 
     def seen_first(self) -> list[int]:
-        """Return the indices of all cards, visible ones first."""
         first = self.scroll_offset.y // self._card_height * self.across
         order = range(len(self._cards))
         near = set(range(first, first + self.page + self.across))
         return sorted(order, key=lambda index: (index not in near, index))
 
     def on_resize(self) -> None:
-        """Lay out the cards again."""
         self._lay_out()
         self._reveal()
 
     def render_line(self, y: int) -> Strip:
-        """Return a line of the visible cards."""
         row, line = divmod(y + self.scroll_offset.y, self._card_height)
         first = row * self.across
         shown = range(first, min(first + self.across, len(self._cards)))
@@ -177,7 +162,6 @@ class LevelCards(ScrollView, can_focus=False):
             self.scroll_to_region(self._region(self.chosen), animate=False, force=True)
 
     def on_click(self, event: events.Click) -> None:
-        """Take the card under the pointer."""
         column, row = event.x // self.card_width, (event.y + self.scroll_offset.y)
         index = row // self._card_height * self.across + column
         if column < self.across and 0 <= index < len(self._cards):

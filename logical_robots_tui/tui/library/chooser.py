@@ -41,8 +41,6 @@ _PREVIEW_FROM = 70  # columns
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """The details of an entry."""
-
     headline: str
     preview: str
     is_error: bool = False
@@ -101,7 +99,6 @@ class Chooser(Dialog[T], Generic[T]):
         self._preview_text = Static(id="preview-text")
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the filter above, list and preview side by side."""
         yield self._filter
         with Horizontal():
             yield self._entries
@@ -109,17 +106,14 @@ class Chooser(Dialog[T], Generic[T]):
                 yield self._preview_text
 
     def on_resize(self, event: events.Resize) -> None:
-        """Hide the preview if there is no room for it."""
         self.set_class(event.size.width < _PREVIEW_FROM, "-narrow")
 
     def on_mount(self) -> None:
-        """Show the list at once; details follow as they are read."""
         self._entries.can_focus = False
         self._filter.focus()
         in_background(self, self._read_all)
 
     def action_go(self, motion: str) -> None:
-        """Move in the list while the filter keeps the focus."""
         getattr(self._entries, f"action_{motion}")()
 
     async def _read_all(self) -> None:
@@ -200,24 +194,21 @@ class Chooser(Dialog[T], Generic[T]):
 
 
 def is_path(text: str) -> bool:
-    """Return whether the typed text is a path and not part of a name."""
     return "/" in text or text.endswith((".toml", ".json", ".l"))
 
 
 @dataclass(frozen=True)
 class ProgramShelf:
-    """The shipped programs, the player's own, and program files."""
+    """The shipped programs, the player's own, and any program file."""
 
     own: Path
     title: str = "Choose a program"
     placeholder: str = "type to filter, or the path of a .l file"
 
     def names(self) -> Sequence[str]:
-        """Return the names of the shipped programs, then of the player's own."""
         return list_programs(self.own)
 
     def card(self, name: str) -> Card:
-        """Return the first comment and the text of a program."""
         try:
             source = load_program(name, self.own)
         except InputError as error:
@@ -239,11 +230,10 @@ class VersionShelf:
     placeholder: str = "type to filter"
 
     def names(self) -> Sequence[str]:
-        """Return when each was last used, the newest first."""
+        """Return the times of last use, the newest first."""
         return [self._name(version) for version in self.versions]
 
     def card(self, name: str) -> Card:
-        """Return whether it has won and how well, and its text."""
         version = self.take(name)
         return Card(_verdict(version), version.text)
 

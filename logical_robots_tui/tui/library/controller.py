@@ -1,7 +1,4 @@
-"""Opening levels and programs, saving, and restoring drafts.
-
-Dialogs are loaded when first used, so that the first picture comes sooner.
-"""
+"""Opening levels and programs, saving, and restoring drafts."""
 
 from __future__ import annotations
 
@@ -54,7 +51,6 @@ class LibraryController:
         self._drawing, self._make_level = drawing, make_level
 
     async def choose_level(self) -> None:
-        """Ask for a level and open it."""
         from logical_robots_tui.tui.library.level_screen import LevelScreen, NewLevel
 
         choice = LevelScreen(
@@ -67,7 +63,6 @@ class LibraryController:
             await self.open_level(level)
 
     async def next_level(self) -> None:
-        """Open the next level, or say that this was the last."""
         listed = list_arenas if self._session.level.teams else list_levels
         names = await asyncio.to_thread(listed)
         here = self._session.level.name
@@ -83,7 +78,6 @@ class LibraryController:
         await self.open_level(level)
 
     async def open_daily(self) -> None:
-        """Ask for a size, and open today's labyrinth."""
         from logical_robots_tui.game.continuing import daily_level
         from logical_robots_tui.tui.layout.dialogs import Question
         from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES
@@ -103,7 +97,6 @@ class LibraryController:
         await self.open_level(level)
 
     async def open_level(self, level: Level) -> None:
-        """Open a level, with its starter program if it has one."""
         source = self._session.source
         sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
         if level.teams or (level.starter and level.starter != source.name):
@@ -119,13 +112,11 @@ class LibraryController:
         self._session.open_level(level, sources, text)
 
     def look_at(self, team: str) -> None:
-        """Put the program of another team into the editor, with its unsaved text."""
         source, applied = self._session.sources.of(team)
         self._leave_text_for(source, applied, tells=False)
         self._session.look_at(team)
 
     async def choose_program(self) -> None:
-        """Ask for a program and use it."""
         from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
         chooser = Chooser[Source](ProgramShelf(self._own), self._session.source.name)
@@ -134,7 +125,7 @@ class LibraryController:
             self.open_program(source)
 
     def open_program(self, source: Source, text: str | None = None) -> None:
-        """Edit and apply a program: a given text, or its draft."""
+        """Edit and apply a program, with a given text or that of its draft."""
         source = source._replace(team=self._session.sources.team)
         if text is None:
             text = self._leave_text_for(source)
@@ -146,7 +137,6 @@ class LibraryController:
         self._session.open_program(source, text)
 
     async def save(self) -> None:
-        """Save the text in its file, or ask for a name if that is not the player's."""
         source = self._session.source
         if source.shipped:
             await self.save_as()
@@ -160,7 +150,6 @@ class LibraryController:
             self._saved(source, saved)
 
     async def save_as(self) -> None:
-        """Ask for a name and save the text under it."""
         from logical_robots_tui.tui.library.save_dialog import SaveAs
 
         former, text = self._session.source, self._program.text
@@ -169,7 +158,7 @@ class LibraryController:
             self._saved(former, saved)
 
     def _saved(self, former: Source, saved: Source) -> None:
-        """Go on with a program that was saved, unless another one was opened meanwhile."""
+        """Continue with a saved program, unless another one was opened meanwhile."""
         if self._session.source.draft == former.draft:
             self._drafts.drop(("program", former.draft))
             self._session.saved_as(saved)
@@ -177,10 +166,7 @@ class LibraryController:
             self._ui.tell(f"Saved as {one_line(saved.name)}.")
 
     def take_from_disk(self, source: Source) -> None:
-        """Use a program whose file was changed by another program.
-
-        Text that the player has typed meanwhile stays; a command loads the file's text.
-        """
+        """Use a program changed on disk, unless the player has typed meanwhile."""
         session, name = self._session, one_line(source.name)
         if self._program.text == source.text:
             session.saved_as(source)  # the game may have just saved it
@@ -196,12 +182,9 @@ class LibraryController:
     def _leave_text_for(
         self, source: Source, kept: str | None = None, *, tells: bool = True
     ) -> str:
-        """Put the text or draft of a program into the editor; the old text is kept.
+        """Put a program's draft, or else `kept`, into the editor, and return it.
 
-        The earlier text, `kept`, is used if there is no draft; `tells`: whether to say so.
-
-        Returns:
-            The text in the editor.
+        The old text is kept; `tells` says whether to tell the player.
         """
         if source.draft == self._session.source.draft:
             return self._program.text
@@ -223,10 +206,7 @@ class LibraryController:
         return text
 
     async def offer(self, offers: Offers) -> None:
-        """Offer the texts of a program that earlier sessions left unsaved, if there are any.
-
-        Texts of other programs are offered next time.
-        """
+        """Offer unsaved texts of this program; those of others are offered next time."""
         asked: str | None = None
         while drafts := await offers.at_hand(self._left_unsaved):
             here = asked or self._session.source.draft

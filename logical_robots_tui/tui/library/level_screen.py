@@ -44,8 +44,6 @@ class NewLevel:
 
 
 class LevelScreen(Dialog["Level | NewLevel"]):
-    """Shows all levels; returns the chosen one, or the request for a new one."""
-
     DEFAULT_CSS = """
     LevelScreen > #box { width: 100%; max-width: 100%; height: 100%; max-height: 100%;
         border: none; padding: 0; }
@@ -83,7 +81,6 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self._is_read = False
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the progress, the filter, the cards, and details of the chosen one."""
         yield Static(id="head")
         yield Input(
             placeholder="type to filter, or the path of a .toml or .json file",
@@ -94,7 +91,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         yield Static(id="detail")
 
     def on_mount(self) -> None:
-        """Show the names at once; the rest follows as it is read and drawn."""
+        """Show the names at once; details and miniatures follow as they are ready."""
         line = self.query_one("#filter", Input)
         line.cursor_blink = False  # nothing is redrawn while idle
         line.focus()
@@ -102,24 +99,20 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         in_background(self, self._read_all, "cards", exclusive=True)
 
     def on_resize(self, event: events.Resize) -> None:
-        """Draw the miniatures in the new size, and the results where there is room."""
         self.query_one("#detail").set_class(event.size.height >= _ROOMY, "-tall")
         self._cards.forget_pictures()
         if self._all:
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
     def action_new(self) -> None:
-        """Close, and create a level."""
         self.dismiss(NewLevel())
 
     def action_go(self, motion: str) -> None:
-        """Choose another card while the filter keeps the focus."""
         across, page = self._cards.across, self._cards.page
         steps = {"left": -1, "right": 1, "up": -across, "down": across}
         self._cards.move({**steps, "page_up": -page, "page_down": page}[motion])
 
     def _list(self) -> None:
-        """Show the names before the first key."""
         shipped, own = list_shipped(), own_levels(self._own)
         here = self._here.name
         self._all = [LevelCard(name, is_here=name == here) for name in shipped] + [

@@ -35,15 +35,11 @@ T = TypeVar("T")
 
 
 class ProgressRecorder(SessionListener):
-    """The player's record on disk; nothing here delays a key.
+    """The player's record on disk; nothing here delays a key, but `progress` itself blocks.
 
     Attributes:
-        progress: The record itself; its methods block.
         references: Measures of the reference programs there by name, the solution first.
-        latest: Measures of the last victory there, as far as known, or None.
-        former: The bests before that victory.
-        trial: The progress of the robustness test at the current level, or None.
-        is_reference: Whether the last victory was that of a reference program.
+        former: The bests before the last victory.
         is_mixed: Whether several programs won it, so that `latest` is measured from the start.
     """
 
@@ -72,7 +68,7 @@ class ProgressRecorder(SessionListener):
         changed: Callable[[], None],
         measured: Callable[[Level, Measures, bool], None],
     ) -> None:
-        """Start to work for a screen; `measured` gets a victory, and whether its level is here."""
+        """Connect to a screen; `measured` gets level, measures, and if the level is current."""
         self._ui, self._changed, self._measured = ui, changed, measured
 
     async def close(self) -> None:
@@ -83,34 +79,29 @@ class ProgressRecorder(SessionListener):
 
     @property
     def trial(self) -> Trial | None:
-        """The progress of the robustness test at the current level, or None."""
         found = self._trials.get(self._key)
         return found[1] if found else None
 
     async def ask(self, look: Callable[[Progress], T]) -> T:
-        """Query the record, after pending writes."""
+        """Query the record, after all pending writes."""
         found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
         self._tell_news()
         return found
 
     async def newest(self, level: Level) -> str | None:
-        """Return the player's last text for a level, or None."""
         return await self.ask(lambda progress: progress.newest(level_key(level)))
 
     async def versions(self) -> list[Version]:
-        """Return the versions for the current level, the last used first."""
         key = self._key
         return await self.ask(lambda progress: progress.versions(key))
 
     def level_opened(self, level: Level) -> None:
-        """Switch to a level."""
         self._key, self.references = level_key(level), references_for(level)
         self.goals = level.second_goals
         self.record, self.latest, self._has_begun = NEW, None, False
         self._write(lambda progress: note_level(progress, level))
 
     def level_saved(self, level: Level) -> None:
-        """Switch to the record of the saved level."""
         if level_key(level) != self._key:
             self.level_opened(level)
 
@@ -120,19 +111,16 @@ class ProgressRecorder(SessionListener):
         self._write(lambda progress: keep_if_own(progress, key, text))
 
     def tick_shown(self, frame: Frame) -> None:
-        """Mark the level as in work."""
         if frame.tick and not self._has_begun:
             self._has_begun = True
             key = self._key
             self._write(lambda progress: progress.begin(key))
 
     def reveal(self, hints: int) -> None:
-        """Note the number of revealed hints."""
         key = self._key
         self._write(lambda progress: progress.reveal(key, hints))
 
     def keep(self, *texts: str) -> None:
-        """Keep versions for the current level, the last one as the newest."""
         key = self._key
 
         def keep(progress: Progress) -> None:
@@ -142,7 +130,7 @@ class ProgressRecorder(SessionListener):
         self._write(keep)
 
     def set_aside(self, draft: Draft) -> None:
-        """Keep the text of a draft for its level, or the current one, but not as the newest."""
+        """Keep a draft's text for its level, or the current one, but not as the newest version."""
         key = draft.level or self._key
 
         def keep(progress: Progress) -> None:
@@ -152,15 +140,12 @@ class ProgressRecorder(SessionListener):
         self._write(keep)
 
     def choose_theme(self, name: str) -> None:
-        """Keep the choice of a theme."""
         self._write(lambda progress: progress.set_fact(THEME, name))
 
     def tour_seen(self) -> None:
-        """Note that the tour has been shown."""
         self._write(lambda progress: progress.set_fact(TOUR, "seen"))
 
     def won(self, victory: Victory) -> None:
-        """Record a victory if it counts, and measure it."""
         if victory.refusal:
             return
         self.former, self.latest = self.record.bests, victory.measures
@@ -175,7 +160,6 @@ class ProgressRecorder(SessionListener):
             self._ui.spawn(measure, f"measure {key}", exclusive=True)
 
     def stop_measuring(self) -> bool:
-        """Stop the robustness test at the current level; return False if none is running."""
         if self._trials.pop(self._key, None) is None:
             return False
         self._ui.spawn(nothing, f"measure {self._key}", exclusive=True)
@@ -189,7 +173,6 @@ class ProgressRecorder(SessionListener):
         self._ui.spawn(self._look, "recorder", exclusive=False)
 
     async def _look(self) -> None:
-        """Read the record of the current level."""
         key = self._key
         record = await self.ask(lambda progress: progress.record(key))
         if key == self._key and record != self.record:

@@ -38,7 +38,6 @@ class SaveDialog(Dialog[Result]):
         self._is_saving = False
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the field for the name."""
         yield Input(self._proposed, id="name", select_on_focus=False)
 
     @abstractmethod
@@ -58,7 +57,6 @@ class SaveDialog(Dialog[Result]):
         """
 
     def replaces(self, path: Path) -> bool:
-        """Return whether to ask before saving there."""
         return is_there(path)
 
     @on(Input.Changed)
@@ -67,7 +65,6 @@ class SaveDialog(Dialog[Result]):
         self.complain("")
 
     def action_leave(self) -> None:
-        """Close without an answer, unless something is being saved."""
         if not self._is_saving:
             super().action_leave()
 
@@ -95,8 +92,6 @@ class SaveDialog(Dialog[Result]):
 
 
 class SaveAs(SaveDialog[Source]):
-    """Saves a program."""
-
     heading = "Save the program as"
 
     def __init__(self, source: Source, text: str, own: Path) -> None:
@@ -106,15 +101,12 @@ class SaveAs(SaveDialog[Source]):
         self._own = own
 
     def file(self, name: str) -> Path:
-        """Return the file for a name."""
         return target(name, self._own)
 
     def replaces(self, path: Path) -> bool:
-        """Return whether there is another file."""
         return path != self._source.path and super().replaces(path)
 
     async def save(self, path: Path) -> Source:
-        """Save the text."""
         await asyncio.to_thread(save_program, path, self._text)
         return await asyncio.to_thread(load_program, path)
 

@@ -25,11 +25,7 @@ if TYPE_CHECKING:
 
 
 class Word(NamedTuple):
-    """A word to insert.
-
-    Attributes:
-        shape: How it is used, such as ``Least(x, y, ...)``.
-    """
+    """A word to insert, with how it is used, such as ``Least(x, y, ...)``."""
 
     name: str
     shape: str
@@ -70,7 +66,6 @@ _FIELD = re.compile(r"\.([a-z_]\w*)|\b([a-z_]\w*)\s*:(?!-)")
 
 
 def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
-    """Return where each predicate is first defined, and the text of its head."""
     found: dict[str, tuple[Place, str]] = {}
     line = counted = 0
     for match in _HEAD.finditer(text):
@@ -84,7 +79,7 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
 
 
 def begun(before: str) -> str:
-    """Return the part of a word at the end of a text, which a completed word replaces."""
+    """Return the unfinished word at the end of a text, which a completion replaces."""
     return _word_before(before)["begun"]
 
 
@@ -95,12 +90,7 @@ def _word_before(text: str) -> re.Match[str]:
 
 
 def words_for(text: str, place: Place) -> list[Word]:
-    """Return the words that could be inserted at a place of a program.
-
-    Returns:
-        Variables of the rule and fields of what they hold come before predicates, and functions
-        last. None in comments and quotes.
-    """
+    """Return words for a place: variables and fields, predicates, functions; or none."""
     lines = text.splitlines(keepends=True)[: place.line]
     at = min(sum(map(len, lines)) + place.column, len(text))
     source = prepare(text)
@@ -119,19 +109,18 @@ def words_for(text: str, place: Place) -> list[Word]:
 
 
 def _last(word: Word) -> str:
-    """Return what is typed of a word, such as the field of ``sensor.radar``."""
+    """Return the last part of a word, such as the field of ``sensor.radar``."""
     return word.name.rpartition(".")[2]
 
 
 def _is_blanked(text: str, skeleton: str, at: int) -> bool:
-    """Return whether a character is in a comment or quotes; a blank is as the one before."""
+    """Return whether the last non-blank up to `at` is in a comment or quotes."""
     while at >= 0 and text[at] == " ":
         at -= 1
     return at >= 0 and text[at] != "\n" and text[at] != skeleton[at]
 
 
 def _names(source: Prepared, first: int, at: int) -> list[list[Word]]:
-    """Return variables, fields of what they hold, predicates, and functions."""
     start = max((end + 1 for end in source.ends if end < first), default=0)
     stop = min((end for end in source.ends if end >= at), default=len(source.skeleton))
     rule = f"{source.skeleton[start:first]} {source.skeleton[at:stop]}"
@@ -150,7 +139,7 @@ def _names(source: Prepared, first: int, at: int) -> list[list[Word]]:
 
 
 def _fields(skeleton: str, owner: str, typed: str) -> list[list[Word]]:
-    """Return the fields of what a name holds: those used with it first, then all others."""
+    """Return the fields of a name's value: those used with it first, then all others."""
     if given := [word for word in _FIELDS if word.shape.split(".")[-2] == owner]:
         return [given]
     told = {word.name: word.told for word in _FIELDS}
@@ -163,7 +152,6 @@ def _fields(skeleton: str, owner: str, typed: str) -> list[list[Word]]:
 
 
 def help_on(text: str, name: str) -> Word | None:
-    """Return the help on a predicate or function, or None."""
     if (own := definitions(text).get(name)) is not None:
         return _own(name, own)
     return next((word for word in (*_BUILT_IN, *_GIVEN) if word.name == name), None)
@@ -174,7 +162,6 @@ def _own(name: str, found: tuple[Place, str]) -> Word:
 
 
 def call_before(before: str) -> str:
-    """Return the name of the call whose arguments are being typed, or ""."""
     depth = 0
     before = before[-_LOOKED_BACK:]
     for at in range(len(before) - 1, -1, -1):
@@ -191,7 +178,7 @@ def call_before(before: str) -> str:
 
 
 def _predicate_at_end(text: str) -> str:
-    """Return the name of a predicate that a text ends with, or ""; takes as long as that is."""
+    """Return the predicate name that a text ends with, or ""; linear in the name's length."""
     end = len(text.rstrip())
     start = end
     while start and (text[start - 1].isalnum() or text[start - 1] == "_"):
@@ -201,7 +188,6 @@ def _predicate_at_end(text: str) -> str:
 
 
 def word_around(line: str, column: int) -> str:
-    """Return the word at a column of a line, or ""."""
     for match in re.finditer(r"\w+", line):
         if match.start() <= column <= match.end():
             return match.group()
@@ -213,7 +199,7 @@ _WIDTH = 58
 
 
 class Completion(Listing, can_focus=False):
-    """Offers words; the editor keeps the focus and forwards keys."""
+    """The list of offered words; the editor keeps the focus and forwards keys."""
 
     DEFAULT_CSS = f"""
     Completion {{
@@ -228,7 +214,6 @@ class Completion(Listing, can_focus=False):
         self._words: list[Word] = []
 
     def offer(self, words: list[Word], at: Offset) -> None:
-        """Show words below a place of the screen; hide if there are none."""
         self._words = words[:_MOST]
         self.display = bool(words)
         if not words:
@@ -239,17 +224,14 @@ class Completion(Listing, can_focus=False):
         self.absolute_offset = at + Offset(0, 1)
 
     def close(self) -> None:
-        """Hide."""
         self.display = False
 
     @property
     def names(self) -> list[str]:
-        """The offered words."""
         return [word.name for word in self._words]
 
     @property
     def chosen(self) -> Word | None:
-        """The highlighted word."""
         number = self.highlighted
         return self._words[number] if number is not None and number < len(self._words) else None
 

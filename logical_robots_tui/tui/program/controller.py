@@ -54,7 +54,7 @@ class ProgramController:
         self._is_copy_told = False
 
     def keep_copy(self, text: str) -> None:
-        """Also write copied text to a file, because terminals don't confirm that they took it."""
+        """Also write copied text to a file, because terminals don't confirm a copy."""
         try:
             self._copies.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(self._copies, text)
@@ -68,7 +68,6 @@ class ProgramController:
         self._is_copy_told = True
 
     async def find(self) -> None:
-        """Ask for a text, and go to it or replace it."""
         editor = self._pane.editor
         chosen = editor.selected_text
         begin = chosen if chosen and "\n" not in chosen else self._wanted
@@ -89,7 +88,6 @@ class ProgramController:
             self._ui.tell(self._nowhere())
 
     def find_next(self) -> None:
-        """Go to the next match of the last search, or ask for one."""
         editor = self._pane.editor
         if not self._wanted:
             self._ui.spawn(self.find, "dialog", exclusive=True)
@@ -106,7 +104,6 @@ class ProgramController:
         editor.selection = Selection(self._end_of(found), found)
 
     async def rename(self) -> None:
-        """Ask for a new name of the predicate under the cursor, and rename it everywhere."""
         old = self._pane.editor.word
         if old not in definitions(self._pane.text):
             self._ui.tell("Put the cursor on a predicate of this program first.")
@@ -126,7 +123,6 @@ class ProgramController:
         self._ui.tell(f"Renamed in {counted(count, 'place')}.")
 
     def edit_elsewhere(self) -> None:
-        """Open the player's external editor, and use its text."""
         if not self._permissions().programs:
             self._ui.warn("External editors are disabled here.")
             return
@@ -151,9 +147,7 @@ class ProgramController:
 
 
 def edited(text: str, environ: Mapping[str, str]) -> str:
-    """Return a text as the external editor leaves it, even if the editor fails.
-
-    ``VISUAL`` or ``EDITOR`` names it; the default is vi.
+    """Return a text edited with ``VISUAL`` or ``EDITOR``, by default vi, even if that fails.
 
     Raises:
         OSError: The editor can't be started, or the file can't be written or read.
@@ -177,7 +171,7 @@ _PAUSE = 0.25  # seconds between two checks
 
 
 class FileWatch:
-    """Checks one file repeatedly, in a thread, because a disk may be slow."""
+    """Checks one file repeatedly, in a thread, because disks may be slow."""
 
     def __init__(self, source: Callable[[], Source], changed: Callable[[Source], None]) -> None:
         self._current, self._changed = source, changed
@@ -185,7 +179,6 @@ class FileWatch:
         self._stamp: tuple[int, int] | None = None
 
     async def follow(self) -> None:
-        """Check until cancelled."""
         while True:
             await asyncio.sleep(_PAUSE)
             source = self._current()
@@ -196,10 +189,7 @@ class FileWatch:
                 self._changed(found)
 
     def newer(self, source: Source) -> Source | None:
-        """Return the program on disk if it has changed since the last check.
-
-        The first check compares the text, because the file may have changed since it was read.
-        """
+        """Return the program on disk if changed since the last check; the first compares texts."""
         stamp = _stamp(source)
         if source is not self._source:
             self._source, self._stamp = source, None

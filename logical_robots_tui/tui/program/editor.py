@@ -65,8 +65,6 @@ class Editor(TextArea):
 
     @dataclass
     class Copied(Message):
-        """A text was copied or cut."""
-
         text: str
 
     def __init__(self) -> None:
@@ -91,7 +89,6 @@ class Editor(TextArea):
         self._opens_list = False
 
     def on_mount(self) -> None:
-        """Apply the theme's colours, and again when it changes."""
         self._apply_theme(self.app.current_theme)
         self.app.theme_changed_signal.subscribe(self, self._apply_theme)
 
@@ -109,7 +106,7 @@ class Editor(TextArea):
         self.theme = colours.name
 
     def put(self, text: str) -> None:
-        """Replace the whole text as one edit that can be undone; the cursor stays in its line."""
+        """Replace the whole text as one undo step; the cursor stays in its line."""
         place = self.cursor_location
         if text != self.text:
             self.replace(text, self.document.start, self.document.end)
@@ -123,33 +120,26 @@ class Editor(TextArea):
             self.move_cursor((rule.group().count("\n"), 0))
 
     def edit(self, edit: Edit) -> EditResult:
-        """Apply an edit."""
         self._states.forget(edit.top[0])
         return super().edit(edit)
 
     def undo(self) -> None:
-        """Undo the last edit."""
         self._states.forget()
         super().undo()
 
     def redo(self) -> None:
-        """Redo the last undone edit."""
         self._states.forget()
         super().redo()
 
     def mark(self, marks: Mapping[int, bool]) -> None:
-        """Mark lines, by their numbers from 0, with errors, or where False with warnings."""
+        """Mark lines, numbered from 0: True marks an error, False a warning."""
         if marks != self._marks:
             self._marks = marks
             self.notify_style_update()
             self.refresh()
 
     async def on_key(self, event: events.Key) -> None:
-        """Handle keys before the text area does.
-
-        Keys that move or delete are handled here, because bindings would run too late, after
-        letters that arrive at the same moment.
-        """
+        """Handle move and delete keys: bindings would run after letters that arrive with them."""
         hurried = event.time - self._last_key_at < _A_PASTE
         self._last_key_at = event.time
         typed = event.character or ""
@@ -175,11 +165,7 @@ class Editor(TextArea):
             self._end_line(as_it_is=hurried or event.key == "ctrl+j")
 
     def _end_line(self, *, as_it_is: bool) -> None:
-        """Start a new line with matching indentation.
-
-        A terminal that does not mark pastes sends them as keys, with control-J or enter for line
-        ends; those have their own indentation.
-        """
+        """Start a line with matching indentation; unmarked pastes, as keys, bring their own."""
         start, end = sorted(self.selection)
         before = self.document.get_line(start[0])[: start[1]]
         indentation = "" if as_it_is else indentation_after(before)
@@ -187,23 +173,19 @@ class Editor(TextArea):
 
     @property
     def before_cursor(self) -> str:
-        """The cursor's line up to the cursor."""
         row, column = self.cursor_location
         return self.document.get_line(row)[:column]
 
     @property
     def word(self) -> str:
-        """The word at the cursor, or ""."""
         row, column = self.cursor_location
         return word_around(self.document.get_line(row), column)
 
     def action_complete(self) -> None:
-        """Offer words for the cursor's place."""
         words = words_for(self.text, Place(*self.cursor_location))
         self.completion.offer(words, self.cursor_screen_offset)
 
     def on_text_area_changed(self) -> None:
-        """Offer words that match the typed text; a complete word needs no list."""
         opens, self._opens_list = self._opens_list, False
         if self.completion.display or (opens and _OPENING.search(self.before_cursor)):
             self.action_complete()
@@ -211,10 +193,7 @@ class Editor(TextArea):
                 self.completion.close()
 
     def point_out(self, start: tuple[int, int], stop: tuple[int, int]) -> None:
-        """Highlight a piece of the text as a selection that typing does not replace.
-
-        Lines and columns count from 0; the cursor goes to `start`.
-        """
+        """Highlight text from 0-based positions, as a selection that typing does not replace."""
         self.selection = self._pointed_out = Selection(stop, start)
         self.scroll_cursor_visible(center=True)
 
@@ -225,7 +204,6 @@ class Editor(TextArea):
         self._pointed_out = None
 
     def on_blur(self) -> None:
-        """Close the list of words."""
         self.completion.close()
 
     def _takes(self, key: str) -> bool:
@@ -252,17 +230,14 @@ class Editor(TextArea):
             self.replace(chosen.name, start, (row, column), maintain_selection_offset=False)
 
     def action_copy(self) -> None:
-        """Copy the selection, and post it."""
         super().action_copy()
         self.post_message(self.Copied(self.app.clipboard))
 
     def action_cut(self) -> None:
-        """Cut the selection, or the line, and post it."""
         super().action_cut()
         self.post_message(self.Copied(self.app.clipboard))
 
     def action_toggle_comment(self) -> None:
-        """Comment or uncomment the selected lines, as one edit."""
         lines = self._chosen_lines()
         written = [line for line in lines if line.strip()]
         if not written:
@@ -274,7 +249,6 @@ class Editor(TextArea):
         self._change_lines(changed)
 
     def action_indent(self) -> None:
-        """Indent the selected lines, or go to the next tab stop within a line."""
         start, end = self.selection
         if start[0] != end[0]:
             self._change_lines(shifted(self._chosen_lines(), back=False))
@@ -283,15 +257,12 @@ class Editor(TextArea):
             self.replace(spaces, start, end, maintain_selection_offset=False)
 
     def action_dedent(self) -> None:
-        """Unindent the selected lines, or the cursor's line."""
         self._change_lines(shifted(self._chosen_lines(), back=True))
 
     def action_go_to_start(self) -> None:
-        """Go to the start of the text."""
         self.move_cursor(self.document.start)
 
     def action_go_to_end(self) -> None:
-        """Go to the end of the text."""
         self.move_cursor(self.document.end)
 
     def _chosen_rows(self) -> tuple[int, int]:
@@ -303,7 +274,6 @@ class Editor(TextArea):
         return [self.document.get_line(number) for number in range(first, last + 1)]
 
     def _change_lines(self, changed: list[str]) -> None:
-        """Replace the selected lines as one edit; they stay selected."""
         first, last = self._chosen_rows()
         before, selection = self._chosen_lines(), self.selection
         if changed == before:
@@ -322,15 +292,13 @@ class Editor(TextArea):
     def scroll_cursor_visible(self, center: bool = False, animate: bool = False) -> Offset:
         """Scroll the cursor into view; without room, wait until there is some.
 
-        During undo the cursor may be beyond the end of a text that has shrunk; the text area
-        corrects it and scrolls again before undo ends.
+        During undo the cursor may be beyond the end of the text, which is corrected later.
         """
         if not self.content_size.area or self.cursor_location[0] >= self.document.line_count:
             return Offset()
         return super().scroll_cursor_visible(center, animate)
 
     def on_resize(self) -> None:
-        """Keep the cursor in view."""
         self.scroll_cursor_visible()
 
     def get_line(self, line_index: int) -> Text:
@@ -345,7 +313,6 @@ class Editor(TextArea):
         return text
 
     def render_line(self, y: int) -> Strip:
-        """Return a line of the widget, with its mark."""
         strip = super().render_line(y)
         place = self.scroll_offset.y + y
         if not self._marks or place >= self.wrapped_document.height:

@@ -16,14 +16,7 @@ LONGEST_LINE = 2_000
 
 
 class Piece(NamedTuple):
-    """A coloured part of a line.
-
-    Attributes:
-        start: First column, from 0.
-        end: Column after the last one.
-        kind: Name of a style: comment, string, number, keyword, predicate, annotation, field
-            or operator.
-    """
+    """A coloured part of a line: columns from 0 to behind its last, and a style."""
 
     start: int
     end: int
@@ -62,12 +55,10 @@ _ENDS = {"/*": "*/", '"""': '"""'}
 
 
 def pieces(line: str, state: State = "") -> list[Piece]:
-    """Return the coloured parts of a line, from left to right."""
     return [] if len(line) > LONGEST_LINE else _scan(line, state, _TOKEN)[0]
 
 
 def state_after(line: str, state: State) -> State:
-    """Return the state at the start of the next line."""
     return _scan(line, state, _SWITCH)[1]
 
 
@@ -100,14 +91,11 @@ class LineStates:
         self._known: list[State] = [""]
 
     def forget(self, after: int = 0) -> None:
-        """Note that the line `after` or a later one has changed."""
+        """Forget all states after the line `after`, because it or a later line has changed."""
         del self._known[max(after, 0) + 1 :]
 
     def at(self, line: int, text_of: Callable[[int], str]) -> State:
-        """Return the state at the start of a line.
-
-        Lines count from 0.
-        """
+        """Return the state at the start of a line, counted from 0."""
         while len(self._known) <= line:
             number = len(self._known) - 1
             self._known.append(state_after(text_of(number), self._known[-1]))

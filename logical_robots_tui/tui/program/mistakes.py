@@ -40,7 +40,6 @@ class MistakeStrip(Static):
         """The player goes to the error."""
 
     def show(self, mistakes: tuple[Diagnostic, ...], row: int) -> None:
-        """Show errors, or nothing; of many those in a line come first."""
         if len(mistakes) > _MOST_SHOWN:
             mistakes = tuple(sorted(mistakes, key=lambda mistake: mistake.line != row + 1))
         if mistakes == self._shown:
@@ -54,7 +53,6 @@ class MistakeStrip(Static):
         self.update(Content("\n").join(lines))
 
     def on_click(self) -> None:
-        """Go to the error."""
         self.post_message(self.Chosen())
 
 
@@ -74,10 +72,7 @@ def _described(mistake: Diagnostic) -> Content:
 def marked(
     strip: Strip, row: int | None, gutter: int, styles: Mapping[str, Style], *, is_wrong: bool
 ) -> Strip:
-    """Return a line with a sign in the gutter and, for an error, a ground of its own.
-
-    `row` counts from 0 and is None where a wrapped line goes on; `gutter` is its cells.
-    """
+    """Mark a line in its gutter, and an error's ground; row None continues a wrapped line."""
     sign, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
     label = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{sign} "
     rest = strip.crop(gutter)

@@ -50,11 +50,9 @@ class ProgramPane(Pane):
 
     @property
     def text(self) -> str:
-        """The text in the editor."""
         return self.editor.text
 
     def load(self, text: str) -> None:
-        """Load another program's text."""
         self.editor.load_text(text)
 
     def put(self, text: str) -> None:
@@ -62,7 +60,6 @@ class ProgramPane(Pane):
         self.editor.put(text)
 
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:
-        """Show the state of the program."""
         state = state.seen_from(self.text)
         star = "" if saved else "*"
         self.note(f"{self._verdict(state)} · {clip(one_line(name), 24)}{star}")
@@ -78,7 +75,7 @@ class ProgramPane(Pane):
             self._follow_text(self._state)
 
     def _follow_text(self, state: ProgramState) -> None:
-        """Show the errors at the current places of their lines; a changed line shows none."""
+        """Show the errors where their lines are now; a changed line shows none."""
         lines = self.text.split("\n")
         if lines == self._tried:
             self._mistakes = {found: found for found in state.mistakes}
@@ -99,7 +96,6 @@ class ProgramPane(Pane):
         self._tell()
 
     def _untouched(self) -> tuple[Diagnostic, ...]:
-        """Return the errors of lines that are as they were tried."""
         return tuple(
             now
             for found, now in self._mistakes.items()
@@ -107,14 +103,13 @@ class ProgramPane(Pane):
         )
 
     def go_to_mistake(self) -> None:
-        """Put the cursor on the first error, if there is one."""
         mistake = next(iter(self._mistakes.values()), None)
         if mistake is not None:
             self.editor.move_cursor((mistake.line - 1, mistake.column - 1), center=True)
         self.enter()
 
     def show_place(self, start: int, stop: int) -> None:
-        """Highlight a piece of the text, given by its offsets, and scroll to it."""
+        """Highlight a piece of the text between two offsets, and scroll to it."""
         places = []
         for offset in (start, stop):
             before = self.text[:offset]
@@ -122,10 +117,7 @@ class ProgramPane(Pane):
         self.editor.point_out(*places)
 
     def go_to_definition(self) -> str:
-        """Put the cursor on the definition of the predicate under it, and return the word there.
-
-        The cursor stays if the program does not define it.
-        """
+        """Move to the definition of the predicate under the cursor, if any; return the word."""
         word = self.editor.word
         found = definitions(self.text).get(word)
         if found is not None:
@@ -138,7 +130,6 @@ class ProgramPane(Pane):
         self._tell()
 
     def _tell(self) -> None:
-        """Show the errors, and help on the word under the cursor."""
         self._strip.show(self._untouched(), self.editor.cursor_location[0])
         names = self.editor.word, call_before(self.editor.before_cursor)
         words = (help_on(self.text, name) for name in names if name[:1].isupper())
@@ -151,7 +142,6 @@ class ProgramPane(Pane):
             self._help.update(Content(one_line(words)), layout=False)
 
     def enter(self) -> None:
-        """Focus the text."""
         self.screen.set_focus(self.editor)
 
     @on(MistakeStrip.Chosen)

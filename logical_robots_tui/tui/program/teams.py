@@ -22,7 +22,7 @@ _LONGEST = 16
 
 
 class TeamTabs(Labels):
-    """The teams, above the program of one of them; hidden where there are no teams."""
+    """The teams, above the program of one of them; hidden if there are no teams."""
 
     DEFAULT_CSS = """
     TeamTabs { height: 1; background: $surface; }
@@ -30,11 +30,7 @@ class TeamTabs(Labels):
 
     @dataclass
     class Chosen(Message):
-        """A team was clicked.
-
-        Attributes:
-            robot_name: Its first robot.
-        """
+        """A team was clicked; `robot_name` is its first robot."""
 
         robot_name: str
 
@@ -45,7 +41,6 @@ class TeamTabs(Labels):
         self.display = False
 
     def show(self, level: Level, team: str) -> None:
-        """Show the teams of a level, of which one is looked at."""
         robots = {robot.team: robot.name for robot in reversed(level.robots)} if team else {}
         robots = {each.name: robots[each.name] for each in level.teams if each.name in robots}
         if (robots, team) != (self._robots, self._team):
@@ -54,7 +49,6 @@ class TeamTabs(Labels):
             self.refresh()
 
     def render(self) -> Content:
-        """Return the line, as wide as the widget."""
         styles = (INK.dim, f"bold {INK.title} on $tab-here")
         labels = [
             (
@@ -66,12 +60,11 @@ class TeamTabs(Labels):
         return self.line(labels, gap=1)
 
     def chosen(self, command_id: str) -> Message:
-        """Return what to post when a team is clicked, given its first robot."""
         return self.Chosen(command_id)
 
 
 class TeamChoice:
-    """Looks at the team of the robot that is chosen."""
+    """Selects the team of the selected robot."""
 
     def __init__(
         self, session: Session, look_at: Callable[[str], None], tell: Callable[[str], None]
@@ -79,7 +72,7 @@ class TeamChoice:
         self._session, self._look_at, self._tell = session, look_at, tell
 
     def follow(self, robot_name: str) -> bool:
-        """Look at the mind of a robot; return False if that is hidden."""
+        """Select a robot's team; return False if its program is hidden."""
         sources = self._session.sources
         team = self._session.level.team_of(robot_name)
         if team == sources.team or team not in sources.teams:
@@ -91,7 +84,6 @@ class TeamChoice:
         return True
 
     def next_robot(self) -> str | None:
-        """Return the first robot of the next team; None without teams."""
         sources, level = self._session.sources, self._session.level
         teams = sources.teams
         if sources.team not in teams:
@@ -100,7 +92,6 @@ class TeamChoice:
         return next((robot.name for robot in level.robots if robot.team == team), None)
 
     def toggle_others(self) -> None:
-        """Hide what the other teams think, or show it again."""
         sources = self._session.sources
         if not sources.teams:
             self._tell("This level has no teams.")

@@ -12,11 +12,9 @@ if TYPE_CHECKING:
 
 
 def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -> list[int | None]:
-    """Return the new places of some lines after a change of the text, all from 0.
+    """Return new line numbers after a change, all from 0, or None for lines that are gone.
 
-    Returns:
-        The new number of each line, or None if it is gone. A changed line keeps its number, unless
-        lines were added or removed at the same place.
+    A changed line keeps its number, unless lines were added or removed at the same place.
     """
     same, most = 0, min(len(before), len(after))
     while same < most and before[same] == after[same]:
@@ -48,10 +46,7 @@ _OPENS = (":-", "(", "[", "{")
 
 
 def indentation_after(before: str) -> str:
-    """Return the indentation of a line after another one.
-
-    An opening bracket or ``:-`` at its end adds one step, and the end of a rule resets it.
-    """
+    """Return the indentation after a line: a bracket or ``:-`` adds, a rule's end resets."""
     given = before[: len(before) - len(before.lstrip())]
     written = before.partition("#")[0].rstrip()
     if written.endswith(";"):
@@ -60,24 +55,21 @@ def indentation_after(before: str) -> str:
 
 
 def shifted(lines: list[str], *, back: bool) -> list[str]:
-    """Return lines indented by one step, or unindented by up to one."""
     if not back:
         return [" " * WIDTH + line if line.strip() else line for line in lines]
     return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
 
 
 def is_predicate_name(text: str) -> bool:
-    """Return whether a text is a valid name of a predicate."""
     return re.fullmatch(r"[A-Z]\w*", text) is not None
 
 
 def find_after(
     text: str, wanted: str, place: tuple[int, int], *, there: bool = False
 ) -> tuple[int, int] | None:
-    """Return the next place of a text, wrapping around; None if there is none.
+    """Return the next place of a text, wrapping around, or None; positions count from 0.
 
-    Case matters only if `wanted` has capitals. Lines and columns count from 0. `there` lets a
-    match at the place itself count.
+    Case matters only if `wanted` has capitals. `there` lets a match at the place itself count.
     """
     if not wanted:
         return None
@@ -94,11 +86,7 @@ def find_after(
 
 
 def rename(text: str, old: str, new: str) -> tuple[str, int]:
-    """Rename a predicate everywhere except in comments and texts.
-
-    Returns:
-        The program, and the number of changed places.
-    """
+    """Rename a predicate outside comments and texts; return the program and the count."""
     lines, states, count = text.split("\n"), LineStates(), 0
     changed = []
     for number, line in enumerate(lines):

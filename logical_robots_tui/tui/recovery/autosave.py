@@ -20,13 +20,7 @@ State = TypeVar("State")
 
 
 class UnsavedText(NamedTuple):
-    """What is in the editor.
-
-    Attributes:
-        source: The program.
-        text: Its text as edited.
-        level: Key of the level that it is edited in.
-    """
+    """What is in the editor, and the key of its level."""
 
     source: Source
     text: str
@@ -34,12 +28,10 @@ class UnsavedText(NamedTuple):
 
 
 class Autosave(Generic[State]):
-    """Keeps edited work safe; a hangup loses at most the changes of the last moments.
+    """Keeps edited work safe; a hangup loses at most `delay` seconds of changes.
 
-    Args:
-        delay: Seconds from a change to its draft on disk.
-        state: Returns the immutable state to keep.
-        draft: Makes a draft from it, or names one that is no longer needed; called in a thread.
+    `state` returns an immutable state, of which `draft`, in a thread, makes a draft or names
+    one that is no longer needed.
     """
 
     def __init__(
@@ -64,7 +56,7 @@ class Autosave(Generic[State]):
         self._pending: asyncio.Task[None] | None = None
 
     def edited(self) -> None:
-        """There is a change; a draft follows in a moment, or the one there is goes."""
+        """Write a draft soon, or delete it if nothing is unsaved any more."""
         if self._pending is None or self._pending.done():
             self._pending = asyncio.create_task(self._keep_soon())
 
@@ -76,20 +68,18 @@ class Autosave(Generic[State]):
             self.report(error)
 
     def stop(self) -> None:
-        """Write the draft and nothing after it."""
+        """Write the draft, and stop writing."""
         if self._pending is not None:
             self._pending.cancel()
         self.flush()
 
     def drop(self, key: Key) -> None:
-        """Forget the draft: it is saved, or not wanted."""
         if self._pending is not None:
             self._pending.cancel()
         self._written = None
         self._drafts.drop(key)
 
     def report(self, error: OSError) -> None:
-        """Say that nothing can be kept, unless that was said."""
         if not self._has_failed:
             self._has_failed = True
             reason = error.strerror or str(error)
@@ -122,7 +112,7 @@ class Autosave(Generic[State]):
 
 
 def program_draft(unsaved: UnsavedText) -> Draft | Key:
-    """The draft of a program's text, unless that is as in its file."""
+    """Return a program's draft, or only its key if the text equals that of the file."""
     source, text, level = unsaved
     if text == source.text:
         return "program", source.draft
@@ -130,8 +120,6 @@ def program_draft(unsaved: UnsavedText) -> Draft | Key:
 
 
 class Unsaved(Protocol):
-    """Can save unsaved work."""
-
     def flush(self) -> None:
         """Save it now."""
 

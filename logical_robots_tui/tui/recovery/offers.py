@@ -53,7 +53,7 @@ class Offering(Protocol):
 
 
 class Offers:
-    """Asks when nothing covers the game, and ignores keys meant for the game."""
+    """Makes offers when nothing covers the game, and ignores keys meant for the game."""
 
     def __init__(self, ui: Ui, is_free: Callable[[], bool]) -> None:
         self._ui, self._is_free = ui, is_free
@@ -61,16 +61,14 @@ class Offers:
         self._asked: Question | None = None
 
     async def make(self, *offerings: Offering) -> None:
-        """Make all offers, one after another."""
         for each in offerings:
             await each.offer(self)
 
     def resumed(self) -> None:
-        """Note that nothing covers the game any more."""
         self._resumed.set()
 
     async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
-        """Return what to offer, found when nothing covers the game."""
+        """Return what `find` finds while nothing covers the game."""
         while True:
             await self._free()
             found = await find()
@@ -80,10 +78,7 @@ class Offers:
     async def ask(
         self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
     ) -> str | None:
-        """Ask, and return the name of the answer, or None.
-
-        `answers` are names and labels; `text` is what the answer ``show`` shows.
-        """
+        """Return the name of the answer, or None; the answer ``show`` shows `text`."""
         from logical_robots_tui.tui.layout.dialogs import Question
 
         await self._free()
@@ -102,12 +97,10 @@ class Offers:
 
 
 def short_name(draft: Draft) -> str:
-    """Return the name of a draft in quotation marks, cut if it is long."""
     return f"“{clip(one_line(draft.name), 40)}”"
 
 
 def when_saved(draft: Draft) -> str:
-    """Return the local time at which a draft was saved."""
     return f"{draft.saved.astimezone():%H:%M, %d %B}"
 
 
@@ -134,7 +127,7 @@ async def offer(
 
 
 def _read(draft: Draft) -> Level | None:
-    """Return the level in its file, or as edited if the file is gone, or None."""
+    """Return the file's level, or the edited one if the file is gone; None if not needed."""
     try:
         path = Path(draft.path)
         if path.is_absolute() and is_file(path):
@@ -154,7 +147,6 @@ class OtherGames:
         self._games, self._ui = games, ui
 
     async def offer(self, offers: Offers) -> None:
-        """Offer it, if there are any; what was typed there can be taken over then."""
         others = await offers.at_hand(partial(asyncio.to_thread, self._games.others))
         if not others:
             return
@@ -175,7 +167,7 @@ class OtherGames:
 
 
 class Bookmark:
-    """Saves the place of a session that is cut off, and offers it to the next one."""
+    """Saves the position of an interrupted session, and offers it to the next one."""
 
     def __init__(
         self,
@@ -202,7 +194,6 @@ class Bookmark:
                 self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
     async def offer(self, offers: Offers) -> None:
-        """Offer to go where an earlier session was cut off, if one was."""
         with contextlib.suppress(OSError):  # no folder, no bookmark
             for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
                 with contextlib.suppress(ValueError):
@@ -222,7 +213,7 @@ class Bookmark:
                 self._ui.warn(f"Can't continue at tick {place.tick}: {error}")
 
     async def _go_to(self, place: Place) -> None:
-        """Go to a place; restored unsaved text stays in the editor."""
+        """Go to a position; restored unsaved text stays in the editor."""
         if place.level != level_key(self._session.level):
             await self._open_level(await asyncio.to_thread(load_level, place.level))
         last, sources = place.programs[-1][1], self._session.sources
@@ -244,7 +235,6 @@ class Bookmark:
                 await game.run_until(tick=end)
 
     def _source_of(self, place: Place) -> Source:
-        """Return the program's source of a place; the current one if its file is gone."""
         try:
             return load_program(place.program)
         except InputError:

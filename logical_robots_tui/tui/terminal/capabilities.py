@@ -17,10 +17,9 @@ _POOR_FONTS = ("linux", "vt", "ansi", "cygwin", "dumb")
 
 
 def assume_colours(environ: MutableMapping[str, str]) -> None:
-    """Set COLORTERM if the terminal's name implies true colour.
+    """Set COLORTERM in place, before the app reads it, if the terminal's name implies it.
 
-    In GNU screen it is removed: there it is that of the terminal around, which screen (4.9) does
-    not pass true colour on to. `environ` is changed in place, before the app reads it.
+    GNU screen (4.9) inherits it, but does not pass true colour on, so there it is removed.
     """
     name = environ.get("TERM", "").lower()
     if _is_in_screen(environ):
@@ -34,10 +33,7 @@ def assume_colours(environ: MutableMapping[str, str]) -> None:
 def drawing_for(
     environ: Mapping[str, str], colours: str | None, encoding: str, *, colourless: bool
 ) -> Drawing:
-    """Return the drawing that suits a terminal.
-
-    `colours` is what it can show, in Rich's words, such as ``truecolor``; None for no colours.
-    """
+    """Return the drawing that suits a terminal; `colours` is Rich's name, or None for none."""
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import (
         Drawing,  # slow to load because of numpy
     )
@@ -50,12 +46,10 @@ def drawing_for(
 
 
 def may_use_mouse(environ: Mapping[str, str]) -> bool:
-    """Return whether to enable the mouse.
+    """Return whether to enable the mouse, which delays escape in GNU screen (4.9).
 
-    GNU screen (4.9) delays the escape key until the next key while the mouse is enabled.
-
-    TERM is ``screen`` or ``screen.xterm`` there. In tmux it may be the same, and
-    ``screen-256color`` is more often tmux than GNU screen.
+    TERM is ``screen`` or ``screen.xterm`` there, maybe also in tmux; ``screen-256color`` is
+    more often tmux.
     """
     name = environ.get("TERM", "").lower()
     if name == "screen" or name.startswith("screen."):

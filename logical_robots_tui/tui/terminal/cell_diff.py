@@ -40,13 +40,9 @@ Cell: TypeAlias = tuple[str, Look]
 
 
 class Difference:
-    """What a terminal shows, what it should show, and the output to get from one to the other.
+    """What a terminal shows, what it should show, and the output that leads there.
 
-    Args:
-        colours: What the terminal can show; None for no colours.
-
-    Attributes:
-        looks: The style of each packed style of `Cells`.
+    `colours` is None for no colours; `looks` are styles by packed style of `Cells`.
     """
 
     def __init__(self, columns: int, rows: int, colours: ColorSystem | None) -> None:
@@ -59,18 +55,12 @@ class Difference:
         self._turn = 0
 
     def take(self, pieces: Iterable[tuple[int, int, Sequence[Segment]]]) -> None:
-        """Set what to show; replaces what was to be shown there before.
-
-        Pieces are (row, first column, segments); what is outside the terminal is ignored.
-        """
+        """Show pieces (row, first column, segments), ignoring those outside the terminal."""
         for row, column, segments in pieces:
             self.put(row, column, _cells(segments, self._colours))
 
     def put(self, row: int, column: int, cells: Sequence[Cell]) -> None:
-        """Set the cells to show in a row, from a column on; ignores those outside the terminal.
-
-        Who draws may not know yet that the terminal has another size.
-        """
+        """Show cells of a row, ignoring those outside a terminal that was just resized."""
         if not 0 <= row < self.rows or column >= self.columns:
             return
         if column < 0:
@@ -93,16 +83,10 @@ class Difference:
         self._behind = dict.fromkeys(range(self.rows), (0, self.columns))
 
     def sequence(self, limit: float = inf, last: Region | None = None) -> str:
-        """Return the output that updates the terminal.
+        """Return text and escape sequences that update the terminal, or "".
 
-        Args:
-            limit: Bytes after which no further run of cells is started; the rest is sent later.
-            last: Cells to send last: the moving picture. If there is no room for all of it, its
-                rows take turns.
-
-        Returns:
-            Text and escape sequences, or "" if nothing differs. They leave the style plain and the
-            cursor anywhere.
+        After `limit` bytes no further run of cells is started; `last` cells, the moving picture,
+        are sent last, their rows in turns. The style is plain afterwards, the cursor anywhere.
         """
         spans = self._spans(last)
         self._behind.clear()
@@ -127,12 +111,10 @@ class Difference:
         return "".join(sent)
 
     def _mark(self, row: int, first: int, stop: int) -> None:
-        """Note that some cells of a row may differ."""
         before = self._behind.get(row, (first, stop))
         self._behind[row] = min(first, before[0]), max(stop, before[1])
 
     def _spans(self, last: Region | None) -> list[tuple[int, int, int]]:
-        """Return where cells may differ, in sending order."""
         soon: list[tuple[int, int, int]] = []
         late: list[tuple[int, int, int]] = []
         for row, (first, stop) in sorted(self._behind.items()):
@@ -148,7 +130,6 @@ class Difference:
         return soon + late
 
     def _runs(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
-        """Return the runs of cells that differ, as (first column, column after the last)."""
         wanted, shown = self._wanted[row], self._shown[row]
         differing = [
             place
@@ -167,7 +148,6 @@ class Difference:
             yield self._whole(row, start, end)
 
     def _whole(self, row: int, first: int, last: int) -> tuple[int, int]:
-        """Return a run, widened so that no wide character is cut."""
         wanted, shown, stop = self._wanted[row], self._shown[row], last + 1
 
         def cut(place: int) -> bool:
@@ -180,7 +160,6 @@ class Difference:
         return first, stop
 
     def _write(self, run: list[str], pen: Look, row: int, start: int, stop: int) -> Look:
-        """Write a run of cells; return the resulting style."""
         shown = self._shown[row]
         if start and _is_second_half(shown[start]):
             shown[start - 1] = None
@@ -219,7 +198,6 @@ class _Looks(dict[int, Look]):
 
 
 def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
-    """Return the code of a colour on the terminal, between ``ESC [`` and ``m``."""
     return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
 
 
@@ -228,7 +206,7 @@ def _is_second_half(cell: Cell | None) -> bool:
 
 
 def _cells(segments: Sequence[Segment], colours: ColorSystem | None) -> list[Cell]:
-    """Return text and style of each cell; a wide character is followed by an empty text."""
+    """Return text and style of each cell; an empty text follows a wide character."""
     cells: list[Cell] = []
     for text, style, control in segments:
         if control:
@@ -257,7 +235,6 @@ _width = lru_cache(maxsize=4096)(cell_len)
 
 @lru_cache(maxsize=20_000)
 def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
-    """Return the codes of a style on a terminal."""
     if style is None:
         return _PLAIN
     bits = style._attributes & style._set_attributes
@@ -273,7 +250,7 @@ def look_of(style: Style | None, colours: ColorSystem | None) -> Look:
 
 @lru_cache(maxsize=40_000)
 def _same(look: Look) -> Look:
-    """Return the same object for equal styles, which is faster to compare."""
+    """Return one object for equal styles, which makes comparisons faster."""
     return look
 
 
@@ -307,10 +284,10 @@ _GREYS = tuple(8 + 10 * step for step in range(24))
 
 @lru_cache(maxsize=40_000)
 def reduced(color: Color, colours: ColorSystem) -> Color:
-    """Return the terminal's colour nearest to one.
+    """Return the terminal's nearest colour.
 
-    With 256 colours, the nearest by sight: among dark colours the cube has only black, so the grey
-    ramp is considered as well, and hue counts more than in Rich's own choice.
+    With 256 colours by sight: the grey ramp counts, because the cube's only dark colour is
+    black, and hue more than in Rich's own choice.
     """
     if color.type != ColorType.TRUECOLOR or colours != ColorSystem.EIGHT_BIT:
         return color.downgrade(colours)

@@ -64,17 +64,11 @@ class CrashSafeApp(App[None]):
 def end_on_hangup(
     save_unsaved: Callable[[], None], leave: Callable[[], None]
 ) -> Callable[[], None]:
-    """End cleanly when the terminal goes away or somebody ends the process.
+    """End cleanly when the terminal goes away; return what restores the previous handlers.
 
-    A process that does not belong to its terminal gets no signal when the terminal goes away, so a
-    thread also waits for that. Everything important is done in the signal handler, because the
-    event loop may be waiting for the lost terminal; the process ends even then. If Python can't run
-    the handler, because the main thread waits for a lock, the thread does everything.
-
-    `leave` asks the app to end, and is called on any thread.
-
-    Returns:
-        Restores the previous handlers.
+    A process may get no signal then, so a thread waits for that too, and does everything if the
+    main thread is blocked. All is done in the handler, because the event loop may wait for the
+    lost terminal. `leave` is called on any thread.
     """
 
     def handler(number: int, frame: FrameType | None) -> None:
@@ -105,7 +99,7 @@ def end_on_hangup(
 
 
 def _end_with_terminal(descriptor: int, save_unsaved: Callable[[], None]) -> None:
-    """Send this process the hangup signal when its terminal is gone, and make sure that it ends."""
+    """Send this process SIGHUP when its terminal is gone; force it to end if it doesn't."""
     with contextlib.suppress(OSError, ValueError):
         terminal = select.poll()
         terminal.register(descriptor, 0)  # hangups are always reported

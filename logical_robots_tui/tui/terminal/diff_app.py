@@ -1,8 +1,7 @@
 """An app that sends only cells that differ from what its terminal shows.
 
-Textual repaints whole regions, with the full style of every segment, which is eight times as much
-as needed here. There is no public hook for this, so ``App._display`` is overridden; a test compares
-what a terminal shows with a full rendering of the same lines.
+Textual repaints whole regions, eight times as much. There is no hook, so ``App._display``
+is overridden; a test compares a terminal with a full rendering.
 """
 
 from __future__ import annotations
@@ -52,17 +51,12 @@ _LONG = 1 / 15  # seconds; the longest time between pictures on a long line
 
 
 class Line:
-    """Decides when to send to a terminal, and how much.
+    """Decides when to send to a terminal, and how much; all times are seconds on one clock.
 
-    sshd and the kernel buffer far more than a slow line takes in a second, so being able to write
-    says nothing. So each output ends in a query (`ASK`), and is in flight until the answer. Usually
-    that is one output; on a line with high latency but enough bandwidth, as many as fit into the
-    latency. The latency is measured once by a query alone, because even a small picture takes time
-    on a slow line. Before a terminal has answered for the first time, its answers are not relied
-    upon.
-
-    All times are in seconds on one clock of the caller's.
-
+    Buffers hide how slow a line is, so each output ends in a query (`ASK`) and is in flight
+    until the answer. Usually that is one output; with high latency but enough bandwidth, as
+    many as fit into the latency. That is measured by a query alone, because even a small
+    picture takes time. Before the first answer, answers are not relied upon.
     """
 
     def __init__(self) -> None:
@@ -74,26 +68,24 @@ class Line:
 
     @property
     def is_to_be_measured(self) -> bool:
-        """Whether to send a query alone now."""
+        """Whether to measure the latency now, with a query that follows no output."""
         return self._least is not None and not self._is_measured and not self._asked
 
     @property
     def is_free(self) -> bool:
-        """Whether to send now."""
         return self._least is None or len(self._asked) < self._window
 
     @property
     def room(self) -> float:
-        """Bytes to send at once."""
+        """The number of bytes to send at once."""
         return inf if self._least is None else self._room
 
     def sent(self, size: int, now: float) -> None:
-        """Note that so many bytes and a query were sent; 0 bytes for a measurement."""
+        """Note that `size` bytes and a query were sent; 0 bytes for a measurement."""
         self._is_measuring = not size and not self._asked
         self._asked.append((now, size))
 
     def answered(self, now: float) -> None:
-        """Note that the terminal has answered the oldest query."""
         if not self._asked:
             return
         asked, size = self._asked.popleft()
@@ -115,7 +107,7 @@ class Line:
             self._room = min(_MOST, 2 * self._room)
 
     def forget(self, now: float) -> None:
-        """Give up overdue answers; a terminal that never answered is not relied upon."""
+        """Give up on overdue answers, and forget the measured latency."""
         while self._asked and now - self._asked[0][0] > _PATIENCE:
             self._asked.popleft()
             self._least = None
@@ -126,8 +118,7 @@ class Line:
 class DiffApp(CrashSafeApp):
     """Sends only changes, and no more than its terminal can take.
 
-    On a slow line the content keeps changing while output is in flight; the next output leads
-    straight to the latest content.
+    While output is in flight the content changes; the next output leads to the latest.
     """
 
     _sent: Difference | None = None
@@ -150,7 +141,7 @@ class DiffApp(CrashSafeApp):
     def watch_terminal(self) -> None:
         """End as after a hangup when a terminal that used to answer is silent for long.
 
-        sshd notices a client that hangs only after minutes, if what is sent to it does not queue.
+        sshd notices a client that hangs only after minutes.
         """
         self._is_watching = True
         self.set_interval(_ASK_EVERY, self._ask_terminal)
@@ -166,10 +157,7 @@ class DiffApp(CrashSafeApp):
             self._line.sent(0, self.clock.now())
 
     def terminal(self) -> Difference | None:
-        """What the terminal shows and should show; None if a full repaint is due.
-
-        Changes to it are sent soon.
-        """
+        """The terminal's state, whose changes are sent soon; None if a full repaint is due."""
         if (
             self._sent is None
             or (self._sent.columns, self._sent.rows) != self.size
@@ -182,11 +170,11 @@ class DiffApp(CrashSafeApp):
         return self._sent
 
     def moving_picture(self) -> Region | None:
-        """The widget that moves by itself, and is sent last."""
+        """The region that changes by itself, which is sent last."""
         return None
 
     async def on_event(self, event: events.Event) -> None:
-        """Handle an event; after a resize or resume the terminal's content is unknown."""
+        """Handle an event; after a resize or resume, the terminal's content is unknown."""
         if isinstance(event, events.CursorPosition):
             self._line.answered(event.time)
             self._send()
@@ -214,7 +202,6 @@ class DiffApp(CrashSafeApp):
 
     @property
     def _can_send(self) -> bool:
-        """Return whether output is possible, on a terminal that answers."""
         return (
             not self._batch_count
             and self._running
@@ -223,12 +210,11 @@ class DiffApp(CrashSafeApp):
         )
 
     def _send_all(self) -> None:
-        """Send what several widgets have changed."""
         self._is_sending = False
         self._send()
 
     def _send(self) -> None:
-        """Send the difference if the line is free; otherwise its next answer calls this again."""
+        """Send the difference if the line is free; otherwise the next answer calls this again."""
         driver = self._driver
         if self._sent is None or self._closed or not isinstance(driver, ListeningDriver):
             return
@@ -263,7 +249,7 @@ class DiffApp(CrashSafeApp):
 def _pieces(
     update: LayoutUpdate | ChopsUpdate,
 ) -> Iterator[tuple[int, int, Sequence[Segment]]]:
-    """Return the (row, first column, segments) that an update of Textual paints."""
+    """Yield the (row, first column, segments) that a Textual update paints."""
     if isinstance(update, LayoutUpdate):
         for y, strips in enumerate(update.strips, update.region.y):
             yield y, update.region.x, [segment for strip in strips for segment in strip]

@@ -1,8 +1,7 @@
 """Painting a widget on the terminal without Textual's compositor.
 
-The compositor renders every widget between the first and the last line that changed, a sixtieth of
-a second later. A widget that is redrawn many times a second, and knows what changed, uses a
-`PaintTarget` instead; the compositor still sees the widget's current state.
+That renders all widgets between changed lines, a sixtieth of a second later. It still sees
+the current state of a widget that uses a `PaintTarget`.
 """
 
 from __future__ import annotations
@@ -23,12 +22,7 @@ if TYPE_CHECKING:
 
 
 class PaintTarget:
-    """A widget's place on the terminal.
-
-    Args:
-        region: The widget with its borders, in cells of the terminal.
-        over: The regions that cover it.
-    """
+    """A widget's place on the terminal, with borders, in cells, and what covers it."""
 
     def __init__(self, terminal: Difference, region: Region, over: Sequence[Region]) -> None:
         self._terminal = terminal
@@ -36,10 +30,7 @@ class PaintTarget:
         self._over = over
 
     def put(self, cells: Cells, spans: Sequence[tuple[int, int, int]]) -> None:
-        """Show cells of a widget without borders.
-
-        `spans` are (row, first column, column after the last) of changes.
-        """
+        """Show changed spans, (row, first column, column after the last), of a widget's cells."""
         looks = self._terminal.looks
         for row, first, stop in spans:
             for start, end in self._free(row, first, stop):
@@ -68,7 +59,6 @@ class PaintTarget:
         return True
 
     def _free(self, row: int, first: int, stop: int) -> Iterator[tuple[int, int]]:
-        """Return the parts of a span that nothing covers."""
         x, y = self._region.offset
         for region in sorted(self._over):
             if region.y <= y + row < region.bottom:
@@ -96,7 +86,6 @@ def paint_target_of(widget: Widget) -> PaintTarget | None:
 
 
 def repaint(widget: Widget) -> None:
-    """Repaint a widget, at once if possible."""
     spot = paint_target_of(widget)
     if spot is None or not spot.paint(widget):
         widget.refresh()

@@ -39,18 +39,14 @@ _TEXT = re.compile(r"[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]{64,}")
 class UnbracketedPasteDetector:
     """Detects pastes in terminals without bracketed paste, such as GNU screen.
 
-    As keys they would be processed letter by letter, for minutes, and outside the editor each
-    letter is a command.
+    As keys they would take minutes, and outside the editor each letter is a command.
     """
 
     def __init__(self) -> None:
         self._is_marked = self._is_escape_begun = False
 
     def paste_in(self, typed: str) -> str:
-        """Return the pasted text with line feeds, or "" for keys or bracketed pastes.
-
-        `typed` is everything that arrived at once, and before.
-        """
+        """Return a paste among all that arrived at once, with line feeds, or ""."""
         is_plain = not self._is_marked and not self._is_escape_begun
         self._is_escape_begun = typed.endswith("\x1b")
         for mark in _MARK.finditer(typed):
@@ -61,7 +57,7 @@ class UnbracketedPasteDetector:
 
 
 class ListeningDriver(LinuxDriver):
-    """Posts each answer as ``CursorPosition`` to the app."""
+    """Posts each answer of the terminal to the app, as ``CursorPosition``."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
@@ -72,17 +68,17 @@ class ListeningDriver(LinuxDriver):
 
     @property
     def silence(self) -> float:
-        """Seconds since a terminal that answers has said anything; 0 for any other."""
+        """Seconds since an answering terminal last sent input; 0 for any other terminal."""
         return 0.0 if self._heard_at is None else monotonic() - self._heard_at
 
     def ask(self, text: str) -> None:
-        """Write something that ends in a query to the terminal."""
+        """Write text that ends in a query to the terminal."""
         with self._all_answered:
             self._asked += 1
         self.write(text)
 
     def disable_input(self) -> None:
-        """Stop reading, after waiting for a pending answer, which is not for the next program."""
+        """Stop reading after any pending answers, so that the next program doesn't get them."""
         with self._all_answered:
             self._all_answered.wait_for(lambda: not self._asked, _LAST_ANSWER)
             self._asked = 0
@@ -95,13 +91,12 @@ class ListeningDriver(LinuxDriver):
         super()._sigcont_application()
 
     def process_message(self, message: Message) -> None:
-        """Forward a message, with the terminal's size limited."""
+        """Forward a message; limits the terminal's size."""
         if isinstance(message, events.Resize):
             message = events.Resize(_bounded(message.size), _bounded(message.size))
         super().process_message(message)
 
     def send_message(self, message: Message) -> None:
-        """Forward a message, and count those that the app has not handled yet."""
         with self._all_answered:
             self._under_way += 1
 
@@ -113,7 +108,7 @@ class ListeningDriver(LinuxDriver):
         asyncio.run_coroutine_threadsafe(post(), loop=self._loop)
 
     def run_input_thread(self) -> None:
-        """Forward input until the driver stops; a bug ends the app."""
+        """Forward input until the driver stops; an exception ends the app."""
         try:
             self._listen()
         except Exception as error:  # it would end the thread unnoticed
@@ -155,7 +150,7 @@ class ListeningDriver(LinuxDriver):
                 self.process_message(message)
 
     def _is_flooded(self) -> bool:
-        """Return whether more is waiting than anybody types; then all of it is dropped."""
+        """Return whether more input is pending than anybody types; if so, discard it."""
         with self._all_answered:
             waiting = self._under_way
         backlog, forget = self._backlog()
@@ -182,7 +177,7 @@ class ListeningDriver(LinuxDriver):
 
 @runtime_checkable
 class BacklogApp(Protocol):
-    """An app that knows how many events it has not handled yet."""
+    """An app that counts its unhandled events."""
 
     @property
     def backlog(self) -> int:

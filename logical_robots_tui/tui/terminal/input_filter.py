@@ -41,16 +41,13 @@ _SEQUENCE = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]\Z")
 
 
 class Pasted(str):
-    """A pasted text, limited in length; the current paste is over."""
+    """A complete pasted text, limited in length."""
 
     __slots__ = ()
 
 
 class InputFilter:
-    """Separates input in linear time and with bounded memory.
-
-    Answers are recognised at once, even during a paste.
-    """
+    """Separates input in linear time and bounded memory; sees answers even in pastes."""
 
     def __init__(self) -> None:
         self._decode = getincrementaldecoder("utf-8")(errors="replace").decode
@@ -79,7 +76,7 @@ class InputFilter:
         return found, answers
 
     def _whole(self, text: str) -> str:
-        """Return the text without sequences that are too long or incomplete."""
+        """Return the text without overlong or incomplete sequences."""
         text, self._begun = self._begun + text, ""
         if self._is_skipping:
             rest = _REST.match(text)
@@ -112,7 +109,6 @@ class InputFilter:
                     yield self._finished()
 
     def _without_strings(self, keys: str, *, is_last: bool) -> str:
-        """Return the keys without the terminal's answers, even incomplete ones."""
         begun = _STRING_BEGUN.search(keys := _STRING.sub("", keys)) if is_last else None
         if begun is None or len(keys) == 2:  # such as alt with a bracket
             return keys
@@ -121,7 +117,6 @@ class InputFilter:
         return keys[: begun.start()]
 
     def _after_string(self, text: str) -> str:
-        """Return what follows the end of an answer that began earlier."""
         if not self._is_in_string:
             return text
         if end := _STRING_END.search(text):
@@ -148,12 +143,11 @@ class InputFilter:
 class TolerantParser(XTermParser):
     """Textual's key parser, changed to drop what it does not understand.
 
-    Textual's raises an error for a key beyond Unicode, or a mouse event in a terminal without size,
-    and turns unknown sequences into keys.
+    Textual's raises an error for a key beyond Unicode, and for a mouse event without terminal
+    size.
     """
 
     def parse_mouse_code(self, code: str) -> Message | None:
-        """Return the mouse event, or None if it is invalid."""
         try:
             return super().parse_mouse_code(code)
         except ArithmeticError:  # in a terminal that reports no columns or no pixels
@@ -177,7 +171,6 @@ def _ignored(sequence: str) -> events.Key:
 
 @cache
 def _beginnings() -> frozenset[str]:
-    """Return the prefixes of all known longer sequences."""
     return frozenset(
         sequence[:end] for sequence in ANSI_SEQUENCES_KEYS for end in range(2, len(sequence))
     )

@@ -21,8 +21,8 @@ _ROUNDS = 3  # rounds of the event loop after which a worker has opened its dial
 class KeyQueue:
     """Holds keys back while an earlier one is being handled.
 
-    Several keys arrive at once over a slow line, or when typed fast. Textual sends each to the
-    current focus, so keys typed for a dialog would be commands for the screen below.
+    Textual sends fast keys to the current focus, so those for a dialog would reach the screen
+    below.
     """
 
     def __init__(self, app: App[None]) -> None:
@@ -34,15 +34,13 @@ class KeyQueue:
 
     @property
     def waiting(self) -> int:
-        """The number of held events."""
         return len(self._waiting)
 
     def forget(self) -> None:
-        """Drop the held events."""
         self._waiting.clear()
 
     def must_wait(self, event: events.Key | events.Paste) -> bool:
-        """Return whether an event is held back; it is sent again when its turn comes."""
+        """Return whether an event is held back; if so, it is sent again in its turn."""
         if self._answering:
             self._waiting.append(event)
             return True
@@ -67,14 +65,12 @@ class KeyQueue:
         self._follow(focused or screen, screen, self._number)
 
     def _is_text(self, event: events.Key | events.Paste) -> bool:
-        """Return whether the focused widget takes an event as text."""
         focused = self._app.focused
         return isinstance(event, events.Paste) or (
             focused is not None and focused.check_consume_key(event.key, event.character)
         )
 
     def _has_priority(self, event: events.Key | events.Paste) -> bool:
-        """Return whether a key is a command of the whole screen, whatever has the focus."""
         assert isinstance(event, events.Key)
         active = self._app.screen.active_bindings.get(event.key)
         return active is not None and active.binding.priority
@@ -88,14 +84,14 @@ class KeyQueue:
         self._app.call_later(*what)
 
     def _follow(self, node: MessagePump | None, screen: Screen[Any], number: int) -> None:
-        """Wait for the key on its way from the focus up to the app."""
+        """Wait while the key bubbles from the focus up to the app."""
         if node is None or node is self._app:
             self._later(self._arrive, screen, number)
         elif not node.call_later(self._follow, node._parent, screen, number):
             self._follow(node._parent, screen, number)
 
     async def _arrive(self, screen: Screen[Any], number: int) -> None:
-        """Wait until a dialog that the key has opened has the focus."""
+        """Wait until a dialog opened by the key has the focus."""
         for _ in range(_ROUNDS):
             await asyncio.sleep(0)
         now = self._app.screen
@@ -103,7 +99,6 @@ class KeyQueue:
             await self._end(number)
 
     async def _end(self, number: int) -> None:
-        """Release the next event."""
         if number != self._number:
             return
         self._answering = False

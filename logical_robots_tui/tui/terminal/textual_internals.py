@@ -1,6 +1,6 @@
-"""Textual's private parts that the other rooms need, each behind one function.
+"""Textual's private parts that the rest needs, each behind one function.
 
-A new release of Textual may move them; `test_textual_internals.py` then names which.
+If a release moves them, `test_textual_internals.py` names which.
 """
 
 from __future__ import annotations
@@ -28,12 +28,11 @@ def has_active_app() -> bool:
 
 
 def characters_by_key() -> dict[str, str]:
-    """Return punctuation by Textual's names."""
+    """Return punctuation characters by Textual's names for their keys."""
     return {_character_to_key(char): char for char in string.punctuation}
 
 
 def is_being_removed(node: DOMNode) -> bool:
-    """Return whether a widget is being removed."""
     return node._pruning
 
 
@@ -43,7 +42,6 @@ def rendered_lines(screen: Screen[object]) -> list[Strip]:
 
 
 def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
-    """Make a widget render regions again when it is next painted."""
     widget._styles_cache.set_dirty(*regions)
 
 

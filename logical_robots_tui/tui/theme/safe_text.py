@@ -13,11 +13,7 @@ _PREVIEW = 4_000
 
 
 def visible(text: str, *, tabs: bool = False) -> str:
-    """Replace each character that a terminal would interpret by one that shows it.
-
-    Returns:
-        Text of the same length without control, bidirectional and other invisible characters.
-    """
+    """Replace each character that a terminal would interpret, keeping the length."""
     text = text.translate(_KEEP_TABS if tabs else _PICTURES)
     if text.isascii():
         return text

@@ -108,8 +108,7 @@ _ANSI = {
 def colours_in(theme: Theme) -> dict[str, str]:
     """Return our variables for a theme, such as ``ink-title``, as Textual writes colours.
 
-    The theme gives the backgrounds and its semantic colours; the hues of values, objects and
-    Logica are the same in all themes, with adjusted lightness.
+    Hues of values, objects and Logica are the same in all themes, with adjusted lightness.
     """
     if theme.ansi:
         return dict(_ANSI)
@@ -259,10 +258,9 @@ SYNTAX = {
 
 
 def rich_style(text: str) -> RichStyle:
-    """Return a style such as ``bold $ink-key`` with the colours of the current theme.
+    """Return ``bold $ink-key`` and such in the current theme, or Night without an app.
 
-    Content resolves such names itself; this is for widgets that paint segments. Without an app it
-    uses the theme Night.
+    For widgets that paint segments; Content resolves such names itself.
     """
     if not has_active_app():
         given = NIGHT.to_color_system().generate()
@@ -271,7 +269,6 @@ def rich_style(text: str) -> RichStyle:
 
 
 def palette_of(theme: Theme) -> Palette:
-    """Return the labyrinth's colours for a theme: dark or light, tinted by its background."""
     palette = DARK if theme.dark else LIGHT
     if theme.name == NIGHT.name or theme.ansi:
         return palette
@@ -296,5 +293,4 @@ def _tinted(palette: Palette, theme: Theme) -> Palette:
 
 
 def robot_ink(colour: str, palette: Palette) -> str:
-    """Return the style of a robot's name as text."""
     return hex_colour(palette.strong(parse(colour)))

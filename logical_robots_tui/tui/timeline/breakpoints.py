@@ -28,8 +28,6 @@ _NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
 
 
 class BreakpointList(Dialog[None]):
-    """Lists breakpoints; adds, toggles and deletes them."""
-
     DEFAULT_CSS = """
     BreakpointList > #box { max-width: 80; padding: 1 2 0 2; }
     BreakpointList OptionList { height: auto; max-height: 16; }
@@ -52,12 +50,10 @@ class BreakpointList(Dialog[None]):
         self._shown: tuple[Breakpoint, ...] = ()
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the list."""
         yield Listing(id="breakpoints", markup=False, compact=True)
         yield Static(_NONE, id="none", markup=False)
 
     def on_mount(self) -> None:
-        """Start at the first one."""
         self.query_one(OptionList).focus()
         self._list(0)
 
@@ -85,8 +81,6 @@ class BreakpointList(Dialog[None]):
         return line.append(Content.assemble(("\n  ! ", f"bold {INK.warn}"), (trouble, INK.warn)))
 
     def action_add(self) -> None:
-        """Add a breakpoint."""
-
         def added(breakpoint_: Breakpoint | None) -> None:
             if breakpoint_ is not None:
                 self._session.breakpoints.add(breakpoint_)
@@ -96,13 +90,11 @@ class BreakpointList(Dialog[None]):
         self.app.push_screen(BreakpointForm(level, program), added)
 
     def action_switch(self) -> None:
-        """Toggle the breakpoint under the cursor."""
         if self._pointed is not None:
             self._session.breakpoints.switch(self._shown[self._pointed])
             self._list(self._pointed)
 
     def action_delete(self) -> None:
-        """Delete the breakpoint under the cursor."""
         if self._pointed is not None:
             self._session.breakpoints.remove(self._shown[self._pointed])
             self._list(self._pointed)
@@ -158,7 +150,6 @@ class BreakpointForm(Dialog[Breakpoint]):
         self._check = QuestionCheck(self, program)
 
     def content_widgets(self) -> ComposeResult:
-        """Yield the event, and up to three names."""
         yield Listing(
             *(Option(words, id=event) for event, words in EVENTS.items()),
             id="events",
@@ -181,13 +172,11 @@ class BreakpointForm(Dialog[Breakpoint]):
         )
 
     def on_mount(self) -> None:
-        """Start with the event."""
         self.query_one("#events", OptionList).focus()
         self._arrange()
         self._list_names()
 
     def on_descendant_focus(self) -> None:
-        """Show the keys."""
         self.query_one("#keys", Static).update(_KEYS[isinstance(self.focused, OptionList)])
 
     @property
@@ -201,7 +190,6 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     @on(OptionList.OptionHighlighted)
     def _arrange(self) -> None:
-        """Show only the fields of the event."""
         event = self._event
         subject = self.query_one("#subject", Input)
         subject.display = event in _SUBJECTS
@@ -217,7 +205,6 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     @on(Input.Changed)
     def _list_names(self) -> None:
-        """List the names that start with the typed text."""
         self._check.forget()
         names = subjects(self._event, self._level, self._program)
         for field, among in (("subject", names), ("robot", self._robots)):

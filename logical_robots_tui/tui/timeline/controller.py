@@ -1,7 +1,4 @@
-"""Time travel: the commands of the timeline.
-
-Dialogs are loaded when first used, so that the first picture comes sooner.
-"""
+"""Time travel: the commands of the timeline."""
 
 from __future__ import annotations
 
@@ -37,8 +34,6 @@ _NO_PROGRAM = "There is no program yet."
 
 
 class TimelineController(SessionListener):
-    """Goes to other ticks, and sets breakpoints."""
-
     def __init__(self, session: Session, ui: Ui, selected: Callable[[], str | None]) -> None:
         self._session, self._ui, self._selected = session, ui, selected
 
@@ -47,24 +42,20 @@ class TimelineController(SessionListener):
         return self._session.history
 
     def go_to(self, tick: int) -> None:
-        """Go to a tick, or say why that is impossible."""
         try:
             self._session.go_to(tick)
         except NoSuchTickError as error:
             self._ui.warn(f"{error}{self._elsewhere(tick)}")
 
     def first(self) -> None:
-        """Go to the earliest tick in the history."""
         if self._history is not None:
             self.go_to(self._history.first)
 
     def last(self) -> None:
-        """Go to the latest known tick."""
         if self._history is not None:
             self.go_to(self._history.last)
 
     def to_mark(self, steps: Literal[-1, 1]) -> None:
-        """Go to the next or previous tick with an event."""
         if self._history is None:
             return
         robot = self._selected()
@@ -78,7 +69,6 @@ class TimelineController(SessionListener):
             self._ui.tell(f"{what} tick {tick}, as far as is known.{hint}")
 
     async def ask_for_tick(self) -> None:
-        """Ask for a tick of the history, and go there."""
         history = self._history
         if history is None:
             self._ui.tell(_NO_PROGRAM)
@@ -97,7 +87,6 @@ class TimelineController(SessionListener):
             self.go_to(found)
 
     async def ask_how_far(self) -> None:
-        """Ask for a tick, and run to it."""
         here = self._session.frame.tick
 
         def complaint(tick: int) -> str:
@@ -116,7 +105,6 @@ class TimelineController(SessionListener):
         return await self._ui.ask(TickPrompt(title, self._session.frame.tick, problem))
 
     def change_course(self) -> None:
-        """Switch to the other future."""
         try:
             self._session.change_course()
         except NoSuchTickError:
@@ -125,7 +113,6 @@ class TimelineController(SessionListener):
         self._ui.tell("This is the other future. The robots use its program.")
 
     def compare(self) -> None:
-        """Go to the first tick in which the two futures differ, and show how and why."""
         game, history = self._session.game, self._history
         if game is None or history is None or history.other is None:
             self._say_there_is_none()
@@ -150,13 +137,11 @@ class TimelineController(SessionListener):
         return " The other future holds it." if other is not None and tick in other else ""
 
     def breakpoints(self) -> None:
-        """Show the breakpoints."""
         from logical_robots_tui.tui.timeline.breakpoints import BreakpointList
 
         self._ui.show(BreakpointList(self._session))
 
     def add_breakpoint(self, breakpoint_: Breakpoint) -> None:
-        """Set a breakpoint, and say so."""
         self._session.breakpoints.add(breakpoint_)
         trouble = self._session.problem_with(breakpoint_)
         if trouble:
@@ -165,7 +150,6 @@ class TimelineController(SessionListener):
             self._ui.tell(f"The robots stop when {one_line(breakpoint_.words)}.")
 
     def stopped(self, hits: tuple[Hit, ...]) -> None:
-        """Show which breakpoints were hit, and their values."""
         for hit in hits:
             words = one_line(f"{hit.breakpoint.words}: {hit.values}")
             self._ui.tell(f"◉ Stopped at tick {hit.tick}. {words}")
@@ -182,7 +166,6 @@ class Search:
         self._question = ""
 
     async def ask(self) -> None:
-        """Ask for a question, and go to the next tick in which it holds."""
         from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
 
         program = self._session.program
@@ -196,10 +179,7 @@ class Search:
             await self.go(1)
 
     async def go(self, way: Literal[-1, 1]) -> None:
-        """Go to the nearest tick in one direction in which the question holds.
-
-        `way` is 1 for later ticks, -1 for earlier ones.
-        """
+        """Go to the nearest later (1) or earlier (-1) tick in which the question holds."""
         session = self._session
         if not self._question:
             await self.ask()
@@ -249,7 +229,7 @@ class Search:
         self._ui.tell(f"{words}: {question}.{trouble or more}")
 
     def _about(self, game: Game | None) -> object:
-        """Return what a search depends on; if it changes, the result is void."""
+        """Return everything that a search depends on; a change voids its result."""
         if game is None:
             return None
         return game, game.program, game.history.turns, game.frame.tick, self._question

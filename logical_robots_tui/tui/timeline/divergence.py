@@ -33,7 +33,7 @@ _LONGEST_ARGUMENT = 24
 
 
 class DivergencePage(Reader):
-    """Shows the first derivation that differs as soon as it is found, and all differences."""
+    """Shows the first differing derivation once it is found, and all differences."""
 
     def __init__(self, game: Game, divergence: Divergence) -> None:
         self._game, self._divergence = game, divergence
@@ -43,7 +43,6 @@ class DivergencePage(Reader):
         super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
 
     def on_mount(self) -> None:
-        """Start to compare the proofs; closing stops that."""
         in_background(self, self._compare, "compare")
 
     async def _compare(self) -> None:
@@ -66,7 +65,6 @@ class DivergencePage(Reader):
 
 
 def derivation(comparison: Comparison) -> Content:
-    """Return the first derivation that differs, in a few lines."""
     found, robot = comparison.differing, one_line(comparison.robot)
     if found is None:
         return Content(f"The proofs of {robot}'s decision are equal as far as they go.")
@@ -88,7 +86,6 @@ def derivation(comparison: Comparison) -> Content:
 
 
 def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
-    """Return a node of a proof on one side."""
     if node is None:
         return Content.styled("missing here", INK.dim)
     line = f"line {node.span.line}  " if node.span is not None else ""
@@ -102,7 +99,6 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
 
 
 def told(divergence: Divergence) -> Content:
-    """Return all differences as text."""
     return Content("\n").join(list(_lines(divergence)))
 
 

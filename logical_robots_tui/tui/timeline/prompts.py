@@ -43,7 +43,6 @@ class QuestionCheck:
         in_background(self._dialog, look, "question", exclusive=True)
 
     def forget(self) -> None:
-        """Cancel the check, because another text is being typed."""
         self._dialog.workers.cancel_group(self._dialog, "question")
         self._dialog.complain("")
 
@@ -62,21 +61,17 @@ class QuestionPrompt(Prompt[str]):
         self._check = QuestionCheck(self, program)
 
     def take(self, text: str) -> None:
-        """Return the question once it is compiled."""
         query = text.strip()
         self._check.begin(query, lambda: self.dismiss(query))
 
     def forget(self) -> None:
-        """Cancel the check, because another text is being typed."""
         self._check.forget()
 
 
 class TickPrompt(Prompt[int]):
-    """Asks for the number of a tick.
+    """Asks for a tick; ``+50`` and ``-50`` are relative to `here`.
 
-    Args:
-        here: The current tick, to which ``+50`` and ``-50`` are relative.
-        problem: Returns why a tick is invalid, or "".
+    `problem` returns why a tick is invalid, or "".
     """
 
     keys = "enter go   esc close"
@@ -87,7 +82,6 @@ class TickPrompt(Prompt[int]):
         self._problem = problem
 
     def take(self, text: str) -> None:
-        """Return the tick if it is valid."""
         tick = tick_of(text, self._here)
         if tick is None:
             self.complain("A tick is a number, such as 120.")

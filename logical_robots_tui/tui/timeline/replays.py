@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def level_of(replay: Replay) -> Level:
-    """Return the level in which a replay begins: a shipped one if it is the same."""
+    """Return a replay's first level; the shipped level if it is the same."""
     level = replay.levels[0]
     try:
         shipped = load_level(replay.name)
@@ -37,10 +37,7 @@ def level_of(replay: Replay) -> Level:
 
 
 def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
-    """Return the last program of each team in a replay, or of "" without teams.
-
-    Each is a player's or a shipped one if it is the same.
-    """
+    """Return each team's last program ("" without teams), the player's or shipped if equal."""
     name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
     texts = replay.programs[replay.texts[-1].tick]
     if "" in texts:
@@ -64,13 +61,13 @@ def _source_of(name: str, text: str, own: Path) -> Source:
 
 
 class Replays:
-    """Opens a replay, and saves what the timeline holds as one."""
+    """Opens replays, and saves the timeline as one."""
 
     def __init__(self, session: Session, ui: Ui, folder: Path) -> None:
         self._session, self._ui, self._folder = session, ui, folder
 
     async def open(self, replay: Replay) -> None:
-        """Compute a replay in the game at hand, which is at its level, and stop at its end."""
+        """Replay in the current game, which must be at the replay's level; stop at its end."""
         try:
             programs = [await compile_program(texts) for texts in replay.programs.values()]
         except ProgramError as error:
@@ -93,7 +90,6 @@ class Replays:
             self._ui.tell(f"Replay of {replay.last - replay.first:,} ticks: go to any of them.")
 
     async def save(self) -> None:
-        """Save all ticks of the timeline in a file."""
         from logical_robots_tui.editing.level_text import write_native
         from logical_robots_tui.game.replay import SUFFIX, gather
 
@@ -119,11 +115,7 @@ class Replays:
 
 
 def _write(path: Path, replay: Replay) -> int:
-    """Write a replay and return its bytes.
-
-    Raises:
-        OSError: It can't be written.
-    """
+    """Write a replay and return its bytes, or raise OSError."""
     from logical_robots_tui.writing import write_atomically
 
     content = replay.to_bytes()

@@ -55,12 +55,7 @@ TRACKS = (
 
 
 class Span(NamedTuple):
-    """The content of the timeline.
-
-    Attributes:
-        other_last: The latest tick of the other future, or None.
-        diverged: The tick where the two futures part, or None.
-    """
+    """The content of the timeline; None in `other_last` and `diverged` is no other future."""
 
     first: int
     last: int
@@ -70,19 +65,13 @@ class Span(NamedTuple):
 
 
 class Scale(NamedTuple):
-    """Which ticks a column stands for; it changes rarely while the game runs.
-
-    Attributes:
-        first: The first tick of the first column.
-        each: Ticks per column: 1, 2, 5, 10, 20, 50 and so on.
-    """
+    """The first tick, and ticks per column: 1, 2, 5, 10, 20, 50 and so on."""
 
     first: int
     each: int
 
     @classmethod
     def to_hold(cls, span: Span, width: int) -> Scale:
-        """Return the finest scale at which a span fits."""
         ticks = max(span.last, span.other_last or 0) - span.first + 1
         each, factors = 1, [2, 2.5, 2]
         while each * width < ticks:
@@ -91,17 +80,14 @@ class Scale(NamedTuple):
         return cls(span.first, each)
 
     def column(self, tick: int) -> int:
-        """Return the column of a tick."""
         return (tick - self.first) // self.each
 
     def ticks(self, column: int) -> tuple[int, int]:
-        """Return the first and the last tick of a column."""
         begin = self.first + column * self.each
         return begin, begin + self.each - 1
 
 
 def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> Content:
-    """Return the line: the known ticks, and the most important mark in each column."""
     scale = Scale.to_hold(span, width)
     here = scale.column(span.tick)
     signs, styles = [], []
@@ -117,7 +103,6 @@ def track(span: Span, width: int, has: Callable[[MarkKind, int, int], bool]) -> 
 def _at(
     span: Span, begin: int, end: int, has: Callable[[MarkKind, int, int], bool]
 ) -> tuple[str, str]:
-    """Return the sign and the style of one column."""
     if span.diverged is not None and begin <= span.diverged <= end:
         return DIVERGENCE[:2]
     if begin <= span.last:
@@ -133,7 +118,7 @@ _NOTE_WIDTHS = (18, 48)
 
 
 class Timeline(Widget, can_focus=True):
-    """Shows the current tick among the known ones, and what happened when."""
+    """Shows the current tick among the known ones, and when events happened."""
 
     DEFAULT_CSS = """
     Timeline { height: 1; background: $background; }
@@ -155,7 +140,7 @@ class Timeline(Widget, can_focus=True):
 
     @dataclass
     class Pointed(Message):
-        """The mouse points at a column; `tick` is the first one of it."""
+        """The pointer is over a column; `tick` is its first tick."""
 
         tick: int
 
@@ -168,10 +153,7 @@ class Timeline(Widget, can_focus=True):
         self._is_dragged = False
 
     def show(self, session: Session, robot: str | None) -> None:
-        """Show a session's history.
-
-        `robot` is whose memory changes are marked, or None for all.
-        """
+        """Show a session's history; None marks all robots' memory changes."""
         self._history, self._robot = session.history, robot
         if self._history is not None:
             history = self._history
@@ -190,11 +172,9 @@ class Timeline(Widget, can_focus=True):
             repaint(self)
 
     def render(self) -> Content:
-        """Return the line, as wide as the widget."""
         return self._line
 
     def on_resize(self) -> None:
-        """Draw again for the new width."""
         self._line = self._drawn()
         self.refresh()
 
@@ -217,7 +197,6 @@ class Timeline(Widget, can_focus=True):
         return Content(" ").append(line).append(" ").append(self._note(self.size.width - width - 2))
 
     def _note(self, width: int) -> Content:
-        """Return what happened at the current tick, or the range of the history."""
         span, history = self._span, self._history
         marks = history.marks.at(span.tick) if history is not None else ()
         said = [part for mark in marks if (part := self._said(mark))]
@@ -244,7 +223,6 @@ class Timeline(Widget, can_focus=True):
         return Content.assemble((f"{sign} ", style), (words, INK.text))
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Go to the tick under the pointer, and start dragging."""
         event.stop()
         if event.button == 1 and 1 <= event.x <= self._width:
             self._is_dragged = True
@@ -252,13 +230,11 @@ class Timeline(Widget, can_focus=True):
             self._point(event.x)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Follow the pointer as far as ticks are known."""
         if self._is_dragged:
             last = Scale.to_hold(self._span, self._width).column(self._span.last)
             self._point(min(max(event.x, 1), last + 1))
 
     def on_mouse_up(self) -> None:
-        """Stop dragging."""
         self._is_dragged = False
         self.release_mouse()
 

@@ -39,14 +39,7 @@ _SHORTEN = "Write runs of # and . such as 6# 94. 6#; 12* in front repeats the ro
 
 
 class _Row(NamedTuple):
-    """A line of a drawing, which stands for one or more equal rows.
-
-    Attributes:
-        line: As written.
-        times: The number of rows.
-        counts: Lengths of the runs in a shortened row, or None.
-        kinds: Kinds of these runs; True is wall.
-    """
+    """A line of a drawing, for equal rows; True in `kinds` is wall."""
 
     line: str
     times: int
@@ -67,13 +60,9 @@ class _Row(NamedTuple):
 
 
 def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
-    """Read ``cell`` and ``walls`` of a level file.
+    """Read ``cell`` and ``walls`` of a level file, or raise LevelError.
 
-    Returns:
-        A read-only array of shape (height, width) in map units; True is wall.
-
-    Raises:
-        LevelError: The drawing is missing or wrong.
+    Returns a read-only array of shape (height, width) in map units; True is wall.
     """
     cell = top.whole("cell", least=1)
     drawing = top.record.get("walls")
@@ -109,7 +98,6 @@ def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
 
 
 def find_drawing(drawing: str, text: str) -> int | None:
-    r"""Return where in a file's text its drawing starts, or None if it can't be found there."""
     for found in re.finditer(r"^[ \t]*walls[ \t]*=[ \t]*('''|\"\"\")\n?", text, re.MULTILINE):
         if text.startswith(drawing + found[1], found.end()):
             return found.end()
@@ -126,7 +114,6 @@ def coarsest_cell(walls: NDArray[np.bool_]) -> int:
 
 
 def expresses(walls: NDArray[np.bool_], cell: int) -> bool:
-    """Return whether cells of this size draw the walls exactly."""
     height, width = walls.shape
     if height % cell or width % cell:
         return False
@@ -135,10 +122,9 @@ def expresses(walls: NDArray[np.bool_], cell: int) -> bool:
 
 
 def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) -> list[str]:
-    """Return the lines that draw walls.
+    """Return the lines that draw walls, keeping earlier ones that are still right.
 
-    `cell`, in map units per character, must express the walls. Of the earlier lines, those that are
-    still right are kept.
+    `cell`, in map units per character, must express the walls.
     """
     cells = walls[::cell, ::cell]
     known = [row for row in map(_row, earlier) if row]
@@ -161,7 +147,6 @@ def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) 
 
 
 def _row(line: str) -> _Row | None:
-    """Read a line; return None if it looks shortened but can't be read."""
     if not _DIGIT.search(line):
         return _Row(line, 1)
     if len(line) > _LONGEST_ROW:
@@ -178,7 +163,6 @@ def _row(line: str) -> _Row | None:
 
 
 def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | None:
-    """Return what is wrong with a line and what to do about it."""
     if row is None:
         return "This shortened row can't be read.", _SHORTEN
     if row.columns != columns:
@@ -214,7 +198,6 @@ def _shortened(row: NDArray[np.bool_]) -> str:
 
 @cache
 def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the spelling of runs of wall cells and of free cells, by length."""
     counts = range(MOST_SIDE + 1)
     return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
 

@@ -25,14 +25,9 @@ _COLOR = re.compile(r"#[0-9a-fA-F]{3}(?:[0-9a-fA-F]{3})?|[A-Za-z]{3,30}")
 
 
 class Fields(NamedTuple):
-    """One record of a level file. Every method raises ``LevelError`` with the key's place.
+    """One record of a level file; methods raise ``LevelError`` with the key's place.
 
     A key whose value is null counts as missing.
-
-    Attributes:
-        record: The keys and values as parsed.
-        file: The file's name for messages.
-        path: Keys that lead to the record, such as ``areas[2]``; "" for the whole file.
     """
 
     record: Mapping[str, object]
@@ -45,7 +40,6 @@ class Fields(NamedTuple):
         return LevelError(message, place=f"{self.file}: {where}" if where else self.file, hint=hint)
 
     def refuse_unknown(self, known: Collection[str]) -> None:
-        """Refuse unknown keys in this record."""
         for key in self.record:
             if key not in known:
                 hint = did_you_mean(key, known) or f"Known keys: {', '.join(known)}."
@@ -71,21 +65,18 @@ class Fields(NamedTuple):
         return float(value)
 
     def whole(self, key: str, *, least: int) -> int:
-        """Return a required whole number."""
         value = self.number(key, least=least)
         if not value.is_integer():
             raise self.error(key, f'"{key}" must be a whole number, not {value:g}.')
         return int(value)
 
     def flag(self, key: str, default: bool = False) -> bool:
-        """Return true or false; the default if missing."""
         value = self.record.get(key)
         if value is not None and not isinstance(value, bool):
             raise self._wrong(key, "true or false")
         return default if value is None else value
 
     def text(self, key: str, default: str | None = None) -> str:
-        """Return text of any number of lines; required if there is no default."""
         if not self.has(key) and default is not None:
             return default
         value = self._required(key)
@@ -107,17 +98,14 @@ class Fields(NamedTuple):
         return self._checked_name(key, value)
 
     def names(self, key: str) -> tuple[str, ...]:
-        """Return a list of names; () if missing."""
         return tuple(self._checked_name(item, text) for item, text in self._texts(key))
 
     def texts(self, key: str) -> tuple[str, ...]:
-        """Return a list of texts of any number of lines; () if missing."""
         return tuple(
             Fields({item: text}, self.file, self.path).text(item) for item, text in self._texts(key)
         )
 
     def choice(self, key: str, options: tuple[_T, ...], default: _T) -> _T:
-        """Return one of a few words; the default if missing."""
         if not self.has(key):
             return default
         for option in options:
@@ -146,7 +134,6 @@ class Fields(NamedTuple):
         return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
 
     def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
-        """Return the result of ``read`` for every record of a list; () if missing."""
         items = self._list(key)
         if len(items) > MOST_OF_A_KIND:
             raise self.error(
@@ -162,7 +149,6 @@ class Fields(NamedTuple):
         )
 
     def check_size(self, key: str, width: int, height: int) -> None:
-        """Refuse a labyrinth that is too large."""
         if max(width, height) > MOST_SIDE:
             limit = f"{MOST_SIDE} x {MOST_SIDE}"
             raise self.error(
@@ -204,7 +190,6 @@ class Fields(NamedTuple):
 
 
 def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
-    """Refuse a level without robots, or with two robots of the same name."""
     if not names:
         raise top.error("robots", "The level has no robots.", "It needs at least one.")
     for i, name in enumerate(names):
@@ -217,12 +202,10 @@ def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
 
 
 def _shown(key: str) -> str:
-    """Return a key in a form that can be shown in a message."""
     return "".join(c if c.isprintable() else "?" for c in key)[:LONGEST_NAME]
 
 
 def _kind(value: object) -> str:
-    """Return the type of a parsed value, in words."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):

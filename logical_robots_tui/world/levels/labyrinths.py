@@ -1,7 +1,7 @@
-"""New levels: empty rooms, random labyrinths, and those of a day, which everybody gets alike.
+"""New levels: empty rooms, random labyrinths, and those of a day, alike for everybody.
 
-The labyrinth of a day is made from its name alone, such as ``daily-2026-11-22-small``. A ``-2`` at
-its end asks for the second labyrinth of that day and size, and so on.
+The labyrinth of a day is made from its name alone, such as ``daily-2026-11-22-small``; a
+final ``-2`` asks for the second of that day and size.
 """
 
 from __future__ import annotations
@@ -34,12 +34,9 @@ _Cell = tuple[int, int]
 
 
 def empty_room(width: int, height: int, *, wall: int = 10) -> Level:
-    """Return a walled room with a robot on the left and a goal on the right.
+    """Return a walled room with a robot and a goal, or raise LevelError.
 
     All lengths are in map units; the size includes the outer wall.
-
-    Raises:
-        LevelError: It is too large for a level, or too small for a robot.
     """
     _check_wall(wall)
     _check_size(width, height)
@@ -64,20 +61,10 @@ def labyrinth(
     corridor: int = 60,
     wall: int = 10,
 ) -> Level:
-    """Return a random labyrinth in which every cell is reachable; reproducible by its arguments.
+    """Return a random labyrinth with every cell reachable; reproducible by its arguments.
 
-    The robot starts in the upper left corner, and the goal is in the cell with the longest path.
-
-    Args:
-        columns: Cells across.
-        rows: Cells down.
-        seed: Seed of the random numbers.
-        loops: The fraction, 0 to 1, of the remaining walls between cells to open.
-        corridor: Width of a cell in map units.
-        wall: Thickness of walls in map units.
-
-    Raises:
-        LevelError: A number is out of range, or the labyrinth would be too large.
+    The goal is farthest from the start in the upper left. `loops` is the fraction, 0 to 1, of
+    remaining walls to open; `corridor` and `wall` are in map units. Raises LevelError.
     """
     if columns < 1 or rows < 1 or columns * rows < 2:
         raise LevelError(f"A labyrinth needs at least 2 cells, not {columns} x {rows}.")
@@ -107,7 +94,6 @@ def labyrinth(
 
 
 def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[_Cell, _Cell]]:
-    """Return the pairs of connected cells, the upper or left one first."""
     start = (0, 0)
     seen, way, doors = {start}, [start], []
     while way:
@@ -141,7 +127,6 @@ def _drawn(lots: Sequence[_T], random: Random) -> _T:
 
 
 def _farthest(doors: list[tuple[_Cell, _Cell]]) -> _Cell:
-    """Return the cell with the longest path from the first one."""
     ways: dict[_Cell, list[_Cell]] = {}
     for one, other in doors:
         ways.setdefault(one, []).append(other)
@@ -208,10 +193,7 @@ fewest rules? The command "Copy my result" makes a line to share.
 
 
 class Daily(NamedTuple):
-    """A labyrinth of a day.
-
-    The number counts those of that day and size, from 1.
-    """
+    """A labyrinth of a day; the number counts from 1 for each day and size."""
 
     day: date
     size: DailySize
@@ -219,7 +201,6 @@ class Daily(NamedTuple):
 
     @classmethod
     def named(cls, name: str) -> Daily | None:
-        """Return the labyrinth with a name, or None if no labyrinth has it."""
         if (found := _NAME.fullmatch(name)) is None:
             return None
         try:
@@ -230,18 +211,15 @@ class Daily(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The name of the level."""
         more = f"-{self.number}" if self.number > 1 else ""
         return f"daily-{self.day.isoformat()}-{self.size}{more}"
 
     @property
     def cells(self) -> int:
-        """The number of its cells."""
         columns, rows = _CELLS[self.size]
         return columns * rows
 
     def level(self, source: str) -> Level:
-        """Return the level."""
         seed = crc32(self.name.encode())
         made = labyrinth(*_CELLS[self.size], seed=seed, loops=0, corridor=_CORRIDOR, wall=_WALL)
         (goal,) = made.areas

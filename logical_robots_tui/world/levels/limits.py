@@ -1,7 +1,4 @@
-"""Limits on level files: sizes, and what would take a parser too much time or memory.
-
-Everything here scans the text once, as fast as a search.
-"""
+"""Limits on level files, checked as fast as a search to protect the parser."""
 
 from __future__ import annotations
 
@@ -26,7 +23,7 @@ _NUMBER_OF_JSON = re.compile(r"[:\[,]\s*+-?\d{10000}")
 
 
 def excess_of_toml(text: str) -> str:
-    """Return what a TOML text has too much of, to follow "The file has"; or ""."""
+    """Return what a TOML text has too much of, as an object of "The file has", or ""."""
     pieces: list[str] = []
     size = 0
     for piece in _besides_literals(text):
@@ -45,7 +42,6 @@ def excess_of_toml(text: str) -> str:
 
 
 def excess_of_json(text: str) -> str:
-    """Do the same as `excess_of_toml` for JSON."""
     if found := _too_many(text, _MOST_OF_JSON):
         return found
     return "a number of more than 10,000 digits" if _NUMBER_OF_JSON.search(text) else ""
@@ -60,7 +56,6 @@ def _too_many(text: str, most: dict[str, int]) -> str:
 
 
 def _besides_literals(text: str) -> Iterator[str]:
-    """Yield the strings, the comments and the text between them, without long literals."""
     at = literals = 0
     while opening := _OPENING.search(text, at):
         if opening.start() > at:

@@ -19,17 +19,17 @@ _FORMATS = "A level is a .toml file of this game or a .json file of the web plat
 
 
 def list_levels() -> list[str]:
-    """Return the names of the shipped levels that are to be won, sorted by file name."""
+    """Return the names of the shipped levels except the arenas, sorted by file name."""
     return sorted({name for suffix in SUFFIXES for name in shipped_names("levels", suffix)})
 
 
 def list_shipped() -> list[str]:
-    """Return the names of all shipped levels: those that are to be won, then the arenas."""
+    """Return the names of all shipped levels, the arenas last."""
     return [*list_levels(), *list_arenas()]
 
 
 def list_arenas() -> list[str]:
-    """Return the names of the shipped levels in which teams meet, sorted by file name."""
+    """Return the names of the shipped levels for matches of teams, sorted by file name."""
     return shipped_names("levels", NATIVE, ARENAS)
 
 
@@ -57,16 +57,12 @@ def load_level(path_or_name: str | Path) -> Level:
 
 
 def read_level(text: str, name: str) -> Level:
-    """Return the level of a text in either format, which is guessed from its first character.
-
-    Raises:
-        LevelError: The text is not a valid level.
-    """
+    """Return the level of a text, whose first character tells the format, or raise LevelError."""
     return (read_web if is_of_web(text) else read_native)(text.removeprefix("\ufeff"), name, name)
 
 
 def is_of_web(text: str) -> bool:
-    """Return whether the text of a level seems to be in the format of the web platform."""
+    """Return whether a text is a level in the web platform's format."""
     return text.removeprefix("\ufeff").lstrip().startswith("{")
 
 
@@ -75,7 +71,6 @@ def _is_name(text: str) -> bool:
 
 
 def _daily(name: str) -> Level | None:
-    """Return the labyrinth of a day with that name, or None if it is not such a name."""
     if not name.startswith("daily-"):
         return None
     from logical_robots_tui.world.levels.labyrinths import Daily
@@ -97,11 +92,7 @@ def _shipped(name: str) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Return the exact text of a level's file, including line ends and byte order mark.
-
-    Raises:
-        LevelError: The file doesn't exist, can't be read, or isn't text.
-    """
+    """Return a level file's text, exact to line ends and byte order mark, or raise LevelError."""
     try:
         check_mine(path)
         if path.is_dir():

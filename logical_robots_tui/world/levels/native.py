@@ -70,11 +70,7 @@ _AREA_KEYS = (
 
 
 def read_native(text: str, name: str, source: str) -> Level:
-    """Read a level of this game; refuse anything that looks like a mistake.
-
-    Raises:
-        LevelError: The text is not a valid level.
-    """
+    """Read a level of this game; raise LevelError for anything that looks like a mistake."""
     text = text.replace("\r\n", "\n")
     top = Fields(_parsed(text, source), source)
     top.refuse_unknown(_TOP_KEYS)
@@ -105,7 +101,7 @@ def read_native(text: str, name: str, source: str) -> Level:
 
 
 class Words(TypedDict):
-    """What a level file says besides the labyrinth and the objects in it."""
+    """A level file's settings, without the labyrinth and its objects."""
 
     title: str
     idea: str
@@ -125,7 +121,6 @@ class Words(TypedDict):
 
 
 def read_words(top: Fields) -> Words:
-    """Read what a level file says besides the labyrinth and the objects in it."""
     match = top.table("match")
     match.refuse_unknown(("ticks",))
     if top.has("match") and not top.has("teams"):
@@ -151,15 +146,7 @@ def read_words(top: Fields) -> Words:
 
 @dataclass(frozen=True, slots=True)
 class Oddity:
-    """Something in a level that does not fit the rest.
-
-    Attributes:
-        kind: ``robots``, ``areas``, ``teams`` or ``scores``.
-        index: Index in that list.
-        key: The key at fault, or "" for the whole record.
-        message: What is wrong.
-        hint: What to do about it, or "".
-    """
+    """Something in a level that does not fit the rest; key "" means the whole record."""
 
     kind: str
     index: int
@@ -174,10 +161,7 @@ class Oddity:
 
 
 def oddities(level: Level) -> Iterator[Oddity]:
-    """Yield what only a lenient level may contain.
-
-    These are robots outside the map, and unknown robots and beacons that areas refer to.
-    """
+    """Yield what only a lenient level may contain: robots outside, and unknown references."""
     size = f"The map is {level.width} x {level.height} units."
     for i, robot in enumerate(level.robots):
         if not (0 <= robot.x < level.width and 0 <= robot.y < level.height):
@@ -198,7 +182,6 @@ def oddities(level: Level) -> Iterator[Oddity]:
 
 
 def misfits(level: Level) -> Iterator[Oddity]:
-    """Yield what does not fit together in a match, which no level may contain."""
     names = [team.name for team in level.teams]
     for i, robot in enumerate(level.robots):
         if robot.team not in (names or [""]):
@@ -253,7 +236,6 @@ def _parsed(text: str, source: str) -> dict[str, object]:
 
 
 def read_robot(fields: Fields) -> Robot:
-    """Read a record of ``robots``."""
     fields.refuse_unknown(_ROBOT_KEYS)
     battery = fields.table("battery")
     battery.refuse_unknown(_BATTERY_KEYS)
@@ -276,7 +258,6 @@ def read_robot(fields: Fields) -> Robot:
 
 
 def read_beacon(fields: Fields) -> Beacon:
-    """Read a record of ``beacons``."""
     fields.refuse_unknown(_BEACON_KEYS)
     return Beacon(
         name=fields.name("name"),
@@ -287,7 +268,6 @@ def read_beacon(fields: Fields) -> Beacon:
 
 
 def read_area(fields: Fields) -> Area:
-    """Read a record of ``areas``."""
     fields.refuse_unknown(_AREA_KEYS)
     return Area(
         name=fields.name("name"),

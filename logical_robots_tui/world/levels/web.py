@@ -27,13 +27,10 @@ _WALL = ord("1")
 
 
 def read_web(text: str, name: str, source: str) -> Level:
-    """Read a level of the web platform, as leniently as the platform does where it makes sense.
+    """Read a level of the web platform, as leniently as that where it makes sense.
 
-    Programs there see every robot's memory and sensor, so the visibility is ``all`` for both.
-    Robots may stand outside the map, and areas may name robots and beacons that don't exist.
-
-    Raises:
-        LevelError: The text is not a valid level.
+    Visibility is ``all`` for both, as there. Robots may be outside the map, and areas may name
+    unknown robots and beacons. Raises LevelError.
     """
     top = Fields(_parsed(text, source), source)
     width, height = top.whole("width", least=1), top.whole("height", least=1)
@@ -76,7 +73,6 @@ def _parsed(text: str, source: str) -> dict[str, object]:
 
 
 def _title(name: str) -> str:
-    """Return a title made from a file's name."""
     return "".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level"
 
 

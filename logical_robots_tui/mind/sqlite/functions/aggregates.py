@@ -77,7 +77,7 @@ class _ConcatLists(_Collect):
 
 
 class _Pairs:
-    """An aggregate over pairs; the first of equal values comes first, nulls are ignored."""
+    """An aggregate over pairs; equal values keep their order, nulls are ignored."""
 
     compares: ClassVar[bool] = False
 
@@ -145,8 +145,6 @@ class _BestNested(_Best):
 
 
 class _AnyValue:
-    """The first value that is not null."""
-
     compares: ClassVar[bool] = False
 
     def __init__(self) -> None:

@@ -1,7 +1,7 @@
-"""Converting values to text and to other types, with the semantics of DuckDB's casts.
+"""Conversions to text and to other types, with the semantics of DuckDB's casts.
 
-A type is JSON: ``"Num"``, ``"Int"``, ``"Str"``, ``"Bool"``, ``"Any"``, ``{"field": type}`` or
-``[type]``.
+A type is JSON: ``"Num"``, ``"Int"``, ``"Str"``, ``"Bool"``, ``"Any"``, ``{"field": type}``
+or ``[type]``.
 """
 
 from __future__ import annotations
@@ -26,11 +26,7 @@ def to_text(value: Any) -> str:
 
 
 def try_cast(value: Any, type_json: str) -> Any:
-    """Return a value converted to a type, or null if that is impossible.
-
-    Missing fields are null, and fields that the type lacks are left out. Results are cached,
-    because programs convert the same memory repeatedly.
-    """
+    """Convert a value, or return null; a record gets exactly the type's fields. Cached."""
     if value.__class__ is str and len(value) < _LONGEST_KEPT:
         return _cast_text(value, type_json)
     return _cast_to(value, type_json)
@@ -49,7 +45,6 @@ _type = lru_cache(maxsize=64)(json.loads)
 
 
 def try_cast_like(value: Any, example: Any) -> Any:
-    """Return a value converted to the type of an example, as far as the example shows it."""
     cast = _cast(value, _type_of(_parsed(example) or example))
     return to_json(cast) if isinstance(cast, dict | list) else cast
 
@@ -80,7 +75,6 @@ def _cast(value: Any, wanted: Any) -> Any:
 
 
 def _parsed(value: Any) -> Any:
-    """Return the record or list that a value is or contains as text, or None."""
     if isinstance(value, dict | list):
         return value
     if isinstance(value, str) and value.lstrip()[:1] in ("{", "["):

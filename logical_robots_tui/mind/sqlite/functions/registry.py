@@ -1,6 +1,6 @@
 """The SQL functions that compiled programs call and SQLite lacks. Null in, null out.
 
-Lists and records are JSON text inside SQLite. Functions here have no side effects.
+Lists and records are JSON text inside SQLite. Functions have no side effects.
 """
 
 from __future__ import annotations
@@ -129,7 +129,6 @@ def _power(base: float, exponent: float) -> float | None:
 
 
 def _finite(compute: Callable[[], float]) -> float | None:
-    """Return the number, or null if it is undefined."""
     try:
         return compute()
     except (ValueError, OverflowError):
@@ -210,7 +209,7 @@ def _sorting(items: Any) -> int:
 
 
 def _searching(items: Any, wanted: Any) -> int:
-    """Return steps for null fields, which are compared even with a record that lacks them."""
+    """Return the cost of null fields, which are compared even with records that lack them."""
     if isinstance(items, str) and isinstance(wanted, str):
         return items.count("{") * wanted.count("null")
     return 0
@@ -228,7 +227,6 @@ NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *AGGREGATES, *REPL
 
 
 def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
-    """Register all functions of this module, and mathematical functions if SQLite has none."""
     work = work or Work(lambda: None)
     functions = dict(_FUNCTIONS)
     for name, (arity, function) in _MATHS.items():

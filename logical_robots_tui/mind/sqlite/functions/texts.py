@@ -1,4 +1,4 @@
-"""Functions of texts: as DuckDB formats them, and in place of SQLite's own that can take minutes.
+"""Text functions: as DuckDB formats, and in place of SQLite's own that can take minutes.
 
 SQLite compares every position of a text with every position of another. The functions of
 `REPLACED` use linear algorithms, or refuse.
@@ -24,7 +24,6 @@ _CAPITALS = {"ß": "ẞ"}  # Python has no single upper-case character for these
 
 
 def decimal_to_text(value: float, scale: int) -> str:
-    """Return a decimal number with a fixed number of digits after the point."""
     if not math.isfinite(value):
         return str(value)
     check_text(scale)
@@ -32,11 +31,7 @@ def decimal_to_text(value: float, scale: int) -> str:
 
 
 def formatted(template: str, *values: Any) -> str:
-    """Return a text with each directive, as in C's printf, replaced by a value.
-
-    Raises:
-        ValueError: There is no such directive, or no value for it.
-    """
+    """Format as C's printf does; ValueError for an unknown directive or a missing value."""
     waiting = list(values)
     length = 0
 
@@ -104,7 +99,6 @@ def _text(value: Any) -> str:
 
 
 def _like(pattern: Any, text: Any, escape: str = "") -> int:
-    """Return `text LIKE pattern`, case-sensitive."""
     pattern, text = _text(pattern), _text(text)
     if len(pattern) > _LONGEST_PATTERN:
         raise TooLargeError(f"a pattern of {len(pattern):,} characters")
@@ -124,7 +118,6 @@ def _like(pattern: Any, text: Any, escape: str = "") -> int:
 
 
 def _pieces(pattern: str, escape: str) -> list[list[str]]:
-    """Return the literal parts between `%`, as characters, "" for any character."""
     pieces: list[list[str]] = [[]]
     characters = iter(pattern)
     for character in characters:
@@ -138,7 +131,6 @@ def _pieces(pattern: str, escape: str) -> list[list[str]]:
 
 
 def _found(piece: list[str], text: str, start: int, end: int) -> int:
-    """Return where a part first occurs, or -1."""
     if "" not in piece:
         return text.find("".join(piece), start, end)
     if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):

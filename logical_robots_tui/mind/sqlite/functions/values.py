@@ -19,22 +19,14 @@ ENDLESS = "9.0e+999"
 
 
 def bounded(text: str) -> str:
-    """Return the text, if a function may parse it.
-
-    Raises:
-        TooLargeError: It is too large.
-    """
+    """Return the text if a function may parse it; else raise TooLargeError."""
     if len(text) > MAX_ITEMS:
         check_long(text)
     return text
 
 
 def list_in(text: Scalar) -> list[Any]:
-    """Return the list in a value.
-
-    Raises:
-        TypeError: It is not a list.
-    """
+    """Return the list in a value, or raise TypeError."""
     value = json.loads(bounded(text)) if isinstance(text, str) else None
     if not isinstance(value, list):
         raise TypeError(f"not a list: {text!r}"[:200])
@@ -42,7 +34,6 @@ def list_in(text: Scalar) -> list[Any]:
 
 
 def element(value: Scalar) -> Any:
-    """Return a value as a list element; JSON text becomes the list or record in it."""
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:
             return json.loads(bounded(value))
@@ -52,7 +43,7 @@ def element(value: Scalar) -> Any:
 
 
 def real_as_json(value: Any) -> str | None:
-    """Return a number as JSON text with all of its digits, integers as reals; null is null."""
+    """Return a number as JSON text with all digits, integers as reals; null stays null."""
     if value.__class__ is float:
         text = repr(value)
         if "n" not in text:
@@ -62,7 +53,7 @@ def real_as_json(value: Any) -> str | None:
 
 
 def value_as_json(value: Any) -> str | None:
-    """Return any value as JSON text, with records and lists in texts parsed; null is null."""
+    """Return a value as JSON text, parsing records and lists in texts; null stays null."""
     kind = value.__class__
     if kind is str:
         return value if element(value) is not value else to_input(value)
@@ -72,16 +63,12 @@ def value_as_json(value: Any) -> str | None:
 
 
 def compared(left: Scalar, right: Scalar) -> int:
-    """Return whether a value comes before another (-1), after it (1), or is equal (0).
-
-    Fields of records are compared in the left record's order. A null inside a record or list equals
-    another null, and comes after everything else.
-    """
+    """Return -1, 0 or 1; fields in the left record's order, nested nulls are equal and last."""
     return in_json(element(left), element(right))
 
 
 def in_json(left: Any, right: Any) -> int:
-    """Compare values as they come out of JSON."""
+    """Compare values from JSON: -1, 0 or 1; a missing field counts as null."""
     ranks = _rank(left), _rank(right)
     if ranks[0] != ranks[1]:
         return -1 if ranks[0] < ranks[1] else 1
@@ -119,12 +106,10 @@ def order(value: Any) -> tuple[int, Any]:
 
 
 def order_of_scalar(value: Scalar) -> tuple[int, Any]:
-    """Return a sort key for a value of SQLite, with JSON text as the record or list in it."""
     return order(element(value))
 
 
 def in_order(values: Iterable[Any]) -> list[Any]:
-    """Return values in ascending order; without sort keys if all have the same simple type."""
     values = list(values)
     types = {type(value) for value in values}
     if types <= {int, float} or types == {str}:

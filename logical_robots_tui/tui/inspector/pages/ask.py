@@ -41,7 +41,7 @@ _SHORTEST = 2  # letters from which on a word is completed
 
 
 class QueryLine(Input):
-    """The line for a query; up and down go through its history."""
+    """The line for a query; up and down recall earlier ones."""
 
     bar_keys = (("enter", "Ask"), ("↑↓", "Earlier"), ("→", "Complete"), ("esc", "To the rows"))
 
@@ -58,7 +58,6 @@ class QueryLine(Input):
         self._place = 0
 
     def complete_from(self, words: Iterable[str]) -> None:
-        """Complete these words from now on."""
         self._completion.words = sorted(set(words))
 
     def on_key(self, event: events.Key) -> None:
@@ -73,7 +72,6 @@ class QueryLine(Input):
         event.prevent_default()
 
     def remember(self, query: str) -> None:
-        """Append a query to the history."""
         if query:
             self._history = [each for each in self._history if each != query][-_HISTORY_SIZE:]
             self._history.append(query)
@@ -86,7 +84,7 @@ class QueryLine(Input):
 
 
 class AskPage(Page):
-    """The query line, what is wrong with the query, and the answer."""
+    """The query line, errors in the query, and the answer."""
 
     DEFAULT_CSS = """
     AskPage QueryLine { margin: 0 1; background: $panel; width: 1fr; }
@@ -111,18 +109,16 @@ class AskPage(Page):
 
     @property
     def asked(self) -> str:
-        """The query, or "" if there is none or it is wrong."""
+        """The query, or "" if there is none or it is invalid."""
         return "" if self._query == self._refused else self._query
 
     def put(self, query: str) -> None:
-        """Run a query as if it had been typed."""
         if query:
             self._query = self.line.value = query
             self.line.remember(query)
             self.post_message(self.Changed())
 
     async def show(self, frame: Frame) -> None:
-        """Answer the query at a tick."""
         names = (predicate.name for predicate in self._session.predicates)
         self.line.complete_from([*names, *NAMES, *_INPUT_COLUMNS])
         query, more = self._query, ""
@@ -160,19 +156,17 @@ class AskPage(Page):
         self.head(frame.tick, more)
 
     def _leave(self) -> None:
-        """Cancel the running query, or else go to the answer."""
         if self._background.is_long:
             self._background.cancel()
         else:
             self.screen.set_focus(self.table)
 
     def _name_query(self, query: str) -> None:
-        """Name the query that was answered; another one may be in the line by now."""
+        """Name the query that was answered; the line may hold another one by now."""
         self._answer_to.update(Content.styled(one_line(query), INK.title))
         self._answer_to.display = bool(query)
 
     def _refuse(self, query: str, error: ProgramError) -> None:
-        """Mark the mistake in a query below its place in the line."""
         self._refused = query
         first = error.diagnostics[0]
         mark = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
@@ -185,13 +179,11 @@ class AskPage(Page):
         )
 
     def _say_instead(self, words: Content | str) -> None:
-        """Show a message and no rows."""
         self.say(words)
         self.table.show(None)
 
     @on(Input.Changed)
     def _changed(self, event: Input.Changed) -> None:
-        """Remove the mark of a mistake once the text above it is another one."""
         event.stop()
         if self._refused and event.value.strip() != self._refused:
             self._query = self._refused = ""
@@ -206,14 +198,11 @@ class AskPage(Page):
 
 
 class _Completion(Suggester):
-    """Completes the last word of a query."""
-
     def __init__(self) -> None:
         super().__init__(use_cache=False, case_sensitive=True)
         self.words: list[str] = []
 
     async def get_suggestion(self, value: str) -> str | None:
-        """The query with its last word completed, or None."""
         found = _LAST_WORD.search(value)
         if found is None or len(found[0]) < _SHORTEST:
             return None

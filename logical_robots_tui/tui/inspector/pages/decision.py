@@ -34,8 +34,6 @@ _LONGEST = 400
 
 
 class DecisionPage(Page):
-    """The decision of the selected robot."""
-
     BINDINGS: ClassVar[list[BindingType]] = [("enter", "screen.command('open_value')")]
 
     view: LinesView
@@ -45,12 +43,10 @@ class DecisionPage(Page):
         super().__init__(session, questions, LinesView(id="decision"))
 
     async def show(self, frame: Frame) -> None:
-        """Show a tick."""
         self.head(frame.tick, title=f"Decision of {self.robot}")
         self._show(frame, self._questions.surveyed(frame))
 
     def show_survey(self, survey: Survey) -> None:
-        """Show the rows of the predicates that led to the decision."""
         self._show(survey.frame, survey)
 
     def _show(self, frame: Frame, survey: Survey | None) -> None:
@@ -61,7 +57,6 @@ class DecisionPage(Page):
 def decision_lines(
     program: Program | None, frame: Frame, robot: str, survey: Survey | None, width: int
 ) -> list[Content]:
-    """A robot's decision at a tick."""
     number = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
     sensor = frame.sensors[number]["sensor"]
     picture = radar_plot(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []
@@ -112,7 +107,7 @@ def _told(
 
 
 def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> Iterator[Content]:
-    """The predicates that `Robot` depends on, with a robot's rows."""
+    """Yield the predicates that `Robot` depends on, with one robot's rows."""
     if program is None or survey is None or survey.program is not program:
         return
     yield _titled("on the way")
@@ -147,7 +142,7 @@ def _rows_of(robot: str, table: Table) -> list[tuple[Value, ...]]:
 
 
 def _difference(before: Value, after: Value) -> Iterator[Content]:
-    """A memory, field by field if it is a record; changed fields are marked."""
+    """Compare two memories, field by field if they are records; mark what changed."""
     if isinstance(after, Mapping) and isinstance(before, Mapping):
         for name, value in after.items():
             yield _valued(name, value, changed=name not in before or before[name] != value)

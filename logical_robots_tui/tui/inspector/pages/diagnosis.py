@@ -52,11 +52,10 @@ class DiagnosisPage(Page):
 
     @property
     def is_diagnosing(self) -> bool:
-        """Whether a diagnosis is being computed."""
         return self._worker is not None and not self._worker.is_finished
 
     async def show(self, frame: Frame) -> None:
-        """Show the findings, and offer to look again if the run has gone on."""
+        """Show the findings; offer a new diagnosis if the run has gone on."""
         self.head(frame.tick)
         self._list()
 
@@ -135,7 +134,6 @@ class DiagnosisPage(Page):
 
 
 def _described(finding: Finding) -> Content:
-    """A finding: where and when, what, and a hint."""
     line = f"line {finding.span.line}" if finding.span is not None else "the run"
     ink = INK.warn if finding.severity == "warning" else INK.dim
     see = ", ".join(dict.fromkeys(str(span.line) for span in finding.others))

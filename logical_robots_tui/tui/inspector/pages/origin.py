@@ -58,11 +58,9 @@ class LinksView(CursorView):
 
     @property
     def pointed(self) -> Link | None:
-        """The link under the cursor."""
         return self._origin.links[self._at] if self._origin is not None else None
 
     def show(self, origin: Origin | None) -> None:
-        """Show an origin, with the cursor on the value itself, or nothing."""
         self._origin, self._at = origin, 0
         self.redraw()
         self.refresh()
@@ -71,7 +69,6 @@ class LinksView(CursorView):
             self.cursor_moved()
 
     def draw(self) -> None:
-        """Paint the chain."""
         links = self._origin.links if self._origin is not None else ()
         after: list[Content] = []
         if self._origin is not None:
@@ -82,18 +79,15 @@ class LinksView(CursorView):
         self.paint_items(items, after)
 
     def cursor_moved(self) -> None:
-        """Point out the link under the cursor."""
         if self.pointed is not None:
             self._tell_pointed(self.pointed)
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
-        """Go to the link at a second click."""
         del x, line
         if again:
             self.action_open()
 
     def action_open(self) -> None:
-        """Go to the link under the cursor."""
         if self.pointed is not None:
             self._tell_opened(self.pointed)
 
@@ -118,17 +112,14 @@ class OriginPage(Page):
         self._came_from = ROBOTS, 0
 
     def come_from(self, page: str, asked: MemoryPart | None) -> None:
-        """Trace a value, or return to the last trace.
-
-        Escape returns to `page`.
-        """
+        """Trace a value, or return to the last trace; escape returns to `page`."""
         if asked is not None:
             if page != ORIGIN:
                 self._came_from = page, self._session.frame.tick
             self._trace(asked)
 
     async def show(self, frame: Frame) -> None:
-        """Say so if the traced ticks have been abandoned for others."""
+        """Show a note if the traced ticks were abandoned for others."""
         self.head(frame.tick)
         if self._course is not None and self._course != self._current_course():
             self._course = None
@@ -136,7 +127,6 @@ class OriginPage(Page):
             self._say_instead(with_keys(_STALE))
 
     def _trace(self, asked: MemoryPart) -> None:
-        """Trace a value; the trace before is cancelled."""
         self.asked = asked
         self._course = self._current_course()
         name = one_line(f"{asked.robot}'s {written_path(asked.path)}")
@@ -180,12 +170,11 @@ class OriginPage(Page):
         return None if game is None else (game, game.history.turns)
 
     def _say_instead(self, words: Content | str) -> None:
-        """Show a message and no chain; the view keeps the focus."""
+        """Show a message instead of the chain; the view keeps the focus."""
         self.say(words)
         self.view.show(None)
 
     def _pointed(self, link: Link) -> None:
-        """Show the rule in the program that decided that tick."""
         span, course = link.span or link.rule, self._course
         program = course[0].history.program_at(link.tick) if course is not None else None
         if span is not None and program is not None:
@@ -198,7 +187,6 @@ class OriginPage(Page):
         self.post_message(self.Opened(WHY))
 
     def _leave(self) -> None:
-        """Cancel the trace that is running, or else go back."""
         if self._query.is_long:
             self._query.cancel()
             return
@@ -209,7 +197,6 @@ class OriginPage(Page):
 
 
 def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
-    """The lines of a link."""
     name = one_line(f"{number + 1}. {link.robot}'s {written_path(link.path)}")
     text, colour = cell(link.value, width)
     yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
@@ -227,7 +214,6 @@ def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
 
 
 def _when(link: Link) -> Content:
-    """The tick and rule that assigned the value, and how long it was kept."""
     kept = f", kept until tick {link.until}" if link.until > link.tick else ""
     if link.tick == 0:
         return Content.styled(f"{_INDENT}there since the start{kept}", INK.text)
@@ -238,7 +224,6 @@ def _when(link: Link) -> Content:
 
 
 def _read(read: Read) -> Content:
-    """A value read from a sensor or a memory; rays go by their number."""
     path = read.path
     name = written_path(path, read.what)
     if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:

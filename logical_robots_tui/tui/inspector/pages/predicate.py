@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class PredicatePage(Page):
-    """The rows of a predicate; of a function, its calls."""
+    """The rows of a predicate, or the calls of a function."""
 
     DEFAULT_CSS = """
     PredicatePage #value {
@@ -44,11 +44,9 @@ class PredicatePage(Page):
 
     @property
     def depends_on_robot(self) -> bool:
-        """Whether the calls of one robot are shown."""
         return self._questions.is_function(self.predicate)
 
     async def show(self, frame: Frame) -> None:
-        """Show the rows at a tick."""
         name = self.predicate
         try:
             table = await self._questions.rows(name, self.robot, frame)
@@ -63,7 +61,6 @@ class PredicatePage(Page):
                 self._show_table(frame, table)
 
     def show_survey(self, survey: Survey) -> None:
-        """Mark the values that differ from the tick before."""
         table = survey.tables.get(self.predicate)
         if isinstance(table, Table):
             self._show_table(survey.frame, table)
@@ -85,7 +82,6 @@ class PredicatePage(Page):
 
     @on(ValueTable.Pointed)
     def _pointed(self, event: ValueTable.Pointed) -> None:
-        """Show the value under the cursor in full."""
         event.stop()
         pointed = self.view.pointed
         self._value_box.display = self.view.display and pointed is not None

@@ -37,14 +37,12 @@ _CHOSEN = "on $row"
 
 
 class RobotsView(LinesView):
-    """A line for each robot, and notes below; up, down or a click chooses a robot."""
+    """A line for each robot, notes below; up, down or a click selects a robot."""
 
     BINDINGS: ClassVar[list[BindingType]] = [("up", "choose(-1)"), ("down", "choose(1)")]
 
     @dataclass
     class Chosen(Message):
-        """A robot was chosen."""
-
         robot_name: str
 
     def __init__(self) -> None:
@@ -53,26 +51,21 @@ class RobotsView(LinesView):
         self._chosen: str | None = None
 
     def show(self, level: Level, frame: Frame) -> None:
-        """Show the robots of a tick."""
         self._shown = (level, frame)
         self.redraw()
 
     def choose(self, robot_name: str | None) -> None:
-        """Highlight a robot."""
         if robot_name != self._chosen:
             self._chosen = robot_name
             self.redraw()
 
     def on_mount(self) -> None:
-        """Follow the theme."""
         self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
 
     def on_click(self, event: events.Click) -> None:
-        """Choose the robot under the pointer."""
         self._post_chosen(event.y + self.scroll_offset.y - 1)
 
     def action_choose(self, down: int) -> None:
-        """Choose the next or previous robot."""
         if self._shown is not None:
             names = [robot.name for robot in self._shown[0].robots]
             at = names.index(self._chosen) if self._chosen in names else -1 if down > 0 else 0
@@ -83,7 +76,6 @@ class RobotsView(LinesView):
             self.post_message(self.Chosen(self._shown[0].robots[number].name))
 
     def draw(self) -> None:
-        """Paint the robots and the notes."""
         if self._shown is None:
             return
         width, (level, frame) = self.columns, self._shown
@@ -96,8 +88,6 @@ class RobotsView(LinesView):
 
 
 class RobotsPage(Page):
-    """All robots of the level."""
-
     title = "Robots"
     replays = False
     view: RobotsView
@@ -106,14 +96,11 @@ class RobotsPage(Page):
         super().__init__(session, questions, RobotsView())
 
     async def show(self, frame: Frame) -> None:
-        """Show the robots at a tick."""
         self.head(frame.tick)
         self.view.show(self._session.level, frame)
 
 
 class _Robot(NamedTuple):
-    """What a line shows of a robot."""
-
     name: str
     colour: str
     state: RobotState
@@ -123,7 +110,7 @@ class _Robot(NamedTuple):
 
 
 class _Column(NamedTuple):
-    """A column; those with the highest rank go first where there is little room."""
+    """A column; if there is little room, those with the highest rank come first."""
 
     title: str
     width: int
@@ -135,7 +122,6 @@ class _Column(NamedTuple):
 def _robot_lines(
     level: Level, frame: Frame, width: int, chosen: str | None, palette: Palette
 ) -> list[Content]:
-    """One line for each robot, in file order; the chosen one is highlighted."""
     columns = _columns(level, width)
     lines = []
     for robot in _robots(level, frame, palette):
@@ -157,7 +143,6 @@ def _column_titles(level: Level, width: int) -> Content:
 
 
 def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
-    """Notices about the decisions, then the memory of the chosen robot."""
     found = [
         Content.assemble(
             ("! ", f"bold {INK.warn}"),
@@ -181,7 +166,7 @@ def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
 
 
 def radar_strip(radar: Sequence[Mapping[str, Any]]) -> Content:
-    """The rays from left to right as bars, by distance, coloured by object."""
+    """Draw the rays from left to right as bars: height by distance, colour by object."""
     return Content.assemble(
         *(
             ("".join(map(_bar, rays)), OBJECT_INKS.get(what, INK.nothing))

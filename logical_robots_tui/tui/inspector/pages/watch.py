@@ -48,7 +48,7 @@ _MOST_TICKS = 2000
 
 
 class WatchView(CursorView):
-    """Two lines for each pin: its value, and a plot of its values in the ticks around."""
+    """Two lines per pin: its value, and a plot of its values at nearby ticks."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         ("left", "change(-1)"),
@@ -71,21 +71,17 @@ class WatchView(CursorView):
 
     @property
     def pins(self) -> tuple[Pin, ...]:
-        """The pins, oldest first."""
         return tuple(self._pins)
 
     @property
     def pointed(self) -> Pin | None:
-        """The pin under the cursor."""
         return self._pins[self._at] if self._pins else None
 
     @property
     def room(self) -> int:
-        """How many ticks can be plotted."""
         return max(1, self.columns - _INDENT - _SCALE)
 
     def toggle(self, pin: Pin) -> bool:
-        """Pin something, or unpin it; return whether it is pinned now."""
         is_new = pin not in self._pins
         if is_new:
             self._pins.append(pin)
@@ -95,24 +91,21 @@ class WatchView(CursorView):
         return is_new
 
     def show(self, ticks: range, tick: int, readings: Mapping[Pin, Reading], plain: bool) -> None:
-        """Show a tick."""
         self.ticks, self._tick, self._readings, self._plain = ticks, tick, readings, plain
         super().redraw()
 
     def redraw(self) -> None:
-        """Draw at the present width, and ask for as many ticks as there is room for."""
+        """Draw at the current width, and request as many ticks as fit."""
         super().redraw()
         self.post_message(self.Changed())
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
-        """Go to a tick of the plot."""
         del again
         place = x - _INDENT
         if line and 0 <= place < len(self.ticks):
             self.post_message(Timeline.Pointed(self.ticks[place]))
 
     def action_change(self, way: int) -> None:
-        """Go to the next or previous tick with another value, as far as values are known."""
         if not self._pins:
             return
         samples = self._samples.of(self._pins[self._at], self.ticks)
@@ -126,17 +119,14 @@ class WatchView(CursorView):
             self.post_message(Timeline.Pointed(tick))
 
     def action_open(self) -> None:
-        """Open the predicate of the pin under the cursor."""
         if self._pins:
             self.post_message(Page.Opened(self._pins[self._at].predicate))
 
     def action_remove(self) -> None:
-        """Remove the pin under the cursor."""
         if self._pins:
             self.toggle(self._pins[self._at])
 
     def draw(self) -> None:
-        """Paint the pins."""
         if self._pins and self.ticks:
             words = f"{_KEYS}  ticks {self.ticks[0]} to {self.ticks[-1]}"
             after = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
@@ -145,7 +135,6 @@ class WatchView(CursorView):
         self.paint_items([(self._value(pin), self._plot(pin)) for pin in self._pins], after)
 
     def _value(self, pin: Pin) -> Content:
-        """The pin's name and, at the right end, its value."""
         reading = self._readings.get(pin)
         if reading is None:
             value = Content("")
@@ -158,7 +147,6 @@ class WatchView(CursorView):
         return name.pad_right(room + 1 - name.cell_length).append(value)
 
     def _plot(self, pin: Pin) -> Content:
-        """The values of the ticks around, with the current tick highlighted."""
         samples, counts = self._samples.of(pin, self.ticks), not pin.column
         line = sparkline(samples, counts=counts, plain=self._plain)
         here = self._tick - self.ticks.start
@@ -174,7 +162,7 @@ class WatchView(CursorView):
 
 
 def _window(before: range, width: int, tick: int, last: int) -> range:
-    """The ticks to plot; they stay the same while the current tick is among them."""
+    """Return the ticks to plot; they stay the same while they include the current tick."""
     stop = max(before.stop, tick + 1)
     if tick < stop - width:
         stop = tick + width // 2
@@ -183,7 +171,7 @@ def _window(before: range, width: int, tick: int, last: int) -> range:
 
 
 class PinHistory:
-    """Reads pins at ticks and keeps their values until the program or the run is another one."""
+    """Reads pins at ticks; caches the values until the program or the run changes."""
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self._session = session
@@ -192,11 +180,9 @@ class PinHistory:
         self._ticks: dict[int, dict[Pin, Sample]] = {}
 
     def of(self, pin: Pin, ticks: range) -> list[Sample | None]:
-        """The known values of a pin at each tick."""
         return [self._ticks.get(tick, {}).get(pin) for tick in ticks]
 
     def missing(self, pins: Sequence[Pin], ticks: range) -> tuple[int, list[Pin]] | None:
-        """The nearest tick at which pins are still to be read, and which ones."""
         game, here = self._session.game, self._session.frame.tick
         if game is None or len(self._session.level.robots) > MOST_ROBOTS:
             return None
@@ -208,11 +194,7 @@ class PinHistory:
         return None
 
     async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
-        """Read pins at a frame.
-
-        Raises:
-            Superseded: There is no program yet, or other pins were asked for meanwhile.
-        """
+        """Read pins at a frame; raises Superseded without a program or after a newer call."""
         game = self._session.game
         about = None if game is None else (game, game.program, game.history.turns)
         if about != self._about:
@@ -234,7 +216,7 @@ def _sample(reading: Reading) -> Sample:
 
 
 class WatchPage(Page):
-    """Reads the pins at the current tick first, then at the ticks around it."""
+    """Reads the pins at the current tick first, then at nearby ticks."""
 
     title = "Watch"
     view: WatchView
@@ -247,7 +229,6 @@ class WatchPage(Page):
         self._filler: Worker[None] | None = None
 
     async def show(self, frame: Frame) -> None:
-        """Show a tick, and begin to read those around it."""
         self.head(frame.tick)
         self._is_reading = True
         try:
@@ -261,7 +242,6 @@ class WatchPage(Page):
             self._filler = in_background(self, self._read_around, "watch")
 
     async def _read_around(self) -> None:
-        """Read one tick after the other while the page is on the screen."""
         shown_at = self._session.clock.now()
         while self.display and (missing := self._samples.missing(self.view.pins, self.view.ticks)):
             (tick, pins), game = missing, self._session.game

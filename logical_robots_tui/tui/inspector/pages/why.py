@@ -42,11 +42,7 @@ _LONGEST_ARGUMENT = 24
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Question:
-    """A question at a tick.
-
-    Attributes:
-        steps: The questions that led here; the last one is asked.
-    """
+    """A question at a tick: the last of the steps that led here."""
 
     robot: str
     steps: tuple[Ask, ...]
@@ -54,16 +50,14 @@ class _Question:
 
     @property
     def asked(self) -> Ask:
-        """The question that is asked."""
         return self.steps[-1]
 
     def is_like(self, other: _Question | None) -> bool:
-        """Whether another question differs in the tick at most."""
         return other is not None and (self.robot, self.steps) == (other.robot, other.steps)
 
 
 class WhyPage(Page):
-    """Why a robot did what it did: the first level of the proof at once, all of it soon after."""
+    """Explains what a robot did: the first level of the proof at once, the rest soon after."""
 
     DEFAULT_CSS = """
     WhyPage #way {
@@ -87,12 +81,11 @@ class WhyPage(Page):
         self._is_proving = False
 
     def begin(self, predicate: str) -> None:
-        """Ask why a predicate has its rows."""
         self._steps = [Ask(predicate, {})]
         self.post_message(self.Changed())
 
     async def show(self, frame: Frame) -> None:
-        """Answer the question at a tick; while the game runs, with the first level only."""
+        """Answer the question at a tick; while the game runs, only with the first level."""
         question = _Question(self.robot, tuple(self._steps), frame)
 
         def report() -> None:
@@ -120,7 +113,7 @@ class WhyPage(Page):
             self._say_instead(question, str(error))
 
     async def _prove(self, question: _Question, found: Explanation) -> None:
-        """Show the whole proof, and its first level until that is there."""
+        """Show the first level of the proof until the whole proof is computed."""
 
         def report() -> None:
             if self._answered is not question:
@@ -146,7 +139,6 @@ class WhyPage(Page):
         self._name_way(question, Content.styled(one_line(trouble), INK.warn))
 
     async def _suggest(self, question: _Question, found: Explanation) -> None:
-        """If there is no row, show changes that would have given one."""
         asked = question.asked
         if found.row is not None or asked.given or asked.within or self._answered is not question:
             return
@@ -167,7 +159,7 @@ class WhyPage(Page):
         self._show_nodes(question, roots, () if found.row is None else _others(found))
 
     def _say_instead(self, question: _Question, words: Content | str) -> None:
-        """Show a message and no proof; the view keeps the focus and knows the way back."""
+        """Show a message instead of a proof; the view keeps the focus, and can go back."""
         self._answered = None
         self.say(words)
         self._show_nodes(question, (), ())
@@ -211,7 +203,6 @@ class WhyPage(Page):
 
     @on(WhyView.Lacking)
     def _unfold(self, event: WhyView.Lacking) -> None:
-        """Prove what a line asks, unless the whole proof is being computed."""
         event.stop()
         if self._answered is not None and not self._is_proving:
             self._lacking.append((self._answered, event))
@@ -219,7 +210,7 @@ class WhyPage(Page):
                 in_background(self, self._unfold_all, "unfold")
 
     async def _unfold_all(self) -> None:
-        """Prove one line after the other: a newer query would cancel an older one."""
+        """Prove the lines one by one: a newer query would cancel an older one."""
         while self._lacking:
             question, event = self._lacking[0]
             try:
@@ -245,7 +236,6 @@ class WhyPage(Page):
 
     @on(WhyView.Pointed)
     def _pointed(self, event: WhyView.Pointed) -> None:
-        """Highlight the node under the cursor in the program and in the labyrinth."""
         event.stop()
         question, node = self._answered, event.node
         if question is None or node is not self.view.pointed:
@@ -268,7 +258,7 @@ def _suggestion(rule: int, each: Suggestion) -> Node:
 
 
 def _proving(found: Explanation) -> Sequence[Node]:
-    """The rule that gives the row, or all rules if none does."""
+    """Return the rule that derives the row, or all rules if none does."""
     if found.row is None:
         return found.nodes
     giving = [rule.node for rule in found.rules if rule.row is not None]
@@ -276,7 +266,6 @@ def _proving(found: Explanation) -> Sequence[Node]:
 
 
 def _others(found: Explanation) -> Sequence[Node]:
-    """The rules that are no part of the proof of the row."""
     proving = _proving(found)
     return [node for node in found.nodes if node is not proving[0]]
 

@@ -19,23 +19,18 @@ _WORDS = {"null", "true", "false", ""}
 
 
 def is_number(value: Value) -> bool:
-    """Whether a value is a number, which stands at the right of its column."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def cell(value: Value, limit: int = 120) -> tuple[str, str]:
-    """A value for a table: its kind is in its colour, text stands without quotes if that is clear.
-
-    Returns:
-        The text and its colour.
-    """
+    """A value's text and colour, by kind; text without quotes where that is clear."""
     if isinstance(value, str) and not _could_be_taken_for_another(value):
         return clip(visible(value[: limit + 1]), limit), INK.string
     return written(value, limit), _colour(value)
 
 
 def written(value: Value, limit: int = FULL) -> str:
-    """A value as a program would write it, in at most `limit` characters."""
+    """Return a value in program syntax, in at most `limit` characters."""
     parts: list[str] = []
     _write(value, parts, [limit])
     return clip("".join(parts), limit)

@@ -23,7 +23,7 @@ _END = 1_000_000
 
 
 class LinesView(ScrollView, can_focus=True):
-    """Paints lines; of a new set of lines only those that differ."""
+    """Shows lines; repaints only those that differ from the previous ones."""
 
     DEFAULT_CSS = """
     LinesView { background: $surface; height: 1fr; overflow: hidden auto; margin: 0 1; }
@@ -41,44 +41,35 @@ class LinesView(ScrollView, can_focus=True):
 
     @property
     def height(self) -> int:
-        """Number of lines, also those scrolled out of view."""
         return len(self._painted)
 
     @property
     def plain(self) -> str:
-        """All lines without their colours."""
         return "\n".join(self.content(number).plain for number in range(self.height))
 
     def content(self, number: int) -> Content:
-        """A line."""
         return self._painted[number]
 
     def is_at_cursor(self, number: int) -> bool:
-        """Whether a line is highlighted."""
         del number
         return False
 
     def show_lines(self, lines_for: Callable[[int], Sequence[Content]]) -> None:
-        """Show lines, which a function returns for a width."""
         self._lines_for = lines_for
         self.redraw()
 
     def draw(self) -> None:
-        """Paint what is to be shown, at the present width."""
         if self._lines_for is not None:
             self.paint(self._lines_for(self.columns))
 
     def redraw(self) -> None:
-        """Draw at the present width, if there is any."""
         if self.columns > 0:
             self.draw()
 
     def on_resize(self) -> None:
-        """Draw at the new width."""
         self.redraw()
 
     def paint(self, lines: Sequence[Content]) -> None:
-        """Replace the lines."""
         before, self._painted = self._painted, list(lines)
         if len(before) != len(lines):
             self.virtual_size = Size(self.columns, len(lines))
@@ -88,14 +79,12 @@ class LinesView(ScrollView, can_focus=True):
             self.repaint(*(number for number, (old, new) in pairs if not old.is_same(new)))
 
     def repaint(self, *numbers: int) -> None:
-        """Paint some lines again."""
         top, width = self.scroll_offset.y, self.size.width
         regions = [Region(0, number - top, width, 1) for number in numbers if number >= top]
         if regions:
             self.refresh(*regions)
 
     def render_line(self, y: int) -> Strip:
-        """One line of the view."""
         number = y + self.scroll_offset.y
         if number >= self.height:
             return Strip.blank(self.columns, self.rich_style)
@@ -127,19 +116,15 @@ class CursorView(LinesView):
 
     @property
     def count(self) -> int:
-        """Number of items."""
         return len(self._spans)
 
     def span(self, item: int) -> range:
-        """The lines of an item."""
         return self._spans[item]
 
     def item_at(self, line: int) -> int | None:
-        """The item that a line belongs to, or None."""
         return next((n for n in range(self.count) if line in self.span(n)), None)
 
     def paint_items(self, items: Sequence[Sequence[Content]], after: Sequence[Content]) -> None:
-        """Replace the items."""
         lines: list[Content] = []
         self._spans = []
         for item in items:
@@ -152,20 +137,17 @@ class CursorView(LinesView):
         """Follow the cursor, which the player has put on an item."""
 
     def is_at_cursor(self, number: int) -> bool:
-        """Whether a line is highlighted."""
         return self.has_focus and self._at < self.count and number in self.span(self._at)
 
     def on_focus(self) -> None:
-        """Show the cursor."""
         self._repaint_item(self._at)
         self.cursor_moved()
 
     def on_blur(self) -> None:
-        """Hide the cursor."""
         self._repaint_item(self._at)
 
     def on_click(self, event: events.Click) -> None:
-        """Put the cursor on an item; a click on the item under the cursor is one for itself."""
+        """Move the cursor to an item; pass on whether it was there already."""
         line = event.y + self.scroll_offset.y
         item = self.item_at(line)
         if item is not None:
@@ -180,7 +162,6 @@ class CursorView(LinesView):
         """
 
     def action_move(self, down: int) -> None:
-        """Move the cursor."""
         if self.count:
             before, self._at = self._at, max(0, min(self._at + down, self.count - 1))
             self._repaint_item(before)
@@ -189,12 +170,11 @@ class CursorView(LinesView):
             self.cursor_moved()
 
     def action_page(self, down: int) -> None:
-        """Move the cursor by the height of the view."""
         if self.count:
             self.action_move(down * max(1, (self.size.height - 1) // len(self.span(self._at))))
 
     def scroll_to_cursor(self) -> None:
-        """Bring the item under the cursor into view; the last one with the lines below it."""
+        """Scroll the item under the cursor into view; the last item with the lines below it."""
         lines = self.span(self._at)
         stop = self.height if self._at == self.count - 1 else lines.stop
         area = Region(0, lines.start, 1, stop - lines.start)

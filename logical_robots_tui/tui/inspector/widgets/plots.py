@@ -26,15 +26,7 @@ _PLAIN = {_SAME: "-", _OTHER: "|", _NONE: "."}
 
 
 def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
-    """Plot the rays of a radar, with the robot at the bottom centre, looking up.
-
-    Args:
-        radar: The rays: angle (radians, positive to the left), distance and object.
-        rows: Height in lines.
-
-    Returns:
-        The lines, from the top, each 4 * rows cells wide.
-    """
+    """Plot a radar, looking up, 4 * rows cells wide; angles in radians, positive to the left."""
     columns = 4 * rows
     across, down = 2 * columns, 4 * rows
     dots: dict[tuple[int, int], int] = {}
@@ -69,21 +61,16 @@ def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
 
 
 class Sample(NamedTuple):
-    """The value at one tick.
-
-    Attributes:
-        number: The value, if it is a number.
-        likeness: Equal for equal values; None if there is no value.
-    """
+    """The value at one tick; `likeness` is equal for equal values, None for no value."""
 
     number: float | None
     likeness: int | None
 
 
 def sparkline(samples: Sequence[Sample | None], *, counts: bool, plain: bool = False) -> str:
-    """One character per tick: a bar for a number; for other values, whether they change.
+    """One character per tick: a bar (from 0 with `counts`), or whether other values change.
 
-    Unknown values are None. With `counts` the scale begins at 0; `plain` means ASCII only.
+    Unknown values are None; `plain` means ASCII only.
     """
     found = scale(samples, counts=counts)
     bars = _PLAIN_BARS if plain else BARS
@@ -98,7 +85,6 @@ def sparkline(samples: Sequence[Sample | None], *, counts: bool, plain: bool = F
 
 
 def scale(samples: Sequence[Sample | None], *, counts: bool) -> tuple[float, float] | None:
-    """The lowest and the highest number, or None if there are no numbers."""
     numbers = [each.number for each in samples if each is not None and each.number is not None]
     if not numbers:
         return None
@@ -106,7 +92,7 @@ def scale(samples: Sequence[Sample | None], *, counts: bool) -> tuple[float, flo
 
 
 def _height(number: float, low: float, high: float) -> int:
-    """Index of the bar; if all numbers are equal, halfway up, or the lowest if they are 0."""
+    """Return the bar's index; equal numbers are halfway up, or lowest if they are 0."""
     if low == high:
         return len(BARS) // 2 - 1 if number else 0
     if math.isinf(high - low):

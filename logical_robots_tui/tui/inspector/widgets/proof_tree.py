@@ -33,9 +33,8 @@ _INKS = {"rule": f"bold {INK.title}", "note": INK.dim, "value": INK.dim, "read":
 class ProofLine(NamedTuple):
     """A node on a line. A tuple because 10,000 dataclasses take twice as long to make.
 
-    Attributes:
-        key: The same for nodes in the same place of the trees of different ticks.
-        lacks: Whether it asks something whose proof is not known yet.
+    `key` is the same for one place in trees of different ticks; a line `lacks` a proof that is
+    not known yet.
     """
 
     node: Node
@@ -46,12 +45,11 @@ class ProofLine(NamedTuple):
 
     @property
     def folds(self) -> bool:
-        """Whether it can be expanded."""
         return bool(self.children) or self.lacks
 
 
 class ProofTree:
-    """Which nodes are expanded."""
+    """The lines of a proof, some of them expanded."""
 
     def __init__(self) -> None:
         self.lines: list[ProofLine] = []
@@ -66,10 +64,9 @@ class ProofTree:
     def show(
         self, roots: Sequence[Node], rest: Sequence[Node], room: int, *, anew: bool = False
     ) -> None:
-        """Replace the nodes. What the player expanded or collapsed stays so.
+        """Replace the nodes, keeping what the player expanded or collapsed, unless `anew`.
 
         `roots` are expanded as far as there is `room` (lines), `rest` stays collapsed below them.
-        With `anew`, what the player did is forgotten.
         """
         self._unfolded.clear()
         self._made.clear()
@@ -80,17 +77,14 @@ class ProofTree:
         self.fit(room)
 
     def fit(self, room: int) -> None:
-        """Expand nodes level by level as far as they fit into the height of the view."""
         lines = self._siblings((*self._roots, *self._rest), 0, 0)
         self._open = self._fitting(lines, len(self._roots), room)
         self.lines = [each for line in lines for each in (line, *self._below(line))]
 
     def is_open(self, line: ProofLine) -> bool:
-        """Whether a line is expanded."""
         return line.key in self._open
 
     def open(self, number: int) -> None:
-        """Expand a line."""
         line = self.lines[number]
         if line.folds and not self.is_open(line):
             self._open.add(line.key)
@@ -98,7 +92,6 @@ class ProofTree:
             self.lines[number + 1 : number + 1] = self._below(line)
 
     def close(self, number: int) -> None:
-        """Collapse a line."""
         line = self.lines[number]
         if self.is_open(line):
             self._open.remove(line.key)
@@ -106,16 +99,13 @@ class ProofTree:
             del self.lines[number + 1 : self._end(number)]
 
     def parent(self, number: int) -> int | None:
-        """Number of a line's parent, or None."""
         depth = self.lines[number].depth
         return next((n for n in range(number - 1, -1, -1) if self.lines[n].depth < depth), None)
 
     def number(self, key: int) -> int | None:
-        """Number of the line with a key, or None."""
         return next((n for n, line in enumerate(self.lines) if line.key == key), None)
 
     def unfold(self, key: int, nodes: Sequence[Node]) -> None:
-        """Add the proof of what a line asks below it."""
         self._unfolded[key] = tuple(nodes)
         self._made.clear()
         number = self.number(key)
@@ -125,13 +115,12 @@ class ProofTree:
             self.lines[number : self._end(number)] = [known, *self._below(known)]
 
     def _end(self, number: int) -> int:
-        """Number of the first line behind a line's descendants."""
+        """Return the number of the first line after a line's descendants."""
         depth = self.lines[number].depth
         later = range(number + 1, len(self.lines))
         return next((n for n in later if self.lines[n].depth <= depth), len(self.lines))
 
     def _fitting(self, lines: Sequence[ProofLine], roots: int, room: int) -> set[int]:
-        """The keys of the lines to expand."""
         found: set[int] = set()
         shown = len(lines)
         waiting = deque((line, number < roots) for number, line in enumerate(lines))
@@ -146,7 +135,6 @@ class ProofTree:
         return found
 
     def _below(self, line: ProofLine) -> list[ProofLine]:
-        """The descendants of a line whose parents are all expanded."""
         found: list[ProofLine] = []
         waiting = [line]
         while waiting:
@@ -164,7 +152,6 @@ class ProofTree:
         return found
 
     def _siblings(self, nodes: Sequence[Node], depth: int, above: int) -> list[ProofLine]:
-        """Lines for the children of a key; nodes with the same kind and text are numbered."""
         keys, alike, found = self._keys, dict[tuple[str, str], int](), []
         for node in nodes:
             about = node.kind, node.text
@@ -182,7 +169,7 @@ class ProofTree:
 
 
 def guides(depth: int, width: int) -> str:
-    """The indentation of a line: a guide for each ancestor, or their number if there are many."""
+    """Return a line's indentation: a guide per ancestor, or their number if there are many."""
     most = max(1, width // (_GUIDES_SHARE * len(_GUIDE)))
     if depth <= most:
         return _GUIDE * depth
@@ -191,7 +178,7 @@ def guides(depth: int, width: int) -> str:
 
 
 def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
-    """A line in its colours, cut to a width; the remark at its end is never cut off."""
+    """Return a coloured line cut to a width; the remark at its end is never cut off."""
     node = line.node
     marker = (_EXPANDED if is_open else _COLLAPSED) if line.folds else _LEAF
     before = Content.assemble(
@@ -213,7 +200,6 @@ def line_content(line: ProofLine, width: int, *, is_open: bool) -> Content:
 
 
 def _values(node: Node, room: int) -> Content:
-    """As many of a node's values as fit, and how many more there are."""
     parts: list[Content] = []
     rest = ""
     for number, value in enumerate(node.values):

@@ -28,10 +28,7 @@ if TYPE_CHECKING:
 
 
 class WhyView(CursorView):
-    """A proof. Only visible lines are rendered, however many there are.
-
-    Right expands, left collapses, enter asks why one level deeper, backspace goes back.
-    """
+    """A proof; renders only visible lines. Arrows, enter and backspace expand and ask."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         ("right", "inward"),
@@ -42,15 +39,11 @@ class WhyView(CursorView):
 
     @dataclass
     class Pointed(Message):
-        """The cursor is on another node, or the node under it has been replaced."""
-
         node: Node
         moved: bool
 
     @dataclass
     class Deeper(Message):
-        """The player asks about a call in the proof."""
-
         asked: Ask
 
     @dataclass
@@ -71,46 +64,37 @@ class WhyView(CursorView):
 
     @property
     def lines(self) -> Sequence[ProofLine]:
-        """The lines of the tree, as it is expanded."""
         return self._tree.lines
 
     @property
     def line(self) -> ProofLine | None:
-        """The line under the cursor."""
         return self.lines[self._at] if self.lines else None
 
     @property
     def pointed(self) -> Node | None:
-        """The node under the cursor."""
         return self.line.node if self.line is not None else None
 
     @property
     def parent_pointed(self) -> Node | None:
-        """The node above the one under the cursor."""
         parent = self._tree.parent(self._at) if self.lines else None
         return None if parent is None else self.lines[parent].node
 
     @property
     def height(self) -> int:
-        """Number of lines, also those scrolled out of view."""
         return len(self.lines)
 
     count = height
 
     def span(self, item: int) -> range:
-        """A line is an item of its own."""
         return range(item, item + 1)
 
     def item_at(self, line: int) -> int | None:
-        """The item on a line."""
         return line if line < self.count else None
 
     def content(self, number: int) -> Content:
-        """A line in its colours."""
         return line_content(self.lines[number], self.columns, is_open=self.is_open(number))
 
     def is_open(self, number: int) -> bool:
-        """Whether a line is expanded."""
         return self._tree.is_open(self.lines[number])
 
     def show(
@@ -121,11 +105,7 @@ class WhyView(CursorView):
         anew: bool = False,
         has_way_back: bool = False,
     ) -> None:
-        """Show a proof. The cursor and what the player expanded or collapsed stay.
-
-        `roots` are the rules of the proof, `rest` those that are no part of it, collapsed; `anew`
-        means another question, so that the cursor begins at the top.
-        """
+        """Show a proof. Cursor and expansions stay, unless `anew`; `rest` is collapsed."""
         was_empty = not self.lines
         self._has_way_back = has_way_back
         self._tree.show(roots, rest, self.size.height, anew=anew)
@@ -138,7 +118,6 @@ class WhyView(CursorView):
         self._post_pointed(moved=False)
 
     def open(self, number: int) -> None:
-        """Expand a line, and bring as much of its subtree into view as fits."""
         line = self.lines[number]
         self._tree.open(number)
         self._restore_cursor()
@@ -148,26 +127,21 @@ class WhyView(CursorView):
             self.post_message(self.Lacking(line.key, line.node.asked))
 
     def close(self, number: int) -> None:
-        """Collapse a line."""
         self._tree.close(number)
         self._restore_cursor()
 
     def toggle_fold(self, number: int) -> None:
-        """Expand a line, or collapse it."""
         self.close(number) if self.is_open(number) else self.open(number)
 
     def unfold(self, key: int, nodes: Sequence[Node]) -> None:
-        """Add the proof of what a line asks below it."""
         self._tree.unfold(key, nodes)
         self._restore_cursor()
 
     def draw(self) -> None:
-        """Expand as much as fits into the present size."""
         self._tree.fit(self.size.height)
         self._restore_cursor()
 
     def cursor_moved(self) -> None:
-        """Point out the node under the cursor."""
         if self.line is not None:
             self._key = self.line.key
         self._post_pointed(moved=True)
@@ -203,7 +177,6 @@ class WhyView(CursorView):
             self.action_move(parent - self._at)
 
     def action_deeper(self) -> None:
-        """Ask what the line under the cursor asks, or open its values."""
         node = self.pointed
         if node is None:
             return
@@ -215,11 +188,9 @@ class WhyView(CursorView):
             self.toggle_fold(self._at)
 
     def action_back(self) -> None:
-        """Return to the question before."""
         self.post_message(self.Back())
 
     def _restore_cursor(self) -> None:
-        """Put the cursor back on its line, if that is still there, and paint everything."""
         at = self._tree.number(self._key)
         self._at = max(0, min(self._at, len(self.lines) - 1)) if at is None else at
         if self.lines:

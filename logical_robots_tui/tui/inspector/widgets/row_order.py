@@ -24,13 +24,7 @@ _SIDEWAYS = 50  # most rows of a transposed table
 
 @dataclass(frozen=True, slots=True)
 class RowOrder:
-    """How to filter, sort and transpose rows.
-
-    Attributes:
-        robot: Only rows of this robot, if there is a column for robots; "" for all.
-        search: Only rows with this text in some value; "" for all.
-        sort: Name of the column to sort by, or "".
-    """
+    """How to filter (by robot and text), sort and transpose rows; "" for no such choice."""
 
     robot: str = ""
     search: str = ""
@@ -40,7 +34,6 @@ class RowOrder:
 
     @property
     def words(self) -> str:
-        """The filters and the order in words."""
         way = "descending" if self.descending else "ascending"
         parts = [
             f"only {self.robot}" if self.robot else "",
@@ -52,12 +45,7 @@ class RowOrder:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """Columns and rows, and which values to mark.
-
-    Attributes:
-        changed: Row and column of each value that differs from the tick before.
-        left_out: Number of rows that a transposed table leaves out.
-    """
+    """Columns and rows; `changed` are (row, column), `left_out` rows of a transposed table."""
 
     columns: tuple[str, ...]
     rows: tuple[Row, ...]
@@ -66,7 +54,6 @@ class Rows:
 
 
 def arranged(rows: Rows, how: RowOrder) -> Rows:
-    """The rows in an arrangement."""
     columns = rows.columns
     kept = list(range(len(rows.rows)))
     place = next((columns.index(name) for name in ROBOT_COLUMNS if name in columns), None)
@@ -89,10 +76,7 @@ def arranged(rows: Rows, how: RowOrder) -> Rows:
 
 
 def changed_cells(rows: Sequence[Row], before: Sequence[Row]) -> frozenset[tuple[int, int]]:
-    """Row and column of each value that differs from the tick before.
-
-    Rows that are in both are unchanged; the others are compared in their order.
-    """
+    """Row and column of each change; rows in both are unchanged, others compared in order."""
     now, then = [repr(row) for row in rows], [repr(row) for row in before]
     known, kept = set(then), set(now)
     left = [row for row, told in zip(before, then, strict=True) if told not in kept]
@@ -109,7 +93,7 @@ def changed_cells(rows: Sequence[Row], before: Sequence[Row]) -> frozenset[tuple
 
 
 def as_csv(rows: Rows) -> str:
-    """The rows as CSV with a header; records and lists are JSON."""
+    """Return the rows as CSV with a header; records and lists become JSON."""
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(rows.columns)
@@ -118,13 +102,12 @@ def as_csv(rows: Rows) -> str:
 
 
 def as_json(rows: Rows) -> str:
-    """The rows as a JSON list of records."""
     records = [dict(zip(rows.columns, row, strict=True)) for row in rows.rows]
     return json.dumps(records, ensure_ascii=False, indent=1) + "\n"
 
 
 def _transposed(rows: Rows) -> Rows:
-    """Each column as a line, with the first rows side by side."""
+    """Turn each column into a line, with the first rows side by side."""
     shown = rows.rows[:_SIDEWAYS]
     lines = tuple((name, *(row[at] for row in shown)) for at, name in enumerate(rows.columns))
     names = ("", *(str(number + 1) for number in range(len(shown))))
@@ -133,7 +116,7 @@ def _transposed(rows: Rows) -> Rows:
 
 
 def _rank(value: Value) -> tuple[int, Any]:
-    """A sort key for any value: null, Booleans and numbers, texts, the rest."""
+    """Return a sort key for any value: null, Booleans and numbers, texts, the rest."""
     if value is None:
         return 0, 0
     if isinstance(value, bool | int | float):

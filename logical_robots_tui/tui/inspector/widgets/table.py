@@ -45,7 +45,7 @@ _CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
-    """Rows under the names of their columns, with a cursor on a value."""
+    """A table with a cursor on one value."""
 
     DEFAULT_CSS = """
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
@@ -77,7 +77,6 @@ class ValueTable(ScrollView, can_focus=True):
 
     @property
     def missing(self) -> str:
-        """A message about rows that are not shown, or ""."""
         if self.shown.left_out:
             more = f"and {self.shown.left_out:,} more rows side by side"
             return with_keys(f"{more}; {{transpose}} shows them one below the other")
@@ -88,13 +87,11 @@ class ValueTable(ScrollView, can_focus=True):
 
     @property
     def column(self) -> str:
-        """Name of the column under the cursor, or ""."""
         pointed = self.pointed
         return pointed[0] if pointed is not None and not self.how.sideways else ""
 
     @property
     def pointed(self) -> tuple[str, Value] | None:
-        """Name of the column and the value under the cursor, or None if there are no rows."""
         row, column = self._at
         if not self.shown.rows or not self.shown.columns:
             return None
@@ -102,16 +99,12 @@ class ValueTable(ScrollView, can_focus=True):
 
     @property
     def place(self) -> tuple[int, str] | None:
-        """Index of the row under the cursor among all rows, and its column; None if unknown."""
         row = self.shown.rows[self._at[0]] if self.column else None
         number = next((n for n, each in enumerate(self.all.rows) if each is row), None)
         return None if number is None else (number, self.column)
 
     def show(self, table: Table | None, before: Table | None = None) -> None:
-        """Replace the rows; the cursor stays where it is as far as they reach.
-
-        Values that differ from those `before`, at the tick before, are marked.
-        """
+        """Replace the rows, marking differences from the tick before; the cursor stays."""
         columns, rows = _named_rows(table) if table is not None else ((), ())
         self._are_all = table is None or not table.truncated
         changed = frozenset[tuple[int, int]]()
@@ -123,7 +116,6 @@ class ValueTable(ScrollView, can_focus=True):
         self._arrange()
 
     def rearrange(self, how: RowOrder) -> None:
-        """Filter, sort and transpose the rows in another way."""
         self.how = how
         self._arrange()
 
@@ -134,16 +126,13 @@ class ValueTable(ScrollView, can_focus=True):
         self.refresh()
 
     def on_resize(self) -> None:
-        """Fit the columns to the new width."""
         self.redraw()
 
     def redraw(self) -> None:
-        """Fit the columns to the present width."""
         self._measure()
         self.refresh()
 
     def on_click(self, event: events.Click) -> None:
-        """Put the cursor on the value under the pointer."""
         row = event.y + self.scroll_offset.y - 1
         x, column = event.x + self.scroll_offset.x, 0
         for number, width in enumerate(self._widths):
@@ -157,7 +146,6 @@ class ValueTable(ScrollView, can_focus=True):
         self.action_go(0, 0)
 
     def action_go(self, down: int, right: int) -> None:
-        """Move the cursor as far as there are rows and columns."""
         row = max(0, min(self._at[0] + down, len(self.shown.rows) - 1))
         column = max(0, min(self._at[1] + right, len(self.shown.columns) - 1))
         self._at = (row, column)
@@ -172,12 +160,10 @@ class ValueTable(ScrollView, can_focus=True):
         self.post_message(self.Pointed())
 
     def action_open(self) -> None:
-        """Open the value under the cursor."""
         if self.pointed is not None:
             self.post_message(CommandChosen("open_value"))
 
     def render_line(self, y: int) -> Strip:
-        """One line: the header at the top of the view, rows below."""
         offset, top = self.scroll_offset
         base = self.rich_style
         if not self.shown.columns:
@@ -223,7 +209,7 @@ class ValueTable(ScrollView, can_focus=True):
         return segments
 
     def _measure(self) -> None:
-        """Give each column the width that it needs, or a fair share if there is less room."""
+        """Give each column the width it needs, or a fair share if there is too little room."""
         sample = self.shown.rows[:_MEASURED_ROWS]
         wanted = [
             max(
@@ -249,7 +235,7 @@ def _fit(text: str, width: int, right: bool) -> str:
 
 
 def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
-    """Columns and rows, with a column for the robot whose mind has a row where that matters."""
+    """Return columns and rows; rows that belong to several robots get a column for these."""
     if len(set(table.viewers)) < 2 or "robot_name" in table.columns:
         return table.columns, table.rows
     rows = tuple((who, *row) for who, row in zip(table.viewers, table.rows, strict=True))
@@ -257,7 +243,6 @@ def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:
 
 
 def row_count(table: Table, what: str = "row", more: str = "") -> str:
-    """The number of rows in words."""
     count = len(table.rows)
     if table.truncated:
         return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")

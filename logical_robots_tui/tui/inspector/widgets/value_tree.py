@@ -36,11 +36,7 @@ _PICTURE_ROWS = 8
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """A value with its name.
-
-    Attributes:
-        pin: A pin for it, or None if it cannot be pinned.
-    """
+    """A value with its name, and a pin for it if it can be pinned."""
 
     title: str
     value: Value
@@ -49,13 +45,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """A node: a value, or a group of parts of a long list or record.
-
-    Attributes:
-        value: The value; of a group, the whole list or record.
-        within: The parts in a group; None for a value.
-        radar: The rays that it belongs to, or None.
-    """
+    """A node: a value, or the parts `within` a range of a long list or record."""
 
     value: Value
     branch: Branch
@@ -65,12 +55,7 @@ class _Part:
 
 
 class ValueTree(Dialog[None]):
-    """A dialog with values.
-
-    Args:
-        pin: Pins or unpins; returns whether it is pinned now.
-        follow: Traces a value to its origin; returns whether it can.
-    """
+    """A dialog with values; `pin` toggles a pin, `follow` traces a value to its origin."""
 
     DEFAULT_CSS = """
     ValueTree > #box { height: 90%; max-width: 110; }
@@ -104,13 +89,12 @@ class ValueTree(Dialog[None]):
         self._picture = Static(id="radar")
 
     def content_widgets(self) -> ComposeResult:
-        """The tree, and beside it the plot of a radar."""
         with Horizontal():
             yield self._tree
             yield self._picture
 
     def on_mount(self) -> None:
-        """Expand what is short."""
+        """Expand short values."""
         for branch in self._branches:
             part = _Part(branch.value, branch, (), radar=_radar(branch.value))
             node = self._add(self._tree.root, branch.title, part)
@@ -120,7 +104,6 @@ class ValueTree(Dialog[None]):
         self._tree.focus()
 
     def action_pin(self) -> None:
-        """Pin the value under the cursor, or unpin it."""
         pin = self._pointed
         if pin is None:
             self.notify("Only a value of a predicate can be pinned.", markup=False)
@@ -129,7 +112,6 @@ class ValueTree(Dialog[None]):
         self.notify(f"{words}: {one_line(pin.words)}.", markup=False, timeout=4)
 
     def action_origin(self) -> None:
-        """Close, and trace the value under the cursor to its origin."""
         pin = self._pointed
         if pin is not None and self._follow(pin):
             self.dismiss(None)
@@ -138,7 +120,6 @@ class ValueTree(Dialog[None]):
 
     @property
     def _pointed(self) -> Pin | None:
-        """A pin for the value under the cursor."""
         node = self._tree.cursor_node
         part = node.data if node is not None else None
         if part is None or part.within is not None or part.branch.pin is None:
@@ -147,7 +128,6 @@ class ValueTree(Dialog[None]):
 
     @on(Tree.NodeExpanded)
     def _grow(self, event: Tree.NodeExpanded[_Part]) -> None:
-        """Add the children of a node when it is first expanded."""
         event.stop()
         node = event.node
         if node.data is not None and not node.children:
@@ -156,7 +136,6 @@ class ValueTree(Dialog[None]):
 
     @on(Tree.NodeHighlighted)
     def _moved(self, event: Tree.NodeHighlighted[_Part]) -> None:
-        """Plot the radar under the cursor, if there is room beside the tree."""
         event.stop()
         radar = event.node.data.radar if event.node.data is not None else None
         self._picture.display = radar is not None and self.size.width >= 10 * _PICTURE_ROWS
@@ -179,7 +158,6 @@ def _size(value: Value) -> int:
 
 
 def _inside(part: _Part) -> Iterator[tuple[str, _Part]]:
-    """The named parts of a value, in groups if there are many."""
     items = list(_items(part.value))
     among = part.within or range(len(items))
     if part.within is None and len(items) > _GROUP:

@@ -27,7 +27,6 @@ _text_ids: dict[str, int] = {}
 
 
 def text_id(text: str) -> int:
-    """Return the number that stands for the text of a cell."""
     number = _text_ids.get(text)
     if number is None:
         number = _text_ids[text] = len(_texts)
@@ -41,12 +40,9 @@ _BLANK = text_id(" ")
 
 
 class Cells:
-    """Rows of cells.
+    """Rows of cells: numbers of texts, packed styles, and tones, all of shape (rows, columns).
 
-    Attributes:
-        text: Numbers of texts, shape (rows, columns).
-        style: Packed styles, shape (rows, columns).
-        tone: What a cell looks like from afar, 0xRRGGBB: the paper for a character put on it.
+    The tone, 0xRRGGBB, is a cell's look from afar: the paper for a character put on it.
     """
 
     def __init__(
@@ -58,22 +54,17 @@ class Cells:
 
     @classmethod
     def blank(cls, rows: int, columns: int) -> Cells:
-        """Return black cells."""
         shape = rows, columns
         zeros = np.zeros(shape, np.int64)
         return cls(np.full(shape, _BLANK, np.int64), zeros, zeros.copy())
 
     def copy(self) -> Cells:
-        """Return cells that change independently."""
         return Cells(self.text.copy(), self.style.copy(), self.tone.copy())
 
     def put(
         self, row: int, column: int, text: str, ink: int, paper: int = -1, bold: bool = False
     ) -> None:
-        """Write a text of width 1 into a cell.
-
-        Colours are 0xRRGGBB; without a paper, the tone of the cell is behind it.
-        """
+        """Write a text of width 1; colours are 0xRRGGBB, by default on the cell's tone."""
         self.text[row, column] = text_id(text)
         paper = int(self.tone[row, column]) if paper < 0 else paper
         self.style[row, column] = ink << 24 | paper | (BOLD if bold else 0)
@@ -86,20 +77,15 @@ class Cells:
         inks: NDArray[np.int64],
         bold: NDArray[np.int64] | int,
     ) -> None:
-        """Write texts of width 1 into cells, on what those look like from afar.
+        """Write texts of width 1 onto the tones of cells; the last one in a cell stays.
 
-        All arrays have the shape (n,), and of two texts for a cell the last one stays. Inks are
-        0xRRGGBB; `bold` is `BOLD` for all or some, else 0.
+        All arrays have the shape (n,); inks are 0xRRGGBB, `bold` is `BOLD` for all or some, else 0.
         """
         self.text[rows, columns] = texts
         self.style[rows, columns] = inks << 24 | self.tone[rows, columns] | bold
 
     def changes(self, earlier: Cells) -> list[tuple[int, int, int]]:
-        """Return where cells differ from earlier ones; everywhere if those had another shape.
-
-        Returns:
-            (row, first column, column after the last) of each row that changed.
-        """
+        """Return (row, first column, column after the last) of changes; all for another shape."""
         if self.text.shape != earlier.text.shape:
             return [(row, 0, self.text.shape[1]) for row in range(self.text.shape[0])]
         differs = (self.text != earlier.text) | (self.style != earlier.style)
@@ -118,7 +104,7 @@ class Cells:
         return found
 
     def strip(self, row: int) -> Strip:
-        """Return a row to show, with as few changes of style as it takes."""
+        """Return a row to show, with as few style changes as possible."""
         styles = self.style[row]
         chars = [_texts[number] for number in self.text[row].tolist()]
         if not chars:
@@ -145,21 +131,18 @@ class Cells:
         return Strip(segments, len(chars))
 
     def row(self, row: int, first: int, stop: int) -> Iterator[tuple[str, int]]:
-        """Return (text, packed style) of some cells of a row."""
         texts = map(_texts.__getitem__, self.text[row, first:stop].tolist())
         return zip(texts, self.style[row, first:stop].tolist(), strict=True)
 
     def is_cut(self, row: int, column: int) -> bool:
-        """Whether a character two cells wide lies on both sides of a column's left edge."""
         return column < self.text.shape[1] and bool(self.text[row, column] == CONTINUED)
 
     def plain(self) -> Sequence[str]:
-        """Return the text of each row."""
         return ["".join(_texts[number] for number in line) for line in self.text.tolist()]
 
 
 class _Styles(dict[int, Style]):
-    """The style for each packed style, made when it is first asked for."""
+    """Cache of styles by packed style."""
 
     def __missing__(self, packed: int) -> Style:
         if len(self) > 20_000:
@@ -176,5 +159,4 @@ _STYLES = _Styles()
 
 @lru_cache(maxsize=8192)
 def colour_of(packed: int) -> Color:
-    """Return the colour 0xRRGGBB."""
     return Color.from_rgb(packed >> 16, packed >> 8 & 0xFF, packed & 0xFF)

@@ -23,7 +23,7 @@ def blend(
     colour: RGB,
     weights: Floats,
 ) -> None:
-    """Mix a colour into part of an image, with a weight from 0 to 1 for each dot."""
+    """Mix a colour into part of an image; weights are 0 to 1, one per dot."""
     part = image[window]
     part += (np.array(colour, np.float32) - part) * weights[..., None]
 
@@ -31,12 +31,7 @@ def blend(
 def area_weights(
     raster: Raster, area: Area, active: bool, *, flash: bool = False
 ) -> tuple[tuple[slice, slice], Floats, Floats] | None:
-    """Return how strongly an area colours the floor.
-
-    Returns:
-        The window of dots that it touches, the weights of its disc and those of its rim; None if
-        it is out of sight.
-    """
+    """Return a window of dots, and an area's disc and rim weights there; None out of sight."""
     radius = min(abs(area.radius), 1e6)
     window = raster.window(area.x - radius, area.x + radius, area.y - radius, area.y + radius)
     if window is None:
@@ -73,22 +68,17 @@ def area_weights(
 
 
 def shows_body(viewport: Viewport) -> bool:
-    """Return whether robots are large enough to see a nose on them."""
     return ROBOT_RADIUS / viewport.units >= 2.2
 
 
 def body_rows(viewport: Viewport) -> int:
-    """Return how many rows a robot's body reaches above and below its own."""
     return round(ROBOT_RADIUS / (2 * viewport.units) - 0.2) if shows_body(viewport) else 0
 
 
 def paint_robot(
     image: Floats, raster: Raster, robot: RobotState, colour: RGB, palette: Palette
 ) -> None:
-    """Paint the body of a robot.
-
-    `image`, the colours of the dots, is changed in place.
-    """
+    """Paint the body of a robot, in place, into the colours of the dots."""
     if not math.isfinite(robot.angle):
         return
     full = shows_body(raster.viewport)
@@ -121,5 +111,4 @@ def paint_robot(
 
 
 def text_on(colour: RGB) -> RGB:
-    """Return black or white, whichever reads better on a colour."""
     return (8, 8, 10) if luminance(colour) > 0.45 else (255, 255, 255)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def _sextant(pattern: int) -> str:
-    """Return the block for six dots; Unicode leaves out those that it had before."""
+    """Return the block for six dots; four blocks predate Unicode's sextants."""
     had = {0: " ", 21: "▌", 42: "▐", 63: "█"}
     return had.get(pattern) or chr(0x1FAFF + pattern - (pattern > 21) - (pattern > 42))
 
@@ -33,12 +33,9 @@ _FLAT = 40.0
 
 
 def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]:
-    """Return the dots of each cell.
+    """Return each cell's dots, (cells, down * across, 3), in reading order.
 
     The image has the shape (rows * down, columns * across, 3).
-
-    Returns:
-        Shape (cells, down * across, 3), cells and dots in reading order.
     """
     rows, columns = image.shape[0] // down, image.shape[1] // across
     cells = image.reshape(rows, down, columns, across, 3).swapaxes(1, 2)
@@ -46,7 +43,7 @@ def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]
 
 
 def pack(colour: Floats) -> NDArray[np.int64]:
-    """Return colours of shape (..., 3) as 0xRRGGBB, rounded to steps of 4."""
+    """Pack colours of shape (..., 3) as 0xRRGGBB, rounded to steps of 4."""
     steps = (colour + 2).astype(np.int64) & 0xFC
     packed: NDArray[np.int64] = steps[..., 0] << 16 | steps[..., 1] << 8 | steps[..., 2]
     return packed
@@ -55,14 +52,10 @@ def pack(colour: Floats) -> NDArray[np.int64]:
 def fit(
     dots: NDArray[np.uint8],
 ) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Divide the dots of each cell into two groups whose mean colours approximate them best.
+    """Divide each cell's dots, (cells, dots of a cell, 3), into the two best colour groups.
 
-    Args:
-        dots: Shape (cells, dots of a cell, 3).
-
-    Returns:
-        For each cell an index into ``BLOCKS``, the ink (lighter) and the paper (darker) colour.
-        A cell of about one colour is blank.
+    Returns an index into ``BLOCKS``, ink (lighter) and paper (darker) per cell; blank for about
+    one colour.
     """
     cells, count, _ = dots.shape
     by_dot = dots.transpose(1, 0, 2).reshape(count, cells * 3).astype(np.float32)
@@ -99,7 +92,7 @@ _BRIGHTNESS = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 
 
 def _patterns(count: int) -> tuple[NDArray[np.int64], Floats]:
-    """Return the ways to divide dots in two, and a row of members for each."""
+    """Return all ways to split dots in two, and for each a row of its members."""
     patterns = np.arange(1, 2**count - 1, 2, dtype=np.int64)
     return patterns, (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
 
@@ -110,20 +103,14 @@ _BLOCK_IDS = {
 
 
 def fitted(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
-    """Return the cells that approximate dots best.
-
-    Dots have the shape (rows * columns, dots of a cell, 3), as ``split`` gives them.
-    """
+    """Return the cells that approximate dots, (cells, dots of a cell, 3), best."""
     cells = Cells.blank(rows, columns)
     refit(cells, dots, np.arange(len(dots)))
     return cells
 
 
 def refit(cells: Cells, dots: NDArray[np.uint8], which: NDArray[np.int64]) -> None:
-    """Fit some cells anew.
-
-    `which` are their numbers, in reading order; `cells` is changed in place, `dots` is of all.
-    """
+    """Fit some cells, by number in reading order, anew in place; `dots` is of all."""
     pattern, ink, paper = fit(dots[which])
     cells.text.ravel()[which] = _BLOCK_IDS[dots.shape[1]][pattern]
     cells.style.ravel()[which] = pack(ink) << 24 | pack(paper)

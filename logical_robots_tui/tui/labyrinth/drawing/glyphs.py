@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
 
 class Drawing(Enum):
-    """How the labyrinth is drawn."""
-
     QUADRANTS = "quadrants"
     """Four dots of two colours in each cell."""
     HALVES = "halves"
@@ -32,7 +30,6 @@ class Drawing(Enum):
 
     @property
     def glyphs(self) -> GlyphSet:
-        """The characters for what stands in the labyrinth."""
         return ASCII if self is Drawing.ASCII else UNICODE
 
 
@@ -49,14 +46,9 @@ class GlyphSet(NamedTuple):
 
     Attributes:
         headings: Clockwise from the right, evenly spread.
-        blocked: Behind the name of a robot that a wall stopped.
         undecided: Behind the name of a robot for which the program decided nothing.
-        goal: Before the name of a goal area.
-        hit_wall: The end of a ray at a wall, from afar.
-        hit_wall_near: The same where rays end far apart.
+        hit_wall_near: The end of a ray at a wall, where rays end far apart.
         thread: A cell that a trail or a ray goes through, where it is not drawn in braille.
-        cut: At the end of a name that was cut.
-        unknown: In place of a character that can't be shown.
     """
 
     headings: str
@@ -120,7 +112,7 @@ ASCII = GlyphSet(
 def legend(
     drawing: Drawing = Drawing.QUADRANTS, palette: Palette = DARK
 ) -> Sequence[tuple[str, RGB, str]]:
-    """Return what the glyphs mean, as (glyph, colour, meaning)."""
+    """Return the meaning of each glyph, as (glyph, colour, meaning)."""
     glyphs = drawing.glyphs
     robot, area = (74, 158, 255), (63, 185, 80)
     rows = [
@@ -157,11 +149,7 @@ def legend(
 
 
 class Highlight(NamedTuple):
-    """A robot, or one ray of its radar, to highlight.
-
-    Attributes:
-        ray: The angle of the ray as the program reads it, radians; None means the robot itself.
-    """
+    """A robot, or a ray by its angle in radians, to highlight; None means the robot."""
 
     robot: str
     ray: float | None = None
@@ -171,12 +159,8 @@ class Highlight(NamedTuple):
 class Look:
     """The choices that a player has about the picture.
 
-    Attributes:
-        rays: Whether the robots' radar is shown as light.
-        marks: Whether the ends of rays are marked.
-        lines: Whether the rays of the selected robot are drawn one by one.
-        highlight: A ray or a robot to highlight as well, or None.
-        pulse: The phase of the beacons' pulse, 0 to 3; 0 is brightest.
+    `rays` show as light, `marks` are at their ends, `lines` are the rays of the selected robot;
+    `pulse` is the beacons' phase, 0 to 3, 0 being brightest.
     """
 
     drawing: Drawing = Drawing.QUADRANTS

@@ -29,10 +29,8 @@ _FLOOR, _WALL, _AREA, _SOLID, _OFF = range(5)
 class Ground:
     """The static layer of a view.
 
-    Attributes:
-        image: Colours from 0 to 255, shape (down, across, 3).
-        reflectance: How strongly each dot shows light that falls on it, about 0 to 1.
-        kinds: What each dot mostly is, as an index into ``ASCII_KINDS``.
+    `image` has colours from 0 to 255, shape (down, across, 3); `reflectance` of light is about
+    0 to 1; `kinds` of dots are indices into ``ASCII_KINDS``.
     """
 
     image: Floats
@@ -48,10 +46,7 @@ def draw_ground(
     palette: Palette,
     switched: Container[int] = (),
 ) -> Ground:
-    """Paint the static layer.
-
-    `active` says for each area whether it is on, `switched` numbers those just switched.
-    """
+    """Paint the static layer; `active` is by area, `switched` has numbers just switched."""
     # Emphasise low coverage, so that thin walls stay visible.
     rock = walls.coverage(raster).astype(np.float32) ** np.float32(0.6)
     rim = _rim(walls, raster, rock)
@@ -93,13 +88,7 @@ def redraw_ground(
     palette: Palette,
     switched: Container[int] = (),
 ) -> tuple[slice, slice] | None:
-    """Repaint the part of a static layer where walls changed.
-
-    `changed`, (left, right, top, bottom) in map units, holds all that changed.
-
-    Returns:
-        The dots (down, across) that were painted, or None if nothing of it is in view.
-    """
+    """Repaint walls changed in (left, right, top, bottom); return dots (down, across) or None."""
     left, right, top, bottom = changed
     reach = _far_reach(raster)
     window = raster.window(left - reach, right + reach, top - reach, bottom + reach)
@@ -112,7 +101,6 @@ def redraw_ground(
 
 
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
-    """Return the colour in which a beacon shines."""
     return palette.charger if beacon.charging_station else palette.beacon
 
 
@@ -125,12 +113,12 @@ def _rim(walls: WallTable, raster: Raster, rock: Floats) -> Floats:
 
 
 def _far_reach(raster: Raster) -> float:
-    """Return the distance in map units within which a wall affects the brightness of a dot."""
+    """Return how far in map units a wall affects the brightness of a dot."""
     return max(3.5 * raster.dot, 10.0)
 
 
 def _grid(raster: Raster) -> Floats:
-    """Return 1 on the lines of a grid whose spacing is a round number of map units."""
+    """Return 1 on the lines of a grid spaced by a round number of map units."""
     wanted = raster.viewport.units * 5
     spacing = next((s for s in (10, 20, 50, 100, 200, 500) if s >= wanted), 1000)
     across = np.diff(np.floor(raster.x_edges / spacing)) > 0
@@ -152,11 +140,7 @@ _BAND = 64  # rows; when walls change, only the bands they are in are summed ane
 
 
 class WallTable:
-    """Sums of walls over rectangles, by a summed-area table (Crow, SIGGRAPH 1984) in bands of rows.
-
-    Args:
-        walls: Bool array of shape (height, width); True is wall. Kept, and not to be changed.
-    """
+    """Sums of walls over rectangles by a summed-area table (Crow, SIGGRAPH 1984)."""
 
     def __init__(self, walls: NDArray[np.bool_]) -> None:
         height, width = walls.shape
@@ -169,20 +153,16 @@ class WallTable:
 
     @property
     def width(self) -> int:
-        """Map units across."""
+        """Width in map units."""
         return len(self._walls[0])
 
     @property
     def height(self) -> int:
-        """Map units down."""
+        """Height in map units."""
         return len(self._walls)
 
     def change(self, walls: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
-        """Replace the walls by others of the same size.
-
-        Returns:
-            The map units (left, right, top, bottom) that hold all differences, or None.
-        """
+        """Replace walls of the same size; return (left, right, top, bottom) of changes, or None."""
         before, self._walls = self._walls, walls
         columns, rows = np.zeros(self.width, np.bool_), []
         for start in range(0, self.height, _BAND):
@@ -213,10 +193,7 @@ class WallTable:
         return share.clip(0, 1)
 
     def openness(self, raster: Raster, reach: float) -> Floats:
-        """Return the share that is floor of the square around each dot.
-
-        `reach` is map units from the dot's centre to the sides of the square.
-        """
+        """Return the floor's share of squares reaching `reach` map units from dots' centres."""
         left, right = raster.x - reach, raster.x + reach
         top, bottom = raster.y - reach, raster.y + reach
         walls = self._between(left, right, bottom) - self._between(left, right, top)
@@ -228,7 +205,6 @@ class WallTable:
         return share.clip(0, 1)
 
     def _sum(self, start: int) -> None:
-        """Sum up the band that starts in a row."""
         rows = self._walls[start : start + _BAND]
         sums = rows.cumsum(axis=0, dtype=np.int32).cumsum(axis=1, dtype=np.int32)
         # The last row of a full band is the first one of what lies above the next.
@@ -241,7 +217,7 @@ class WallTable:
             self._above[band + 1 :, 1:] += more
 
     def _between(self, left: Floats, right: Floats, y: Floats) -> Floats:
-        """Return the walls above any y between pairs of x; shape (len(y), len(left))."""
+        """Return the wall area above each y between pairs of x; shape (len(y), len(left))."""
         y = np.clip(y, 0, self.height)
         whole = np.minimum(y.astype(np.int64), self.height - 1)
         rows = np.concatenate((whole, whole + 1))
@@ -250,7 +226,7 @@ class WallTable:
         return between
 
     def _to_the_left(self, x: Floats, rows: NDArray[np.int64]) -> Floats:
-        """Return the walls to the left of any x and above whole rows."""
+        """Return the wall area to the left of each x, above whole rows."""
         x = np.clip(x, 0, self.width)
         whole = np.minimum(x.astype(np.int64), self.width - 1)
         columns = np.concatenate((whole, whole + 1))

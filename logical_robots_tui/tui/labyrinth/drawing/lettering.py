@@ -37,16 +37,11 @@ _PULSE = (0.35, 0.0, -0.4, 0.0)
 
 
 def robot_colour(color: str, palette: Palette) -> RGB:
-    """Return the colour in which a robot of a level is drawn."""
     return palette.legible(parse(color))
 
 
 class StaticLabels:
-    """The symbols of beacons and the names of beacons and areas, placed once for a view.
-
-    Args:
-        ground: Colours of the static layer, shape (down, across, 3).
-    """
+    """Beacons' symbols and names, areas' names, placed once; `ground` is (down, across, 3)."""
 
     def __init__(
         self,
@@ -101,12 +96,10 @@ class StaticLabels:
                 self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
 
     def light(self, cells: Cells, pulse: int) -> None:
-        """Write the symbols of beacons with the brightness of a phase of their pulse."""
         inks = self._inks[pulse % len(_PULSE)]
         cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
 
     def follow_ground(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
-        """Update the backgrounds of the names, which show the ground."""
         down, across = look.drawing.dots[1], look.drawing.dots[0]
         first, last = window[0].start // down, (window[0].stop - 1) // down
         left, right = window[1].start // across, (window[1].stop - 1) // across
@@ -117,7 +110,6 @@ class StaticLabels:
 
     @staticmethod
     def _paper(plate: Label, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
-        """Return what shows through behind a name."""
         across, down = look.drawing.dots
         row, column = place
         part = ground[
@@ -137,10 +129,7 @@ def draw_labels(
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Draw all symbols and names over a picture.
-
-    The most important robots come last; for the `undecided` the program decided nothing.
-    """
+    """Draw symbols and names over a picture; the most important robots come last."""
     if look.marks:
         mark_ends(cells, fans, robots, viewport, look)
     still.light(cells, look.pulse)
@@ -177,7 +166,6 @@ def draw_labels(
 
 
 def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:
-    """Return the warning sign of a robot, or ""."""
     glyphs = look.drawing.glyphs
     if robot.dead:
         return glyphs.dead
@@ -195,7 +183,6 @@ def _put_robot(
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Write the symbol of a robot; a large body needs only a warning sign, if any."""
     glyphs, palette = look.drawing.glyphs, look.palette
     plain = look.drawing is Drawing.ASCII
     glyph = glyphs.dead if robot.dead else glyphs.heading(robot.angle)
@@ -243,7 +230,6 @@ def _put_robot_name(
 
 
 def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:
-    """Write the texts of cells, as ``fit_name`` gives them, in one style."""
     part = slice(column, column + len(texts))
     cells.text[row, part] = _ids(tuple(texts))
     cells.style[row, part] = style

@@ -17,11 +17,9 @@ if TYPE_CHECKING:
 def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:
     """Return a name as the texts of cells, at most ``width`` of them.
 
-    A character two cells wide is followed by an empty text. Marks stay with their letter. Control
-    characters become ``unknown``; invisible ones, which could reorder the line or join characters
-    into one of another width, are left out.
-
-    `cut` ends a name that was too long, `unknown` stands for what can't be shown.
+    A character two cells wide is followed by an empty text. Marks stay with their letter.
+    Control characters become ``unknown``; invisible ones, which could reorder the line, are
+    left out. `cut` ends a name that was too long.
     """
     cells: list[str] = []
     for char in unicodedata.normalize("NFC", name[: 4 * width + 16]):
@@ -49,18 +47,12 @@ def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = F
 
 @lru_cache(maxsize=4096)
 def fit_into(name: str, width: int, drawing: Drawing) -> tuple[str, ...]:
-    """Return a name as `fit_name` does, with the signs of a drawing."""
     glyphs = drawing.glyphs
     return tuple(fit_name(name, width, glyphs.cut, glyphs.unknown, drawing is Drawing.ASCII))
 
 
 class Label(NamedTuple):
-    """A name and the cell of what it names.
-
-    Attributes:
-        clear: Rows above and below that belong to what it names.
-        inside: Whether it may stand on what it names.
-    """
+    """A name and its cell, with `clear` rows of what it names, which it may be `inside`."""
 
     cells: tuple[str, ...]
     row: int
@@ -69,7 +61,7 @@ class Label(NamedTuple):
     inside: bool = False
 
     def places(self, rows: int, columns: int) -> Iterator[tuple[int, int]]:
-        """Return where it could stand, as (row, first column), the best first."""
+        """Yield possible places as (row, first column), the best first."""
         width, beside = len(self.cells), 2 * self.clear + 2
         if width > columns:
             return
@@ -94,13 +86,11 @@ class FreeCells:
         self._columns = columns
 
     def copy(self) -> FreeCells:
-        """Return an independent copy."""
         other = FreeCells(0, self._columns)
         other._taken = self._taken.copy()
         return other
 
     def take(self, row: int, first: int, stop: int) -> None:
-        """Take cells of a row; what lies outside doesn't matter."""
         first, stop = max(first, 0), min(stop, self._columns)
         if 0 <= row < len(self._taken) and first < stop:
             self._taken[row] |= (1 << stop) - (1 << first)
@@ -110,7 +100,6 @@ class FreeCells:
         return not (self._taken[row] << 1 >> first) & ((1 << stop - first + 2) - 1)
 
     def place(self, plate: Label) -> tuple[int, int] | None:
-        """Take a free place for a label and return it, or None."""
         width = len(plate.cells)
         taken, whole = self._taken, (1 << width + 2) - 1
         for row, column in plate.places(len(taken), self._columns):

@@ -14,13 +14,8 @@ RGB: TypeAlias = tuple[int, int, int]
 class Palette(NamedTuple):
     """All colours that don't come from the level.
 
-    Attributes:
-        light: Whether sensors darken the floor, as ink does, instead of lighting it.
-        grid: Faint lines on the floor.
-        rim: Lit edge of walls.
-        plate: Behind names.
-        dead: Robots without charge.
-        alarm: Robots that a wall stopped.
+    If `light`, sensors darken the floor, as ink does. `rim` is the lit edge of walls, `plate`
+    behind names, `dead` for robots without charge, `alarm` for blocked ones.
     """
 
     light: bool
@@ -40,14 +35,13 @@ class Palette(NamedTuple):
     alarm: RGB
 
     def legible(self, colour: RGB) -> RGB:
-        """Return a colour of the same hue that stands out from the floor."""
         seen = luminance(colour)
         if self.light:
             return mix((0, 0, 0), colour, 0.42 / seen) if seen > 0.42 else colour
         return mix((255, 255, 255), colour, (1 - 0.42) / (1 - seen)) if seen < 0.42 else colour
 
     def strong(self, colour: RGB) -> RGB:
-        """Return a colour fit for text in it."""
+        """Return a colour legible as text."""
         return mix(self.bright, self.legible(colour), 0.55)
 
 
@@ -90,10 +84,7 @@ LIGHT = Palette(
 
 @lru_cache(maxsize=256)
 def parse(text: str, fallback: RGB = (150, 160, 180)) -> RGB:
-    """Read a colour as levels give it: a CSS name, ``#rgb``, ``#rrggbb``, ``rgb()`` or ``hsl()``.
-
-    Its transparency is ignored; anything else stands for the fallback.
-    """
+    """Read a CSS name, ``#rgb``, ``#rrggbb``, ``rgb()`` or ``hsl()``, without transparency."""
     try:
         return Color.parse(text.strip()).rgb
     except (ColorParseError, ValueError):
@@ -107,7 +98,7 @@ def luminance(colour: RGB) -> float:
 
 
 def mix(one: RGB, other: RGB, share: float) -> RGB:
-    """Return ``share`` of the other colour with the rest of the one."""
+    """Mix two colours, with ``share`` (0 to 1) of the second."""
     red, green, blue = one
     return (
         round(red + (other[0] - red) * share),
@@ -123,5 +114,4 @@ def packed(colour: RGB) -> int:
 
 
 def hex_colour(colour: RGB) -> str:
-    """Return a colour as ``#rrggbb``."""
     return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -58,12 +58,7 @@ _LIT_ID = text_id(".")
 
 @dataclass(frozen=True, eq=False)
 class _Light:
-    """The static layer under the light of robots.
-
-    Attributes:
-        lit: Which dots the light reaches.
-        left: For how many more hurried pictures it is reused.
-    """
+    """The static layer lit by robots, reused for `left` more hurried pictures."""
 
     look: Look
     image: Floats
@@ -75,8 +70,8 @@ class _Light:
 class Picture:
     """A labyrinth in cells, kept up to date frame by frame.
 
-    The static layer is repainted only when the view, the look or the state of an area changes. Of
-    the rest only cells whose dots have changed are fitted again.
+    The static layer is repainted only when view, look or an area changes; otherwise only cells
+    whose dots have changed are fitted again.
     """
 
     def __init__(self) -> None:
@@ -97,11 +92,10 @@ class Picture:
         *,
         hurried: bool = False,
     ) -> Cells:
-        """Draw a frame into cells, and return them.
+        """Draw a frame into cells, with traces in trails and areas just switched.
 
-        The traces show in trails and in areas just switched. A hurried picture, which the next
-        one follows at once, changes less: light moves in every second picture, that of a crowd
-        less often, and colours may be a little off.
+        A hurried picture, which the next one follows at once, moves light only every second time or
+        less, and its colours may be a little off.
         """
         if viewport.rows < 1 or viewport.columns < 1:
             self.cells = Cells.blank(max(viewport.rows, 0), max(viewport.columns, 0))
@@ -141,7 +135,6 @@ class Picture:
     def _update_ground(
         self, level: Level, frame: Frame, traces: Traces, raster: Raster, look: Look
     ) -> None:
-        """Repaint the static layer, or a part of it, if it has changed."""
         active = tuple(area.active for area in frame.after.areas)
         switched = traces.switched(frame.tick)
         changed = self._take(level)
@@ -162,7 +155,7 @@ class Picture:
             self._lettering.follow_ground(look, self._ground.image, touched)
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
-        """Set the level; return where its walls differ from the last one's if nothing else does."""
+        """Set the level; return the region of changed walls, if only a region changed."""
         before = self._level
         if level is before:
             return None
@@ -184,7 +177,7 @@ class Picture:
         *,
         hurried: bool,
     ) -> _Light:
-        """Return the ground in the robots' light; if hurried, perhaps of an earlier frame."""
+        """Return the ground in the robots' light; if hurried, perhaps that of an earlier frame."""
         if hurried and self._light and self._light.left and self._light.look == look:
             self._light = replace(self._light, left=self._light.left - 1)
             return self._light
@@ -199,7 +192,6 @@ class Picture:
         return self._light
 
     def _fitted(self, image: Floats, raster: Raster, tolerance: int) -> Cells:
-        """Fit the cells whose dots changed by more than a tolerance; return them with the rest."""
         # Steps of 4 keep faint changes of light from changing cells.
         coarse = np.clip(image, 0, 255, out=image).astype(np.uint8) & np.uint8(0xFC)
         dots = split(coarse, raster.across, raster.down)
@@ -243,7 +235,7 @@ def _add_light(
     raster: Raster,
     look: Look,
 ) -> None:
-    """Add the light of a fan to an image, or darken it in light themes, and note where."""
+    """Add a fan's light to an image, or darken it in light themes, and record where."""
     found = brightness_of(fan, raster)
     if found is None:
         return
@@ -261,7 +253,6 @@ def _add_light(
 
 
 def _ascii_cells(ground: Ground, image: Floats, lit: NDArray[np.bool_], palette: Palette) -> Cells:
-    """Return ASCII cells, in colours that stand out from the floor."""
     text = _KIND_IDS[ground.kinds]
     text[lit & (ground.kinds == 0)] = _LIT_ID
     floor = np.array(palette.floor, np.float32)

@@ -38,15 +38,11 @@ KINDS = {"robot": 3, "beacon": 2, "wall": 1}
 
 @dataclass(frozen=True, eq=False)
 class Fan:
-    """The rays of one robot in one tick.
+    """The rays of one robot in one tick; places and distances are map units.
 
-    Attributes:
-        x: Where it sensed, map units.
-        y: Where it sensed, map units.
-        headings: Of the rays, clockwise from the right in radians, ascending and evenly spread.
-        distances: Map units at which they end.
-        objects: What they hit: ``wall``, ``robot``, ``beacon`` or ``none``.
-        ahead: Where the robot was heading, which is the ray with the angle 0.
+    `headings` are clockwise from the right in radians, ascending and evenly spread; `ahead` is
+    the heading of the ray with the angle 0; `objects` are ``wall``, ``robot``, ``beacon`` or
+    ``none``.
     """
 
     name: str
@@ -59,7 +55,7 @@ class Fan:
     ahead: float
 
     def sighted(self) -> Iterable[tuple[float, float, str, str]]:
-        """Return (x, y, object, label) of each beacon and robot, where its middle ray ends."""
+        """Yield (x, y, object, label) of each sensed beacon and robot, by its middle ray."""
         rays: dict[tuple[str, str], list[int]] = {}
         for ray, what in enumerate(zip(self.objects, self.labels, strict=True)):
             if what[0] in ("beacon", "robot"):
@@ -70,12 +66,12 @@ class Fan:
             yield self.x + away * math.cos(heading), self.y + away * math.sin(heading), kind, label
 
     def points(self) -> tuple[Floats, Floats]:
-        """Return map units x and y of where the rays end."""
+        """Return the map units x and y where the rays end."""
         x = self.x + self.distances * np.cos(self.headings)
         return x, self.y + self.distances * np.sin(self.headings)
 
     def nearest(self, angle: float) -> int:
-        """Return the number of the ray nearest to an angle as the program reads it, radians."""
+        """Return the number of the ray nearest to an angle in radians, as programs read it."""
         return int(np.abs(self.headings - (self.ahead - angle)).argmin())
 
     def ends(self) -> Iterable[tuple[float, float, str]]:
@@ -87,7 +83,7 @@ class Fan:
 
 
 def fans(frame: Frame) -> list[Fan]:
-    """Return the fan of each robot that sensed, from where it stood then."""
+    """Return the fan of each robot that sensed, from its position at that time."""
     poses = {robot.name: robot for robot in frame.before.robots}
     found = []
     for row in frame.sensors:
@@ -112,12 +108,7 @@ def fans(frame: Frame) -> list[Fan]:
 
 
 def brightness_of(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats] | None:
-    """Return how brightly a fan lights the dots around it.
-
-    Returns:
-        The window of dots that it may reach and a brightness from 0 to 1 for each; None if it is
-        out of sight.
-    """
+    """Return a window of dots and a fan's brightness there, 0 to 1; None out of sight."""
     spill = 1.5 * raster.dot + 2
     reach = fan.distances + spill
     x, y = fan.x + reach * np.cos(fan.headings), fan.y + reach * np.sin(fan.headings)
@@ -154,10 +145,10 @@ def brightness_of(fan: Fan, raster: Raster) -> tuple[tuple[slice, slice], Floats
 
 
 def _shape(fan: Fan) -> tuple[Floats, Floats, Floats]:
-    """Tabulate a fan over its angle, with a dark slot before and after.
+    """Tabulate a fan by angle, ``_FINE`` slots around each ray, a dark one before and after.
 
-    Each ray has ``_FINE`` slots around it. Returns where the light ends, 1 where that is a wall,
-    and how far a slot is from the ray, 0 on it to 1 between two.
+    Returns where the light ends, 1 where that is a wall, and how far a slot is from the ray, 0
+    on it to 1 between two.
     """
     count = len(fan.distances)
     nearest, low, part, line = _slots(count)
@@ -177,9 +168,9 @@ def _shape(fan: Fan) -> tuple[Floats, Floats, Floats]:
 def _slots(
     count: int,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
-    """Return for each slot the nearest ray, the one before it, how far it is past that one.
+    """Return each slot's nearest ray, the one before it, and how far it is past that one.
 
-    And for each slot with those outside, how far it is from the nearest ray.
+    Last, with the slots outside, how far each is from the nearest ray.
     """
     place = (np.arange(count * _FINE) + 0.5) / _FINE - 0.5
     nearest = np.rint(place).astype(np.int64).clip(0, count - 1)
@@ -196,10 +187,7 @@ def mark_ends(
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Mark where rays end: one mark in a cell, the most important of them.
-
-    No mark stands on the body of a robot.
-    """
+    """Mark where rays end, the most important in a cell, but not on robots' bodies."""
     if not fans:
         return
     most = _ends(fans, viewport)
@@ -217,7 +205,6 @@ def mark_ends(
 
 
 def _ends(fans: Sequence[Fan], viewport: Viewport) -> NDArray[np.int64]:
-    """Return for each cell the most important kind of what rays hit there, or 0."""
     kinds = np.array([KINDS.get(what, 0) for fan in fans for what in fan.objects])
     with np.errstate(over="ignore", invalid="ignore"):
         x, y = np.concatenate([fan.points() for fan in fans], axis=1)
@@ -233,7 +220,6 @@ def _ends(fans: Sequence[Fan], viewport: Viewport) -> NDArray[np.int64]:
 
 
 def _clear_body(most: NDArray[np.int64], robot: RobotState, viewport: Viewport) -> None:
-    """Leave out the cells whose middle lies on the body of a robot."""
     cell = viewport.cell(robot.x, robot.y)
     if cell is None:
         return

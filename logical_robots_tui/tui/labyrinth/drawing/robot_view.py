@@ -37,11 +37,7 @@ _LEAST = (24, 10)
 
 
 def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
-    """Return how many pictures stand side by side and one above the other.
-
-    Returns:
-        The arrangement that shows all robots if there is room, each as large as possible.
-    """
+    """Return how many pictures stand side by side and above each other, as large as possible."""
     most_across, most_down = max(columns // _LEAST[0], 1), max(rows // _LEAST[1], 1)
     best, best_size = (most_across, most_down), 0.0
     for across in range(1, most_across + 1):
@@ -55,10 +51,7 @@ def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
 
 
 def draw_senses(level: Level, frame: Frame, columns: int, rows: int, look: Look) -> Cells:
-    """Draw what each robot senses.
-
-    The selected robot is among those shown.
-    """
+    """Draw what robots sense, the selected one in any case."""
     cells = Cells.blank(rows, columns)
     cells.style[:] = packed(look.palette.void)
     cells.tone[:] = packed(look.palette.void)
@@ -80,13 +73,12 @@ def draw_senses(level: Level, frame: Frame, columns: int, rows: int, look: Look)
 
 
 def _shown(names: Sequence[str], room: int, selected: str | None) -> Sequence[str]:
-    """Return the page of names that the selected robot is on."""
     first = names.index(selected) // room * room if selected in names else 0
     return names[first : first + room]
 
 
 def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
-    """Draw one robot's senses: up is ahead, and a frame tells tiles apart."""
+    """Draw one robot's senses: up is ahead, and a frame separates tiles."""
     palette, glyphs = look.palette, look.drawing.glyphs
     middle = float(fan.headings[0] + fan.headings[-1]) / 2
     turn = middle + math.pi / 2
@@ -131,14 +123,14 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
 
 
 def _view(columns: int, rows: int) -> Viewport:
-    """Return the view around a robot; behind it, where no ray goes, there is less of it."""
+    """Return the view around a robot, with less behind it, where no ray goes."""
     reach, behind = SENSOR_RANGE * 1.04, SENSOR_RANGE * 0.2
     view = Viewport.fit(2 * reach, reach + behind, columns, rows)
     return view.centred(0.0, (behind - reach) / 2)
 
 
 def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
-    """Return which dots a wall was sensed in; between rays that end near each other it goes on."""
+    """Return which dots show a sensed wall; fills gaps between rays that end close together."""
     found = np.zeros(raster.shape, np.bool_)
     x, y = fan.points()
     is_wall = np.array([kind == "wall" for kind in fan.objects])
@@ -158,7 +150,6 @@ def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
 
 
 def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
-    """Mark where rays end at a beacon or robot, and name each of these once."""
     palette, glyphs = look.palette, look.drawing.glyphs
     signs = {
         "beacon": (glyphs.beacon, palette.hit_beacon),
@@ -181,7 +172,6 @@ def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
 
 
 def _titled(cells: Cells, name: str, colour: RGB, look: Look) -> Cells:
-    """Return cells under a line with a name."""
     rows, columns = cells.text.shape
     titled = Cells.blank(rows + 1, columns)
     paper = packed(mix(look.palette.plate, colour, 0.2))

@@ -1,7 +1,6 @@
-"""Thin lines over the picture: trails of robots, the rays of one of them, what is brought out.
+"""Thin lines over the picture: trails of robots, rays of one of them, and highlights.
 
-They are drawn in braille, eight dots to a cell, or by one character for a cell where the font may
-not have it.
+In braille, eight dots to a cell, or by one character where the font may not have it.
 """
 
 from __future__ import annotations
@@ -51,10 +50,7 @@ def draw_trails(
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Draw where robots came from.
-
-    `places` has the shape (moments, robots, 2), map units, the oldest first; `ages` from 1 to 0.
-    """
+    """Draw trails of shape (moments, robots, 2), map units, oldest first; ages from 1 to 0."""
     fresh = np.floor((1 - ages) * _FADES).clip(0, _FADES - 1).astype(np.int64)
     inks = np.array(
         [
@@ -79,7 +75,6 @@ _FADE = (_STRONGEST - _FAINTEST) / (_FADES - 1)
 
 
 def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Look) -> None:
-    """Draw the rays of a robot one by one."""
     step = viewport.units / 2
     x, y = [], []
     for heading, distance in zip(fan.headings.tolist(), fan.distances.tolist(), strict=True):
@@ -93,7 +88,6 @@ def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Loo
 
 
 def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) -> None:
-    """Draw a ring around a highlighted robot."""
     radius = max(_RING * ROBOT_RADIUS, _LEAST_RING * viewport.units)
     turn = np.linspace(0, 2 * np.pi, 120)
     ink = np.full(len(turn), packed(look.palette.bright))
@@ -101,10 +95,7 @@ def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) 
 
 
 def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look) -> None:
-    """Draw a highlighted ray, with a mark at its end.
-
-    `ray` is its angle as the program reads it, in radians.
-    """
+    """Draw a highlighted ray by the program's angle, in radians, with a mark at its end."""
     ink = packed(look.palette.bright)
     number = fan.nearest(ray)
     heading, distance = float(fan.headings[number]), float(fan.distances[number])
@@ -134,7 +125,7 @@ def _draw(
     viewport: Viewport,
     look: Look,
 ) -> None:
-    """Set a dot for each point; of the points in a cell the last one gives the colour."""
+    """Set a dot for each point; the last point in a cell determines its colour."""
     rows, columns = cells.text.shape
     with np.errstate(invalid="ignore"):
         across = (x - viewport.left) / viewport.units * 2
@@ -161,8 +152,7 @@ _FLASH = 12
 class Traces:
     """Recent positions of robots and states of areas, from the frames that were shown.
 
-    After going back in time, earlier ticks are still known; ticks that differ under another program
-    replace those known before.
+    Earlier ticks stay after going back; those that differ under another program are replaced.
     """
 
     def __init__(self) -> None:
@@ -171,12 +161,10 @@ class Traces:
         self._number = 0, 0  # of robots and areas
 
     def forget(self) -> None:
-        """Forget everything, for another level."""
         self._places.clear()
         self._active.clear()
 
     def record(self, frame: Frame) -> None:
-        """Remember a frame that is shown."""
         tick = frame.tick
         places = np.array([(robot.x, robot.y) for robot in frame.after.robots], np.float64)
         number = len(places), len(frame.after.areas)
@@ -191,12 +179,7 @@ class Traces:
         self._active[tick] = tuple(area.active for area in frame.after.areas)
 
     def trails(self, tick: int) -> tuple[Floats, Floats]:
-        """Return where the robots were.
-
-        Returns:
-            Places of shape (moments, robots, 2) in map units, and the age of each moment from
-            nearly 1, about to be forgotten, to nearly 0; the oldest first.
-        """
+        """Return places, (moments, robots, 2) in map units, and ages from 1 to 0, oldest first."""
         ticks = sorted(then for then in self._places if tick - _TRAIL < then < tick)
         if not ticks:
             return np.zeros((0, 0, 2)), np.zeros(0)

@@ -20,12 +20,9 @@ CELL_ASPECT = 2.0
 
 
 class Viewport(NamedTuple):
-    """The rectangle of a map that a block of cells shows; a map unit is as long down as across.
+    """The rectangle of a map that a block of cells shows, in map units from its top left.
 
-    Attributes:
-        left: Map units at the left edge of the first column.
-        top: Map units at the top edge of the first row.
-        units: Map units per column; a row holds twice as many.
+    `units` are map units per column; a row holds twice as many.
     """
 
     columns: int
@@ -36,31 +33,29 @@ class Viewport(NamedTuple):
 
     @classmethod
     def fit(cls, width: float, height: float, columns: int, rows: int) -> Self:
-        """Show a whole map in the middle of the cells, as large as it goes."""
         units = max(width / max(columns, 1), height / (max(rows, 1) * CELL_ASPECT), 1e-9)
         return cls(columns, rows, 0.0, 0.0, units).centred(width / 2, height / 2)
 
     @property
     def width(self) -> float:
-        """Map units across."""
+        """Width in map units."""
         return self.columns * self.units
 
     @property
     def height(self) -> float:
-        """Map units down."""
+        """Height in map units."""
         return self.rows * self.units * CELL_ASPECT
 
     def centred(self, x: float, y: float) -> Self:
-        """Show the same length of map around another point, in map units."""
+        """Move the view's centre to a point in map units."""
         return self._replace(left=x - self.width / 2, top=y - self.height / 2)
 
     def zoomed(self, factor: float) -> Self:
-        """Show the middle ``factor`` times as large."""
         x, y = self.left + self.width / 2, self.top + self.height / 2
         return self._replace(units=self.units / factor).centred(x, y)
 
     def cell(self, x: float, y: float) -> tuple[int, int] | None:
-        """Return the (row, column) that shows a point of the map, or None if none does."""
+        """Return the (row, column) that shows a point of the map, or None if it is outside."""
         across, down = (x - self.left) / self.units, (y - self.top) / (self.units * CELL_ASPECT)
         # Compared as floats: what is not a number is nowhere.
         if not (0 <= across < self.columns and 0 <= down < self.rows):
@@ -68,7 +63,7 @@ class Viewport(NamedTuple):
         return math.floor(down), math.floor(across)
 
     def position(self, row: float, column: float) -> tuple[float, float]:
-        """Return the map units (x, y) in the middle of a cell, which may lie outside."""
+        """Return the map units (x, y) of a cell's centre; the cell may lie outside."""
         return (
             self.left + (column + 0.5) * self.units,
             self.top + (row + 0.5) * self.units * CELL_ASPECT,
@@ -77,11 +72,7 @@ class Viewport(NamedTuple):
 
 @dataclass(frozen=True)
 class Raster:
-    """The dots of a viewport: each cell is ``across`` dots wide and ``down`` dots high.
-
-    Attributes:
-        part: (top, bottom, left, right) of the dots if these are only some of them, or None.
-    """
+    """A viewport's dots, ``across`` x ``down`` a cell; a part is (top, bottom, left, right)."""
 
     viewport: Viewport
     across: int
@@ -89,7 +80,7 @@ class Raster:
     part: tuple[int, int, int, int] | None = None
 
     def only(self, window: tuple[slice, slice]) -> Self:
-        """Return some of the dots, (down, across), at exactly the same places."""
+        """Return some of the dots, given as (down, across), at exactly the same positions."""
         down, across = window
         return replace(self, part=(down.start, down.stop, across.start, across.stop))
 
@@ -101,13 +92,13 @@ class Raster:
 
     @cached_property
     def x_edges(self) -> Floats:
-        """Map units of the dots' left edges, and the last one's right edge."""
+        """Map units of the dots' left edges, then of the last dot's right edge."""
         view, (_, _, left, right) = self.viewport, self._bounds
         return view.left + np.arange(left, right + 1) * (view.units / self.across)
 
     @cached_property
     def y_edges(self) -> Floats:
-        """Map units of the dots' upper edges, and the last one's lower edge."""
+        """Map units of the dots' upper edges, then of the last dot's lower edge."""
         view, (top, bottom, _, _) = self.viewport, self._bounds
         return view.top + np.arange(top, bottom + 1) * (view.units * CELL_ASPECT / self.down)
 
@@ -123,16 +114,13 @@ class Raster:
 
     @property
     def dot(self) -> float:
-        """Map units of a dot's side, were it a square of the same size."""
+        """Side in map units of a square with a dot's area."""
         return self.viewport.units * math.sqrt(CELL_ASPECT / (self.across * self.down))
 
     def window(
         self, left: float, right: float, top: float, bottom: float
     ) -> tuple[slice, slice] | None:
-        """Return the slices (down, across) of the dots that touch a rectangle of the map.
-
-        None if there are none.
-        """
+        """Return slices (down, across) of dots that touch a map rectangle, or None."""
         far_left, far_right, far_top, far_bottom = self._far
         if not (far_left <= right and left <= far_right and left <= right):
             return None
