@@ -21,7 +21,6 @@ from logical_robots_tui.language.definitions import (
     rules_of,
 )
 from logical_robots_tui.language.inference import Inference
-from logical_robots_tui.language.inference import Record as KnownRecord
 from logical_robots_tui.language.signatures import (
     collisions,
     given_twice,
@@ -45,6 +44,7 @@ from logical_robots_tui.language.tree import (
     text_of,
     walk,
 )
+from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, VALUE
 
 if TYPE_CHECKING:
@@ -339,7 +339,7 @@ def engines(program: Sequence[Statement], inference: Inference, text: str) -> It
         if isinstance(node, Record)
     ]
     desires = [
-        shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, KnownRecord)
+        shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, RecordOf)
     ]
     problems: dict[tuple[int, int], Diagnostic] = {}
     for names in literals:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import json, sql
-from logical_robots_tui.mind.typed.kinds import (
+from logical_robots_tui.language.types import (
     Decimal,
     Kind,
     ListOf,
@@ -21,6 +20,7 @@ from logical_robots_tui.mind.typed.kinds import (
     is_whole,
     spell,
 )
+from logical_robots_tui.mind.tuning import json, sql
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,10 +6,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.typed import changes
-from logical_robots_tui.mind.typed.changes import conform
-from logical_robots_tui.mind.typed.kinds import (
+from logical_robots_tui.language.types import (
     SENSOR,
     Decimal,
     Kind,
@@ -18,10 +15,11 @@ from logical_robots_tui.mind.typed.kinds import (
     common,
     is_nested,
     parse_spelling,
-    product_of,
-    result_of,
-    sum_of,
 )
+from logical_robots_tui.mind.tuning import sql
+from logical_robots_tui.mind.typed import changes
+from logical_robots_tui.mind.typed.changes import conform
+from logical_robots_tui.mind.typed.results import product_of, result_of, sum_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
