@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.explain import Explainer
+from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import row
 
@@ -34,7 +34,7 @@ def why(
     """Why a predicate of a program has its rows."""
     with closing(Mind(Program.compile(text), **visibility)) as mind:
         explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
-        return explainer.why(predicate, given, within)
+        return explainer.why(Ask(predicate, given or {}, within))
 
 
 def proof(
@@ -50,7 +50,7 @@ def proof(
     """The whole proof of a row of a predicate."""
     with closing(Mind(Program.compile(text))) as mind:
         explainer = Explainer(mind, robot, rows or [row("Ada")], memories or {})
-        return explainer.proof(predicate, given, depth=depth)
+        return explainer.proof(Ask(predicate, given or {}), depth=depth)
 
 
 def find(node: Node, text: str) -> Node:

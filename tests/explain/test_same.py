@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from logical_robots_tui.explain import Explainer
+from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.explain.why.derivations import MOST_ROWS
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Limits, Mind, Program
@@ -61,7 +61,7 @@ def test_each_row_of_a_predicate_has_a_proof_and_no_other_has(name: str) -> None
             table = mind.query(predicate.name, rows, memories)
             column = table.columns.index("robot_name") if "robot_name" in table.columns else None
             for robot in robots:
-                proof = Explainer(mind, robot, rows, memories).proof(predicate.name)
+                proof = Explainer(mind, robot, rows, memories).proof(Ask(predicate.name))
                 found = proof.explanation
                 mine = [
                     row

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import Phase, given, settings
 
-from logical_robots_tui.explain import Explainer
+from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.explain.asking import REST
 from tests.explain.checking import Checker, false_claims
@@ -46,7 +46,7 @@ def _check(name: str, mind: Mind, checker: Checker) -> int:
         if given_row in seen:
             continue
         seen.append(given_row)
-        proof = Explainer(mind, "Ada", ROWS, {}).proof(name, given_row, nodes=3_000)
+        proof = Explainer(mind, "Ada", ROWS, {}).proof(Ask(name, given_row), nodes=3_000)
         explanation = proof.explanation
         assert explanation.rows > 0, (name, given_row)
         assert explanation.row is not None
@@ -61,7 +61,7 @@ def _check(name: str, mind: Mind, checker: Checker) -> int:
     for values in table.rows[:2]:
         other = dict(zip(table.columns, values, strict=True))
         other[table.columns[0]] = 77
-        assert Explainer(mind, "Ada", ROWS, {}).why(name, other).rows == 0
+        assert Explainer(mind, "Ada", ROWS, {}).why(Ask(name, other)).rows == 0
     return max(1, len(seen)) + min(2, len(table.rows))
 
 
@@ -116,7 +116,7 @@ def test_a_lie_would_be_found() -> None:
     program = Program.compile(text)
     with closing(Mind(program)) as mind:
         checker = Checker(program, mind, ROWS, {})
-        (node,) = Explainer(mind, "Ada", ROWS, {}).why("Big").nodes
+        (node,) = Explainer(mind, "Ada", ROWS, {}).why(Ask("Big")).nodes
         assert not list(false_claims(node, checker))
         lies = tuple(
             replace(child, values=(2,)) if child.text.startswith("y ==") else child

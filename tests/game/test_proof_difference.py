@@ -74,7 +74,7 @@ class Two:
 
     def condition(self) -> tuple[str, str] | None:
         asked = self.difference.asked
-        whys = [each.why(asked.predicate, asked.given) for each in self._explainers]
+        whys = [each.why(asked) for each in self._explainers]
         found = condition_of(self.difference, *whys)
         return None if found is None else (found[0].text, found[1])
 

@@ -106,30 +106,21 @@ async def _explain(
     level: Level, program: Program, options: argparse.Namespace
 ) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
     """Return the explanation, the nodes to show, whether they are complete, and suggestions."""
+    from logical_robots_tui.explain import Ask
     from logical_robots_tui.game import Inquiry
 
     frame = await frame_at(level, program, options.tick)
     inquiry = Inquiry(level)
-    given, within = dict(options.given) or None, options.within
-    robot, predicate = options.robot, options.predicate
+    asked = Ask(options.predicate, dict(options.given), options.within)
+    robot = options.robot
     try:
         if not options.tree:
-            explanation = await inquiry.why(
-                program, robot, frame, predicate=predicate, given=given, within=within
-            )
+            explanation = await inquiry.why(program, robot, frame, asked)
             nearest: list[tuple[int, Suggestion]] = []
-            if given is None and any(rule.rows == 0 for rule in explanation.rules):
-                nearest = await inquiry.nearest(program, robot, frame, predicate)
+            if not asked.given and any(rule.rows == 0 for rule in explanation.rules):
+                nearest = await inquiry.nearest(program, robot, frame, asked.predicate)
             return explanation, explanation.nodes, True, nearest
-        proof = await inquiry.proof(
-            program,
-            robot,
-            frame,
-            predicate=predicate,
-            given=given,
-            within=within,
-            depth=options.depth,
-        )
+        proof = await inquiry.proof(program, robot, frame, asked, depth=options.depth)
         return proof.explanation, proof.nodes, proof.complete, []
     finally:
         await inquiry.close()

@@ -19,6 +19,7 @@ from logical_robots_tui.schema import VALUE
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from logical_robots_tui.explain.why.explanation import Ask
     from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
     from logical_robots_tui.mind.relations import Relations, Way
     from logical_robots_tui.mind.sqlite.database import Scalar
@@ -65,17 +66,17 @@ class Derivations:
             found = self.relations.rows(name, probing.sources.get(name, ""))
         return [row for row in found if all(same(row[c], v) for c, v in given.items())]
 
-    def first(self, predicate: str, within: str, given: Row) -> Derived:
+    def first(self, asked: Ask) -> Derived:
         """Return the first such row and one derivation, or all of an aggregate.
 
         Raises QueryError if there is none, and FailureError if a query failed.
         """
-        probing = self.decompose(predicate, within)
-        given = checked(given, probing)
+        probing = self.decompose(asked.predicate, asked.within)
+        given = checked(asked.given, probing)
         self.prepare(probing)
         rows = self.rows(probing, given)
         if not rows:
-            raise QueryError(f"{predicate} has no such row.")
+            raise QueryError(f"{asked.predicate} has no such row.")
         row = self.stage(probing).first(probing, rows)
         arguments = [to_sql(given[column]) for column in probing.given]
         self.prepare(probing, row)
@@ -87,7 +88,7 @@ class Derivations:
             if ways and not is_aggregated(rule):
                 break
         if not ways:
-            raise QueryError(f"How {predicate} has this row can't be told.")
+            raise QueryError(f"How {asked.predicate} has this row can't be told.")
         return Derived(probing, row, tuple(ways))
 
     def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:

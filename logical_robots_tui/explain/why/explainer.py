@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.derivations import Derivations
 from logical_robots_tui.explain.why.deriving import shown, value_of
+from logical_robots_tui.explain.why.explanation import Ask
 from logical_robots_tui.explain.why.nearest import Nearest
 from logical_robots_tui.explain.why.probing import decompose
 from logical_robots_tui.explain.why.proving import Prover, unfold
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.relations import Way
     from logical_robots_tui.mind.sqlite.database import Scalar
     from logical_robots_tui.values import SensorRow, Value
+
+_ROBOT = Ask()
 
 
 class Explainer:
@@ -61,43 +65,26 @@ class Explainer:
         self._derivations = Derivations(relations, robot, self._decompose)
         self._prover = Prover(self._derivations)
 
-    def why(
-        self,
-        predicate: str = "Robot",
-        given: Mapping[str, Value] | None = None,
-        within: str = "",
-    ) -> Explanation:
+    def why(self, asked: Ask = _ROBOT) -> Explanation:
         """Explain a predicate's rows, or their absence.
 
-        Args:
-            predicate: One of the program's own.
-            given: Column values of the rows meant; by default the robot's name as ``robot_name``.
-            within: The predicate made with ``:=`` whose copy of the rules to use, or "".
+        Rows are those of the robot, where there is a column ``robot_name`` with no other value.
 
         Raises:
             QueryError: There is no such predicate or column, arguments are missing, or it failed.
         """
-        return self._prover.explain(predicate, self._about(predicate, given, within), within)
+        return self._prover.explain(self._about(asked))
 
-    def proof(
-        self,
-        predicate: str = "Robot",
-        given: Mapping[str, Value] | None = None,
-        within: str = "",
-        *,
-        depth: int = 100,
-        nodes: int = 10_000,
-    ) -> Proof:
+    def proof(self, asked: Ask = _ROBOT, *, depth: int = 100, nodes: int = 10_000) -> Proof:
         """Prove a row down to sensors and memories, up to `depth` predicates and `nodes` nodes.
 
         Raises QueryError as `why` does.
         """
-        given = self._about(predicate, given, within)
-        return unfold(self._prover, predicate, given, within, depth=depth, nodes=nodes)
+        return unfold(self._prover, self._about(asked), depth=depth, nodes=nodes)
 
     def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
         """Return changes that would give rules a row, smallest first; raise QueryError."""
-        given = self._about(predicate, None, "")
+        given = self._about(Ask(predicate)).given
         nearest = Nearest(self._program, self._derivations, given, self._limits)
         probing = self._decompose(predicate, "")
         return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
@@ -128,15 +115,13 @@ class Explainer:
         stop = self._within.stop
         return decompose(self._program, predicate, within, stop=stop, limits=self._limits)
 
-    def _about(
-        self, predicate: str, given: Mapping[str, Value] | None, within: str
-    ) -> Mapping[str, Value]:
+    def _about(self, asked: Ask) -> Ask:
+        """Return the question about this robot, unless it names another one."""
         self._within.renew()
-        probing = self._decompose(predicate, within)
-        given = {} if given is None else given
+        probing = self._decompose(asked.predicate, asked.within)
         if "robot_name" in probing.columns and "robot_name" not in probing.given:
-            return {"robot_name": self._robot, **given}
-        return given
+            return replace(asked, given={"robot_name": self._robot, **asked.given})
+        return asked
 
 
 _MOST_WAYS = 1_000

@@ -14,9 +14,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """The question one step deeper; `within` as in `Explainer.why`."""
+    """Which rows to explain.
 
-    predicate: str
+    Attributes:
+        given: Values of some columns.
+        within: The predicate made with ``:=`` whose copy of the rules to use, or "".
+    """
+
+    predicate: str = "Robot"
     given: Mapping[str, Value] = field(default_factory=dict)
     within: str = ""
 

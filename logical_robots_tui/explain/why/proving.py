@@ -16,7 +16,7 @@ from logical_robots_tui.mind.relations import same
 from logical_robots_tui.mind.sqlite.stored import to_sql
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from logical_robots_tui.explain.why.derivations import Derivations, Row
     from logical_robots_tui.explain.why.deriving import Telling
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     )
     from logical_robots_tui.mind.relations import Way
     from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
 
 
 class Prover:
@@ -38,15 +37,15 @@ class Prover:
     def __init__(self, derivations: Derivations) -> None:
         self.derivations = derivations
 
-    def explain(self, predicate: str, given: Row, within: str = "") -> Explanation:
+    def explain(self, asked: Ask) -> Explanation:
         """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
-        probing = self.derivations.decompose(predicate, within)
-        given = checked(given, probing)
+        probing = self.derivations.decompose(asked.predicate, asked.within)
+        given = checked(asked.given, probing)
         try:
             rows = self.derivations.rows(probing, given)
             self.derivations.prepare(probing)
         except FailureError as failure:
-            raise QueryError(f"{predicate} failed: {failure}.") from None
+            raise QueryError(f"{asked.predicate} failed: {failure}.") from None
         row = self.derivations.stage(probing).first(probing, rows) if rows else None
         rules = tuple(self._rule(rule, probing, given, rows, row) for rule in probing.rules)
         if row is not None and all(found.row is None for found in rules):
@@ -55,10 +54,10 @@ class Prover:
             else:
                 rules = (*rules, _unexplained(rules[0], probing))
         return Explanation(
-            predicate,
+            asked.predicate,
             self.derivations.robot,
             probing.made_from,
-            within,
+            asked.within,
             given,
             min(len(rows), MOST_ROWS),
             row,
@@ -222,16 +221,8 @@ def _unexplained(like: RuleFound, probing: Probing) -> RuleFound:
     return RuleFound(like.span, None, None, None, Node("note", text))
 
 
-def unfold(
-    prover: Prover,
-    predicate: str,
-    given: Mapping[str, Value],
-    within: str = "",
-    *,
-    depth: int,
-    nodes: int,
-) -> Proof:
-    explanation = prover.explain(predicate, given, within)
+def unfold(prover: Prover, asked: Ask, *, depth: int, nodes: int) -> Proof:
+    explanation = prover.explain(asked)
     unfolding = _Unfolding(prover, nodes)
     roots = tuple(unfolding.node(node, depth, ()) for node in _proving(explanation))
     return Proof(explanation, roots, unfolding.complete)
@@ -263,8 +254,7 @@ class _Unfolding:
         found = self._known.get(key)
         if found is None:
             try:
-                explained = self._prover.explain(asked.predicate, asked.given, asked.within)
-                found = _proving(explained)
+                found = _proving(self._prover.explain(asked))
             except QueryError as error:
                 found = str(error)
             self._known[key] = found

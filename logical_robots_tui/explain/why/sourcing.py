@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import decided, value_of
+from logical_robots_tui.explain.why.explanation import Ask
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -16,7 +17,7 @@ from logical_robots_tui.mind.relations import alike
 from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from logical_robots_tui.explain.why.derivations import Derivations
     from logical_robots_tui.explain.why.probing import (
@@ -84,9 +85,9 @@ class _Found:
 
 def source_of(derivations: Derivations, path: Path) -> Made:
     """Return the origin of a part of the robot's new memory; raise QueryError."""
-    given = {"robot_name": derivations.robot}
+    asked = Ask(given={"robot_name": derivations.robot})
     try:
-        whole, found = _Sourcing(derivations).in_row("Robot", "", given, "memory", path, None)
+        whole, found = _Sourcing(derivations).in_row(asked, "memory", path, None)
     except FailureError as failure:
         raise QueryError(f"Robot failed: {failure}.") from None
     value = part_of(whole, path)
@@ -114,9 +115,7 @@ class _Sourcing:
 
     def in_row(
         self,
-        predicate: str,
-        within: str,
-        given: Mapping[str, Value],
+        asked: Ask,
         column: str,
         path: Path,
         caller: tuple[_Frame, Call] | None,
@@ -124,7 +123,7 @@ class _Sourcing:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise QueryError("This goes through too many predicates to be followed.")
-        derived = self._derivations.first(predicate, within, given)
+        derived = self._derivations.first(asked)
         value = derived.row[column]
         clause = derived.ways[0][1]
         collected = next((c for c in clause.collected if c.column == column), None)
@@ -221,7 +220,7 @@ class _Sourcing:
             except QueryError:
                 value = None
             return _Found(None, frame.rule, (Read(what, robot, path, value),))
-        _, found = self.in_row(call.predicate, call.within, given, column, path, (frame, call))
+        _, found = self.in_row(Ask(call.predicate, given, call.within), column, path, (frame, call))
         return found
 
     def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> _Found:

@@ -82,12 +82,8 @@ class _Course:
         return await self._thinker.do(lambda stop: self._explainer(program, stop).proof())
 
     async def why(self, program: Program, asked: Ask) -> Explanation | None:
-        def work(stop: threading.Event) -> Explanation:
-            explainer = self._explainer(program, stop)
-            return explainer.why(asked.predicate, asked.given, asked.within)
-
         try:
-            return await self._thinker.do(work)
+            return await self._thinker.do(lambda stop: self._explainer(program, stop).why(asked))
         except QueryError:
             return None
 

@@ -16,15 +16,14 @@ from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, T
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
-    from logical_robots_tui.explain import Explanation, Proof
+    from logical_robots_tui.explain import Ask, Explanation, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.game.debugging.pins import Pin, Reading
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Mind, Program, QueryPlan
-    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
 T = TypeVar("T")
@@ -62,17 +61,11 @@ class Inquiry:
         program: Program,
         robot: str,
         frame: Frame,
-        *,
-        predicate: str = "Robot",
-        given: Mapping[str, Value] | None = None,
-        within: str = "",
+        asked: Ask,
     ) -> Explanation:
-        """Explain a predicate's rows with `given` values, or their absence, or raise QueryError.
-
-        `within` is a predicate made with ``:=`` whose rules contain the call.
-        """
+        """Explain a predicate's rows, or their absence, or raise QueryError."""
         return await self._explain(
-            self._explainer, program, robot, frame, lambda each: each.why(predicate, given, within)
+            self._explainer, program, robot, frame, lambda each: each.why(asked)
         )
 
     async def proof(
@@ -80,18 +73,14 @@ class Inquiry:
         program: Program,
         robot: str,
         frame: Frame,
+        asked: Ask,
         *,
-        predicate: str = "Robot",
-        given: Mapping[str, Value] | None = None,
-        within: str = "",
         depth: int = 100,
     ) -> Proof:
-        """Prove the first row with `given` values, `depth` predicates deep; raises as `why`."""
-
-        def work(explainer: Explainer) -> Proof:
-            return explainer.proof(predicate, given, within, depth=depth)
-
-        return await self._explain(self._explainer, program, robot, frame, work)
+        """Prove the first row that is asked for, `depth` predicates deep; raises as `why`."""
+        return await self._explain(
+            self._explainer, program, robot, frame, lambda each: each.proof(asked, depth=depth)
+        )
 
     async def calls(self, program: Program, robot: str, frame: Frame, predicate: str) -> Table:
         """Return a function's calls in a robot's reasoning at a frame, or raise QueryError."""

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.explain import Explanation, Proof
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Program
 
 
 async def test_a_proof_that_takes_long_says_so_and_can_be_stopped(data_dir: Path) -> None:
@@ -72,11 +74,13 @@ async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
 ) -> None:
     prove, asked_for = Inquiry.proof, list[str]()
 
-    async def never_of_robot(*asked: Any, predicate: str, **about: Any) -> Proof:
-        asked_for.append(predicate)
-        if predicate == "Robot":
+    async def never_of_robot(
+        inquiry: Inquiry, program: Program, robot: str, frame: Frame, asked: Ask
+    ) -> Proof:
+        asked_for.append(asked.predicate)
+        if asked.predicate == "Robot":
             await asyncio.Event().wait()
-        return await prove(*asked, predicate=predicate, **about)
+        return await prove(inquiry, program, robot, frame, asked)
 
     monkeypatch.setattr(Inquiry, "proof", never_of_robot)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:

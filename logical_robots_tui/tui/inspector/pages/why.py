@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -97,7 +97,7 @@ class WhyPage(Page):
             return
         try:
             inquiry, program = self._questions.about()
-            why = inquiry.why(program, question.robot, frame, **_parts(question.asked))
+            why = inquiry.why(program, question.robot, frame, question.asked)
             found = await self._query.run(why, report)
             if self._session.running:
                 self._show(question, found, _proving(found))
@@ -225,7 +225,7 @@ class WhyPage(Page):
 
     async def _proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
         inquiry, program = self._questions.about()
-        return await inquiry.proof(program, robot, frame, **_parts(asked))
+        return await inquiry.proof(program, robot, frame, asked)
 
     async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
         try:
@@ -245,10 +245,6 @@ class WhyPage(Page):
         if event.moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
-
-
-def _parts(asked: Ask) -> dict[str, Any]:
-    return {"predicate": asked.predicate, "given": asked.given or None, "within": asked.within}
 
 
 def _suggestion(rule: int, each: Suggestion) -> Node:
