@@ -1,4 +1,4 @@
-"""What statements define, call and substitute; the prelude, and what the package has built in.
+"""What statements define, call and substitute; the prelude; built-in functions; constants.
 
 A parameter is a predicate that ``New := Old(Parameter: Given)`` substitutes.
 """
@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from logica.compiler import expr_translate
 
-from logical_robots_tui.language.adapter import operator_name, parse_trusted
+from logical_robots_tui.language.adapter import operator_name, parse, parse_trusted
+from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.tree import (
     Aggregate,
     Aggregation,
@@ -23,6 +25,7 @@ from logical_robots_tui.language.tree import (
     Rule,
     walk,
 )
+from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -179,3 +182,55 @@ def arity(name: str) -> tuple[int, float]:
         return (2, 2) if name in _TWO_ARGUMENTS else (1, 1)
     least, most = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
     return least, most
+
+
+# -- constants -----------------------------------------------------------------------------------
+
+
+def with_constants(text: str, values: Mapping[str, str]) -> str:
+    """Set constants to one-line expressions; all other text and line numbers stay the same.
+
+    Raises:
+        ProgramError: The program has errors, or a name is not that of a constant.
+    """
+    program = _statements_of(text)
+    found = definitions(program)
+    wanted = list(program)
+    places = []
+    for name, value in values.items():
+        new, *others = _statements_of(f"{name}() = {value};")
+        old, *more = found.get(name, [None])
+        if others or more or not is_constant(old) or not isinstance(new, Rule):
+            hint = f"A constant is one rule without a body: {name}() = {value};"
+            raise _not_constant(f"{name} is not a constant of the program", hint)
+        assert isinstance(old, Rule)
+        assert old.value is not None
+        assert old.value.span is not None
+        places.append((*old.value.span, value))
+        wanted[program.index(old)] = new
+    for start, stop, value in sorted(places, reverse=True):
+        lines = text.count("\n", start, stop)
+        text = text[:start] + value + "\n" * lines + text[stop:]
+    if _statements_of(text) != wanted:
+        raise _not_constant(
+            "the constants can't be written into the program", "Try simpler values."
+        )
+    return text
+
+
+def is_constant(rule: Rule | Functor | None) -> bool:
+    """Return whether a rule gives a predicate without arguments one value under no condition."""
+    if not isinstance(rule, Rule) or rule.body or rule.is_distinct or rule.modalities:
+        return False
+    return [each.field for each in rule.head.columns] == [VALUE] and rule.value is not None
+
+
+def _statements_of(text: str) -> list[Statement]:
+    parsed = parse(prepare(text))
+    if parsed.problems:
+        raise ProgramError(tuple(parsed.problems))
+    return parsed.statements
+
+
+def _not_constant(message: str, hint: str) -> ProgramError:
+    return ProgramError((Diagnostic(1, 1, message, hint),))

@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.explain.clauses.trees import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
-from logical_robots_tui.language.constants import is_constant
-from logical_robots_tui.language.definitions import MAIN, definitions, reached, rules_of
+from logical_robots_tui.language.definitions import (
+    MAIN,
+    definitions,
+    is_constant,
+    reached,
+    rules_of,
+)
 from logical_robots_tui.language.functors import expand
 from logical_robots_tui.language.tree import (
     COMPARISONS,

@@ -23,8 +23,7 @@ from functools import partial
 from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
-from logical_robots_tui.language.constants import with_constants
-from logical_robots_tui.language.definitions import MAIN
+from logical_robots_tui.language.definitions import MAIN, with_constants
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
