@@ -1,38 +1,275 @@
-"""Parts of bodies, heads, calls and expressions. In the compile process."""
+"""Bodies of rules: their parts in the order in which they can be evaluated, terms, and places."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why import probing
+from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.definitions import is_built_in
 from logical_robots_tui.language.tree import (
     COMPARISONS,
     JUNCTIONS,
     REST,
     Aggregate,
     Aggregation,
+    Argument,
     Atom,
+    Boolean,
     Call,
     Choice,
+    Conjunction,
     Disjunction,
+    Equation,
     Expression,
     FieldAccess,
+    Head,
     Literal,
+    Membership,
+    Number,
     PredicateName,
     Record,
+    Rule,
     Variable,
+    arguments,
+    call,
     children,
     conjuncts,
+    equated,
+    is_aggregate,
     operands,
     variable_of,
+    variables,
     walk,
 )
+from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
+    from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.explain.why.probing import TermKind
-    from logical_robots_tui.language.tree import Node, Proposition, Rule, Tree
+    from logical_robots_tui.language.source_text import Prepared
+    from logical_robots_tui.language.tree import Node, Proposition, Tree
+
+
+_OPENS = {"(": ")", "[": "]", "{": "}"}
+_FALSE = Boolean("false")
+
+
+def make_rule(
+    name: str,
+    columns: Mapping[str, Expression] | Mapping[int | str, Expression],
+    body: Sequence[Proposition],
+) -> Rule:
+    """Make a rule."""
+    return Rule(Head(name, arguments(columns)), Conjunction(tuple(body)) if body else None)
+
+
+def span_of(node: Tree, source: Prepared) -> Span:
+    """Return the place of a tree's text."""
+    start, stop = tree.span_of(node) or (0, 0)
+    return span_of_text(start, _closed(source.skeleton, start, stop), source.original)
+
+
+def span_of_text(start: int, stop: int, text: str) -> Span:
+    while start < stop and text[start].isspace():
+        start += 1
+    lines = (
+        line.split("#")[0] if '"' not in line else line for line in text[start:stop].split("\n")
+    )
+    return Span(start, stop, text.count("\n", 0, start) + 1, " ".join(" ".join(lines).split()))
+
+
+def _closed(skeleton: str, start: int, stop: int) -> int:
+    open_brackets: list[str] = []
+    for at in range(start, len(skeleton)):
+        character = skeleton[at]
+        if at >= stop and not open_brackets:
+            return at
+        if character in _OPENS:
+            open_brackets.append(_OPENS[character])
+        elif open_brackets and character == open_brackets[-1]:
+            open_brackets.pop()
+            if at >= stop and not open_brackets:
+                return at + 1
+    return max(stop, min(len(skeleton), stop))
+
+
+def as_expression(part: Proposition) -> Expression:
+    pair = equated(part)
+    if pair is not None:
+        return call("==", left=pair[0], right=pair[1])
+    assert isinstance(part, Atom)
+    return Call(part.name, part.arguments, span=part.span)
+
+
+def as_part(condition: Expression, *, holds: bool) -> Proposition:
+    """Return a part that holds where an expression is true, or where it is false or null."""
+    known = call("Coalesce", condition, _FALSE)
+    if holds:
+        return Atom("!=", arguments({"left": known, "right": _FALSE}))
+    return Equation(known, _FALSE)
+
+
+def compared(condition: Expression) -> tuple[str, Expression, Expression] | None:
+    if not isinstance(condition, Call) or condition.name not in COMPARISONS:
+        return None
+    sides = operands(condition.arguments)
+    return (condition.name, sides[0], sides[1]) if len(sides) == 2 else None
+
+
+def count_rule(
+    name: str,
+    columns: Mapping[str, Expression],
+    differences: Mapping[int, Expression],
+    body: Sequence[Proposition],
+) -> Rule:
+    """Make a rule that counts the ways in which a body holds, grouped by columns.
+
+    Args:
+        name: The predicate that it defines.
+        columns: The columns to group by.
+        differences: Numbers whose least and greatest value is wanted.
+        body: The body.
+    """
+    aggregated = [
+        Argument(f"{letter}{place}", Aggregation(operator, value))
+        for place, value in differences.items()
+        for letter, operator in (("l", "Min"), ("h", "Max"))
+    ]
+    number = Argument("n", Aggregation("+", Number("1")))
+    head = Head(name, (*arguments(columns), *aggregated, number))
+    return Rule(head, Conjunction(tuple(body)) if body else None, is_distinct=True)
+
+
+def parameters(rule: Rule) -> list[tuple[str, str]] | None:
+    """Return the columns of a function's head with their variables, or None if it has others."""
+    found = []
+    for each in rule.head.columns:
+        if each.field == VALUE:
+            continue
+        variable = variable_of(each.expression)
+        if not variable or each.field == REST:
+            return None
+        found.append((each.column, variable))
+    return found
+
+
+def outer_calls(node: Tree, own: Container[str]) -> Iterator[Call | Atom]:
+    """Yield the calls of the program's own predicates in a tree, outside aggregates."""
+    for each in walk(node, is_aggregate):
+        if isinstance(each, Call | Atom) and each.name in own:
+            yield each
+
+
+class _EveryColumn:
+    """Contains every column name."""
+
+    def __contains__(self, column: object) -> bool:
+        return True
+
+
+EVERY_COLUMN = _EveryColumn()
+"""The columns of a function whose required columns are unknown."""
+
+
+class Scope:
+    """The variables of a body and its surroundings, and those that nested aggregates use."""
+
+    def __init__(self, functions: Mapping[str, Container[str]], variables: Iterable[str]) -> None:
+        self.functions = functions
+        self.variables = frozenset(variables)
+
+    def mentioned(self, tree: Tree) -> frozenset[str]:
+        """Return the variables of this scope that a tree mentions, at any depth."""
+        return variables(tree) | (variables(tree, inside=True) & self.variables)
+
+    def gives(self, part: Proposition, known: frozenset[str]) -> frozenset[str] | None:
+        """Return the variables that are bound after a part, or None if it can't be evaluated."""
+        if isinstance(part, Disjunction):
+            return self._choice(part, known)
+        if isinstance(part, Membership):
+            if not self.mentioned(part.collection) <= known:
+                return None
+            return self._matched(part.element, known)
+        pair = equated(part)
+        if pair is not None:
+            return self._equal(*pair, known)
+        name = part.name if isinstance(part, Atom) else ""
+        if name not in self.functions and (is_built_in(name) or not name[:1].isalpha()):
+            return known if self.mentioned(part) <= known else None
+        assert isinstance(part, Atom)
+        needed = self.functions.get(name, ())
+        found = known
+        for argument in part.arguments:
+            assert argument.expression is not None
+            value = argument.expression
+            if argument.column in needed and not self.mentioned(value) <= known:
+                return None
+            matched = self._matched(value, found)
+            if matched is None:
+                return None
+            found = matched
+        return found
+
+    def _matched(self, pattern: Expression, known: frozenset[str]) -> frozenset[str] | None:
+        if isinstance(pattern, Variable):
+            return known | {str(pattern.name)}
+        return known if self.mentioned(pattern) <= known else None
+
+    def _equal(
+        self, left: Expression, right: Expression, known: frozenset[str]
+    ) -> frozenset[str] | None:
+        for pattern, value in ((left, right), (right, left)):
+            if self.mentioned(value) <= known:
+                patterns: tuple[Expression, ...] = (pattern,)
+                if isinstance(pattern, Record) and pattern.arguments:
+                    patterns = operands(pattern.arguments)
+                found: frozenset[str] | None = known
+                for each in patterns:
+                    found = None if found is None else self._matched(each, found)
+                if found is not None:
+                    return found
+        return None
+
+    def _choice(self, part: Disjunction, known: frozenset[str]) -> frozenset[str] | None:
+        found = []
+        for branch in part.alternatives:
+            ordered, left = in_order(conjuncts(branch), self, known)
+            if left:
+                return None
+            found.append(ordered[-1][1] if ordered else known)
+        return frozenset.intersection(*found)
+
+
+def in_order(
+    parts: Iterable[Proposition], scope: Scope, known: frozenset[str]
+) -> tuple[list[tuple[Proposition, frozenset[str]]], list[Proposition]]:
+    """Order parts so that each can be evaluated, in text order where possible.
+
+    Returns:
+        The parts, each with the variables bound after it; and those that can't be evaluated.
+    """
+    waiting = list(parts)
+    ordered: list[tuple[Proposition, frozenset[str]]] = []
+    while waiting:
+        for place, part in enumerate(waiting):
+            found = scope.gives(part, known)
+            if found is not None:
+                del waiting[place]
+                ordered.append((part, found))
+                known = found
+                break
+        else:
+            break
+    return ordered, waiting
+
+
+def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:
+    """Yield the outermost aggregates in a tree."""
+    return (node for node in walk(tree, is_aggregate) if isinstance(node, Aggregate))
+
 
 MOST_CLAUSES = 32
 

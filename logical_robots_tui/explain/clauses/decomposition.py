@@ -9,10 +9,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.clauses.bodies import Names, head_of
+from logical_robots_tui.explain.clauses.bodies import (
+    Names,
+    Scope,
+    head_of,
+    in_order,
+    make_rule,
+    outer_aggregates,
+)
 from logical_robots_tui.explain.clauses.normal_form import Builder
-from logical_robots_tui.explain.clauses.scopes import Scope, in_order, outer_aggregates
-from logical_robots_tui.explain.clauses.trees import make_rule
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
 from logical_robots_tui.language.definitions import called
 from logical_robots_tui.language.functors import expand, rename

@@ -10,17 +10,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from logical_robots_tui.explain.clauses.bodies import (
+    Scope,
     TooManyError,
     alternatives,
     chain_root,
     chains,
+    in_order,
     kind_of,
+    make_rule,
     names_of,
+    outer_aggregates,
     parts_of,
+    span_of,
     values_in,
 )
-from logical_robots_tui.explain.clauses.scopes import Scope, in_order, outer_aggregates
-from logical_robots_tui.explain.clauses.trees import make_rule, span_of
 from logical_robots_tui.explain.why.probing import Body, Call, Clause, Collected, Step, Term
 from logical_robots_tui.language.tree import (
     REST,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.clauses.trees import span_of
+from logical_robots_tui.explain.clauses.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.language.definitions import (

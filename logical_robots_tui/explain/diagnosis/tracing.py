@@ -3,33 +3,249 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.explain.clauses.scopes import EVERY_COLUMN, Scope, in_order
-from logical_robots_tui.explain.clauses.trees import as_expression, outer_calls
-from logical_robots_tui.explain.diagnosis.values import ValueTracing
-from logical_robots_tui.explain.diagnosis.watching import At, Segment, Trail
+from logical_robots_tui.explain.clauses.bodies import (
+    EVERY_COLUMN,
+    Scope,
+    as_expression,
+    compared,
+    in_order,
+    outer_calls,
+    parameters,
+)
+from logical_robots_tui.explain.diagnosis.sites import Field
+from logical_robots_tui.explain.diagnosis.watching import At, Segment, Stands, Trail, Watching
+from logical_robots_tui.explain.why.probing import ORDERING
 from logical_robots_tui.language.tree import (
+    CONDITIONS,
+    JUNCTIONS,
     REST,
+    Aggregate,
     Aggregation,
     Atom,
+    Call,
+    Choice,
     Disjunction,
     Equation,
+    FieldAccess,
+    List,
+    Literal,
     Membership,
+    PredicateName,
+    Record,
     Variable,
+    call,
     conjuncts,
     equated,
     operands,
     substitute,
+    text_of,
     variable_of,
     variables,
 )
 from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
-    from logical_robots_tui.language.tree import Call, Expression, Proposition, Rule, Tree
+    from logical_robots_tui.language.tree import Expression, Proposition, Rule, Tree
+
+
+_DEEPEST = 8  # nesting of functions
+_NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
+
+
+class ValueTracing(Watching):
+    def _value(self, node: Expression, at: At, *, is_leaf: bool = False) -> None:
+        if isinstance(node, Choice):
+            for branch in node.branches:
+                column = self._truth(branch.condition, at, "branch")
+                if column < 0:
+                    return
+                self._value(branch.value, at.when(column, holds=True), is_leaf=is_leaf)
+                at = at.when(column, holds=False)
+            self._value(node.otherwise, at, is_leaf=is_leaf)
+            return
+        name = node.name if isinstance(node, Call) else ""
+        if is_leaf and not isinstance(node, Literal | List | PredicateName):
+            self._nulls(node, at)
+            # A predicate with rows is watched in its own rules.
+            has_rows = name in self._own and name not in self._functions
+            details = {"places": ()} if has_rows else {}
+            self._add(at, self._site("leaf", node, at, **details), (), "always")
+        if name in CONDITIONS:
+            self._truth(node, at, "operand")
+            return
+        match node:
+            case Call():
+                given = operands(node.arguments)
+                for value in given[:1] if name in _NOT_VALUES else given:
+                    self._value(value, at)
+                if name in self._functions:
+                    self._function(node, at, is_leaf=is_leaf)
+            case Aggregate():
+                self._aggregate(node, at)
+            case FieldAccess():
+                self._read(node, at)
+            case Record():
+                for value in operands(node.arguments):
+                    self._value(value, at)
+            case List():
+                for value in node.elements:
+                    self._value(value, at)
+            case Variable() if self._called(node.name, at) in self._memories:
+                self.reads_all = True
+
+    def _nulls(self, node: Expression, at: At) -> None:
+        waiting = [node]
+        while waiting:
+            node = waiting.pop(0)
+            is_function = isinstance(node, Call) and node.name in self._functions
+            if isinstance(node, Aggregate) or is_function:
+                lacks = call("IsNull", substitute(node, at.given))
+                self._add(at, self._site("value", node, at), (lacks,), "truth", lacks)
+            if isinstance(node, Record) or (
+                isinstance(node, Call) and node.name not in _NOT_VALUES
+            ):
+                waiting += operands(node.arguments)
+
+    def _truth(self, condition: Expression, at: At, kind: Any) -> int:
+        """Watch a condition; return its column, or -1 if there are too many."""
+        name = condition.name if isinstance(condition, Call) else ""
+        given = operands(condition.arguments) if isinstance(condition, Call) else ()
+        found = compared(condition)
+        whole = substitute(condition, at.given)
+        asked: list[Expression] = [whole]
+        how, literal, other, lacks = "truth", None, "", None
+        if found is not None:
+            sign, *both = found
+            asked_sides = [substitute(side, at.given) for side in both]
+            texts = [text_of(side) for side in asked_sides]
+            other = self._span(both[0]).text
+            if sign in ORDERING:
+                lacks = call("-", left=asked_sides[0], right=asked_sides[1])
+            elif sign == "==" and texts.count(None) == 1:
+                place = 0 if texts[0] is not None else 1
+                how, literal, asked = "text", texts[place], [asked_sides[1 - place]]
+                other = self._span(both[1 - place]).text
+                if text_of(both[place]) is None:
+                    site = self._site("text", asked_sides[place], at, literal=literal, other=other)
+                    self._add(at, site, asked, "text")
+                    how, literal, asked = "truth", None, [whole]
+            elif sign == "==" and kind == "condition":
+                how, asked = "pair", asked_sides
+        operator = found[0] if found else name if name in JUNCTIONS else ""
+        details = {"literal": literal, "other": other, "operator": operator}
+        site = self._site(kind, condition, at, **details)
+        column = self._add(at, site, asked, how, whole)
+        if column < 0:
+            return column
+        if lacks is not None:
+            at.trail.segment.differences[column] = lacks
+        if name in JUNCTIONS:
+            first = self._truth(given[0], at, "operand")
+            if first >= 0:
+                self._truth(given[1], at.when(first, holds=name == "&&"), "operand")
+        elif name == "!":
+            self._truth(given[0], at, "operand")
+        elif isinstance(condition, Call):
+            within = replace(at, stands="denied") if kind == "denial" else at
+            for value in given:
+                self._value(value, within)
+            if name in self._functions:
+                self._function(condition, at, is_leaf=False)
+        else:
+            self._value(condition, at)
+        return column
+
+    def _aggregate(self, node: Aggregate, at: At) -> None:
+        inner = conjuncts(node.body)
+        if not inner:
+            self._value(node.argument, at)
+            return
+        local = variables([node.argument, *inner], inside=True) - at.scope.variables
+        given = {**at.given, **{name: Variable(self._new(name)) for name in local}}
+        stands: Stands = "denied" if at.stands == "denied" else "aggregate"
+        scope = Scope(at.scope.functions, at.scope.variables | variables(inner))
+        self._aside(inner, at, scope, given, [(node.argument, False)], stands=stands)
+
+    def _function(self, node: Call, at: At, *, is_leaf: bool) -> None:
+        if node.name in at.inside or len(at.inside) >= _DEEPEST:
+            return
+        for rule in self._own.get(node.name, ()):
+            found = self._entered(rule, node, at)
+            if found is None or rule.value is None:
+                continue
+            body = conjuncts(rule.body)
+            if body:
+                self._aside(body, found, found.scope, found.given, [(rule.value, is_leaf)])
+            else:
+                self._value(rule.value, found, is_leaf=is_leaf)
+
+    def _read(self, node: FieldAccess, at: At) -> None:
+        if self._is_memory(node.record, at):
+            name, span = str(node.field), self._span(node)
+            self.reads.setdefault((name, span.start), Field(name, span))
+        else:
+            self._value(node.record, at)
+
+    def _is_memory(self, value: Expression, at: At) -> bool:
+        """Return whether an expression is a memory, perhaps cast or with a default."""
+        value = substitute(value, at.given)
+        while isinstance(value, Call) and value.name in ("TryCast", "Coalesce"):
+            value = operands(value.arguments)[0]
+        return variable_of(value) in self._memories
+
+    def _entered(self, rule: Rule, called: Call | Atom, at: At) -> At | None:
+        expected = parameters(rule)
+        values = {each.column: each.expression for each in called.arguments}
+        if expected is None or id(rule) not in self._numbers:
+            return None
+        given: dict[str, Expression] = {}
+        for column, variable in expected:
+            value = values.get(column)
+            if value is None:
+                return None
+            given[variable] = substitute(value, at.given)
+        inner = [*conjuncts(rule.body), *rule.head.columns]
+        scope = Scope(dict.fromkeys(self._functions, EVERY_COLUMN), variables(inner))
+        known = frozenset(given)
+        for local in variables(inner, inside=True) - known:
+            given[local] = Variable(self._new(local))
+        return replace(
+            at,
+            rule=self._numbers[id(rule)],
+            scope=scope,
+            known=known,
+            given=given,
+            inside=(*at.inside, str(called.name)),
+        )
+
+    def _aside(
+        self,
+        parts: Sequence[Proposition],
+        at: At,
+        scope: Scope,
+        given: Mapping[str, Expression],
+        values: Sequence[tuple[Expression, bool]],
+        **changed: Any,
+    ) -> None:
+        trail = Trail(Segment(self._all_of(at)))
+        within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
+        done = self._parts(parts, within)
+        if done is not None:
+            for value, is_leaf in values:
+                self._value(value, done, is_leaf=is_leaf)
+        self._emit(trail)
+        telling = (self.probes[name][1] for name in trail.probes)
+        if not any(probe.columns or self._tells(probe) for probe in telling):
+            for name in trail.probes:
+                del self.probes[name]
+
+    def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
+        raise NotImplementedError
+
 
 _LEAVES = ("desire", VALUE)
 """Columns whose ``if`` branches are watched."""

@@ -6,7 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from logical_robots_tui.explain.clauses.trees import as_part, count_rule, parameters, span_of
+from logical_robots_tui.explain.clauses.bodies import as_part, count_rule, parameters, span_of
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
 from logical_robots_tui.language.definitions import called
 from logical_robots_tui.language.tree import (
@@ -22,7 +22,7 @@ from logical_robots_tui.schema import INPUTS
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from logical_robots_tui.explain.clauses.scopes import Scope
+    from logical_robots_tui.explain.clauses.bodies import Scope
     from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.language.functors import Expanded
     from logical_robots_tui.language.source_text import Prepared
