@@ -25,9 +25,8 @@ from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-from logical_robots_tui.tui.labyrinth.robot_drag import RobotPut
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
-from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
 from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH, Arrangement, Layout
 from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
 from logical_robots_tui.tui.layout.pane import Pane
@@ -38,8 +37,7 @@ from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.pane import ProgramPane
-from logical_robots_tui.tui.program.teams import TeamChoice, TeamTabs
+from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice, TeamTabs
 from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, leave, program_draft
 from logical_robots_tui.tui.recovery.offers import Bookmark, Offering, Offers, OtherGames
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController

@@ -185,7 +185,7 @@ def transpose(screen: MainScreen) -> None:
 @rows.command("Copy rows", "c")
 def copy_rows(screen: MainScreen) -> None:
     """Copy the rows as CSV, to the terminal's clipboard and into a file."""
-    from logical_robots_tui.tui.inspector.widgets.row_order import as_csv
+    from logical_robots_tui.tui.inspector.widgets.table import as_csv
     from logical_robots_tui.wording import counted
 
     if (table := _table(screen)) is not None:
@@ -198,7 +198,7 @@ def copy_rows(screen: MainScreen) -> None:
 @rows.command("Save rows", "S")
 def save_rows(screen: MainScreen) -> None:
     """Save the rows as CSV and as JSON."""
-    from logical_robots_tui.tui.inspector.widgets.row_order import as_csv, as_json
+    from logical_robots_tui.tui.inspector.widgets.table import as_csv, as_json
     from logical_robots_tui.writing import write_atomically
 
     if (table := _table(screen)) is None:

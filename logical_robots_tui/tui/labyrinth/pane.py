@@ -10,11 +10,9 @@ from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.inspector.widgets.cells import written
-from logical_robots_tui.tui.labyrinth.banner import VictoryBanner
-from logical_robots_tui.tui.labyrinth.briefing import Briefing
+from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
-from logical_robots_tui.tui.labyrinth.robot_drag import RobotPointed
-from logical_robots_tui.tui.labyrinth.view import LabyrinthView
+from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink

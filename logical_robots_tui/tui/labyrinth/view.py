@@ -22,13 +22,14 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
-from logical_robots_tui.tui.labyrinth.robot_drag import Grip, RobotPointed, robot_near
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.terminal.direct_paint import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from textual import events
     from textual.filter import LineFilter
@@ -39,7 +40,48 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.world import RobotState
+    from logical_robots_tui.world.changing import Pose
     from logical_robots_tui.world.level import Level
+
+
+_PICK_REACH = 2.5
+"""Columns beside a robot within which it is picked."""
+
+
+class RobotPointed(Message):
+    """The mouse points at another robot than before, or at none."""
+
+
+@dataclass
+class RobotPut(Message):
+    name: str
+    pose: Pose
+
+
+@dataclass(frozen=True)
+class Grip:
+    """How a robot is held: `dx` and `dy` are map units from its centre to the pointer."""
+
+    name: str
+    dx: float
+    dy: float
+    is_turned: bool
+
+    def put(self, robot: RobotState, x: float, y: float) -> RobotPut:
+        """Return the robot's pose when the pointer is at a point in map units."""
+        if self.is_turned:
+            angle = math.atan2(y - robot.y, x - robot.x)
+            return RobotPut(robot.name, (robot.x, robot.y, angle))
+        return RobotPut(robot.name, (x - self.dx, y - self.dy, robot.angle))
+
+
+def robot_near(robots: Iterable[RobotState], x: float, y: float, units: float) -> RobotState | None:
+    """Return the robot near a point in map units, or None; `units` is map units per column."""
+    reach = max(_PICK_REACH * units, ROBOT_RADIUS + CELL_ASPECT * units / 2)
+    away = [(math.hypot(robot.x - x, robot.y - y), i, robot) for i, robot in enumerate(robots)]
+    distance, _, nearest = min(away, default=(math.inf, 0, None))
+    return nearest if distance <= reach else None
+
 
 _CROWD = 30  # robots from which their light is left out while an overlay is drawn
 _BEAT = 0.35  # seconds between changes of a beacon's brightness while the robots run

@@ -17,7 +17,7 @@ from logical_robots_tui.game import load_program
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
-from logical_robots_tui.tui.program.text_operations import find_after, is_predicate_name, rename
+from logical_robots_tui.tui.program.editor import find_after, is_predicate_name, rename
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.wording import counted
 from logical_robots_tui.writing import write_atomically

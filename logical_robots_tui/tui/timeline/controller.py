@@ -100,7 +100,7 @@ class TimelineController(SessionListener):
             self._session.run_until(found)
 
     async def _ask(self, title: str, problem: Callable[[int], str]) -> int | None:
-        from logical_robots_tui.tui.timeline.prompts import TickPrompt
+        from logical_robots_tui.tui.timeline.breakpoints import TickPrompt
 
         return await self._ui.ask(TickPrompt(title, self._session.frame.tick, problem))
 
@@ -166,7 +166,7 @@ class Search:
         self._question = ""
 
     async def ask(self) -> None:
-        from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
+        from logical_robots_tui.tui.timeline.breakpoints import QuestionPrompt
 
         program = self._session.program
         if program is None:

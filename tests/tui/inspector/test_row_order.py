@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import Input
 
-from logical_robots_tui.tui.inspector.widgets.row_order import (
+from logical_robots_tui.tui.inspector.widgets.table import (
     RowOrder,
     Rows,
+    ValueTable,
     arranged,
     as_csv,
     as_json,
     changed_cells,
 )
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.short import AHEAD
 from tests.tui.conftest import opened
 

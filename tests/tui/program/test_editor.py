@@ -21,7 +21,7 @@ from logical_robots_tui.tui.program.completion import (
     words_for,
 )
 from logical_robots_tui.tui.program.controller import edited
-from logical_robots_tui.tui.program.text_operations import find_after, rename
+from logical_robots_tui.tui.program.editor import find_after, rename
 from tests.mind.hostile.bounds import bounded_work
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened

@@ -9,8 +9,8 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
+from logical_robots_tui.tui.program.editor import followed, indentation_after, shifted
 from logical_robots_tui.tui.program.mistakes import marked
-from logical_robots_tui.tui.program.text_operations import followed, indentation_after, shifted
 from tests.mind.hostile.bounds import bounded_work
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)

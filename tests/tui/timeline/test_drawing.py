@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import MARK_KINDS, MarkKind
-from logical_robots_tui.tui.timeline.prompts import tick_of
+from logical_robots_tui.tui.timeline.breakpoints import tick_of
 from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS, Scale, Span, track
 
 

@@ -11,8 +11,11 @@ from logical_robots_tui.game import Breakpoint, Pin
 from logical_robots_tui.mind import Mind
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList
-from logical_robots_tui.tui.timeline.prompts import QuestionPrompt
+from logical_robots_tui.tui.timeline.breakpoints import (
+    BreakpointForm,
+    BreakpointList,
+    QuestionPrompt,
+)
 from tests.tui.timeline.test_widget import playing, run_to
 from tests.virtual_time import Hold
 

@@ -10,8 +10,7 @@ import pytest
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import EVENTS, Breakpoint
-from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList
-from logical_robots_tui.tui.timeline.prompts import TickPrompt
+from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened

@@ -13,8 +13,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells
 from logical_robots_tui.tui.labyrinth.drawing.discs import blend
 from logical_robots_tui.tui.labyrinth.drawing.dots import fitted, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour, write
-from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_into
+from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_into, robot_colour, write
 from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring

@@ -4,7 +4,7 @@ import pytest
 from rich.cells import cell_len
 
 from logical_robots_tui.tui.labyrinth.drawing import Look
-from logical_robots_tui.tui.labyrinth.drawing.name_labels import fit_name
+from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_name
 from logical_robots_tui.world import Area, Beacon, Robot
 from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, room, start, with_robot
 
