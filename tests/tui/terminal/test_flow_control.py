@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.tui.terminal.diff_app import _PATIENCE, Line
-from logical_robots_tui.tui.terminal.driver import UnbracketedPasteDetector
-from logical_robots_tui.tui.terminal.input_filter import InputFilter, Pasted
+from logical_robots_tui.tui.terminal.driver import InputFilter, Pasted, UnbracketedPasteDetector
 
 
 def watch(rate: float, way: float, frame: int, seconds: float = 20.0) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui.tui.terminal.input_filter import (
+from logical_robots_tui.tui.terminal.driver import (
     MOST_PASTED,
     InputFilter,
     Pasted,
