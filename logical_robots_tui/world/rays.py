@@ -10,11 +10,12 @@ import numpy as np
 from logical_robots_tui.schema import RADAR_DEGREES, RADAR_RAYS, SENSOR_RANGE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
 
     from logical_robots_tui.world.state import RobotState
+
 
 RADAR_SPAN = RADAR_DEGREES * math.pi / 180
 """Radians between the leftmost and the rightmost ray of the radar."""
@@ -86,3 +87,266 @@ def rays_of(robots: Sequence[RobotState], which: Sequence[int]) -> Rays:
     sin = np.fromiter(map(math.sin, each), np.float64, len(each)).reshape(headings.shape)
     number = np.array(which, dtype=np.intp)
     return Rays(number, x, y, angle, angle[:, None] - headings, cos, sin)
+
+
+FEWEST = 80
+"""Up to this many pairs of robot and circle are faster tested one by one."""
+
+FEWEST_NEAR = 10
+"""Of these, at most so many may be within reach."""
+
+FEW = 200
+"""Up to this many pairs within reach it is faster to try all rays."""
+
+_PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
+_THREE = np.arange(3.0)[:, None]
+_ALL_RAYS = range(RADAR_RAYS + 1)
+
+
+class Pairs(NamedTuple):
+    """Robots and circles that may be within reach of their rays; all of shape (pairs,).
+
+    `dx` and `dy` are map units from robot to centre; `robot` is an index among those that cast.
+    """
+
+    robot: NDArray[np.intp]
+    circle: NDArray[np.intp]
+    dx: NDArray[np.float64]
+    dy: NDArray[np.float64]
+    squared: NDArray[np.float64]
+    radius: NDArray[np.float64]
+
+    def some(self, which: NDArray[np.intp]) -> Pairs:
+        return Pairs._make(part[which] for part in self)
+
+
+class Chords(NamedTuple):
+    """Rays that may cross a circle, possibly behind their start; all of shape (chords,).
+
+    `along` is from the robot to the chord's middle, map units, negative behind; `half_squared`
+    is the square of half its length, plus a small margin.
+    """
+
+    pair: NDArray[np.intp]
+    ray: NDArray[np.intp]
+    along: NDArray[np.float64]
+    half_squared: NDArray[np.float64]
+
+
+def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> None:
+    """Lower hits where a circle is closer than what was hit so far; no robot hits itself.
+
+    `hits` are ``distance * codes + code`` of shape (robots, rays), changed in place; the code
+    of a circle is its number plus 1.
+    """
+    possible = len(rays.robot) * len(circles.number)
+    if possible == 1 or (
+        possible <= FEWEST and _take_one_by_one(hits, codes, rays, circles, most=FEWEST_NEAR)
+    ):
+        return
+    pairs = _within_reach(hits, codes, rays, circles)
+    if not len(pairs.robot):
+        return
+    if len(pairs.robot) <= FEW:
+        _take(hits, codes, rays, circles, pairs, _of_all_rays(rays, pairs))
+        return
+    least = np.maximum(np.floor(np.sqrt(pairs.squared) - pairs.radius), 1.0).astype(np.int64)
+    least = least * codes + circles.number[pairs.circle] + 1
+    if len(pairs.robot) <= _PAIRS_AT_ONCE:
+        _take(hits, codes, rays, circles, pairs, _between_tangents(hits, least, rays, pairs))
+        return
+    # Nearest first: in a crowd they hide most of the others.
+    order = least.argsort()
+    pairs, least = pairs.some(order), least[order]
+    for start in range(0, len(order), _PAIRS_AT_ONCE):
+        worst = hits.max(axis=1)[pairs.robot[start : start + _PAIRS_AT_ONCE]]
+        shown = (least[start : start + _PAIRS_AT_ONCE] < worst).nonzero()[0] + start
+        some = pairs.some(shown)
+        _take(hits, codes, rays, circles, some, _between_tangents(hits, least[shown], rays, some))
+
+
+def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> Pairs:
+    to_x = circles.x - rays.x[:, None]
+    to_y = circles.y - rays.y[:, None]
+    squared = to_x * to_x
+    squared += to_y * to_y
+    reach = hits.max(axis=1) // codes
+    near = squared <= np.square(circles.radius + reach[:, None])
+    near[np.arange(len(near)), circles.number.searchsorted(rays.robot)] = False  # its own
+    which = near.reshape(-1).nonzero()[0]
+    robot, circle = np.divmod(which, len(circles.number))
+    return Pairs(
+        robot,
+        circle,
+        to_x.take(which),
+        to_y.take(which),
+        squared.take(which),
+        circles.radius[circle],
+    )
+
+
+def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
+    cos, sin = rays.cos.take(pairs.robot, axis=0), rays.sin.take(pairs.robot, axis=0)
+    dx, dy = pairs.dx[:, None], pairs.dy[:, None]
+    along = dx * cos
+    along += dy * sin
+    aside = dx * sin
+    aside -= dy * cos
+    half_squared = _widened(pairs)[:, None] - np.square(aside, out=aside)
+    which = (half_squared >= 0).reshape(-1).nonzero()[0]
+    pair, ray = np.divmod(which, RAYS)
+    ray += pairs.robot.take(pair) * RAYS
+    return Chords(pair, ray, along.take(which), half_squared.take(which))
+
+
+def _between_tangents(
+    hits: NDArray[np.int64], least: NDArray[np.int64], rays: Rays, pairs: Pairs
+) -> Chords:
+    """Return the chords ahead of rays that have not hit something closer.
+
+    `least` is the lower bound of the hits of a pair, of shape (pairs,).
+    """
+    dx, dy, robot = pairs.dx, pairs.dy, pairs.robot
+    cos, sin = rays.cos[robot, FORWARD], rays.sin[robot, FORWARD]
+    ahead, right = dx * cos + dy * sin, dy * cos - dx * sin
+    sine = pairs.radius / np.maximum(np.hypot(ahead, right), 1e-300)
+    # In units of radar rays. From inside a circle, and exactly from its edge, all rays may hit
+    # it.
+    center = np.arctan2(right, ahead) * PER_RADIAN + MIDDLE
+    half = np.arcsin(np.minimum(sine, 1.0)) * PER_RADIAN
+    half[sine > 1 - 1e-9] = np.inf
+    # More than any rounding error; the headings of rays with large angles are imprecise.
+    half += (1e-13 * np.abs(rays.angle) + 1e-3)[robot]
+    first = np.ceil(np.minimum(np.maximum(center - half, 0.0), RADAR_RAYS)).astype(np.intp)
+    last = np.floor(np.minimum(np.maximum(center + half, -1.0), RADAR_RAYS - 1)).astype(np.intp)
+    # The forward ray comes after the middle one.
+    first += first >= FORWARD
+    last += last >= FORWARD - 1
+    count = last - first + 1
+    pair = np.arange(len(first)).repeat(count)
+    ray = np.arange(len(pair)) + (first - count.cumsum() + count + robot * RAYS)[pair]
+
+    shown = (least[pair] < hits.reshape(-1)[ray]).nonzero()[0]
+    pair, ray = pair[shown], ray[shown]
+    cos, sin = rays.cos.reshape(-1)[ray], rays.sin.reshape(-1)[ray]
+    dx, dy = dx[pair], dy[pair]
+    along = dx * cos + dy * sin
+    aside = dx * sin - dy * cos
+    half_squared = _widened(pairs)[pair] - aside * aside
+    met = (half_squared >= 0).nonzero()[0]
+    return Chords(pair[met], ray[met], along[met], half_squared[met])
+
+
+def _widened(pairs: Pairs) -> NDArray[np.float64]:
+    """Return squared radii enlarged by more than any rounding error, so no circle is missed."""
+    squared = pairs.radius * pairs.radius
+    return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)
+
+
+def _take(
+    hits: NDArray[np.int64],
+    codes: int,
+    rays: Rays,
+    circles: Circles,
+    pairs: Pairs,
+    chords: Chords,
+) -> None:
+    """Lower hits where rays enter circles; exact distances decide among three steps."""
+    pair, ray, along, half_squared = chords
+    if not len(pair):
+        return
+    robot, circle = pairs.robot.take(pair), pairs.circle.take(pair)
+    entry = np.maximum(np.floor(along - np.sqrt(half_squared) - 1e-6), 1.0)
+    step = entry + _THREE
+    dx = rays.cos.take(ray) * step
+    dx += rays.x.take(robot)
+    dx -= circles.x.take(circle)
+    dy = rays.sin.take(ray) * step
+    dy += rays.y.take(robot)
+    dy -= circles.y.take(circle)
+    inside = _is_nearer(dx, dy, pairs.radius.take(pair))
+    inside &= step < SENSOR_RANGE
+    which = inside.argmax(axis=0)
+    found = np.flatnonzero(inside.any(axis=0))
+    distance = (entry + which).take(found).astype(np.int64)
+    number = circles.number.take(circle.take(found))
+    np.minimum.at(hits.reshape(-1), ray.take(found), distance * codes + number + 1)
+
+
+def _is_nearer(
+    dx: NDArray[np.float64], dy: NDArray[np.float64], radius: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return where ``math.hypot(dx, dy) < radius``; squares decide all but the rounded edge."""
+    limit = radius * radius
+    over = dx * dx
+    over += dy * dy
+    over -= limit
+    nearer = over < 0
+    rim = np.abs(over, out=over) <= 1e-12 * limit
+    if rim.any():
+        for i, j in np.argwhere(rim):
+            nearer[i, j] = math.hypot(dx[i, j], dy[i, j]) < radius[j]
+    return nearer
+
+
+def _take_one_by_one(
+    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
+) -> bool:
+    """Do as `take_nearer_circles`; for more than `most` pairs return False, unchanged."""
+    found = hits.tolist()
+    each = list(zip(*(part.tolist() for part in circles), strict=True))
+    starts = zip(rays.robot.tolist(), rays.x.tolist(), rays.y.tolist(), strict=True)
+    pairs = []
+    for row, (robot, x, y) in enumerate(starts):
+        reach = max(found[row]) // codes
+        for number, center_x, center_y, radius in each:
+            away = math.hypot(center_x - x, center_y - y)
+            if away <= radius + reach and number != robot:
+                pairs.append((row, number, center_x, center_y, radius, away))
+    if len(pairs) > most:
+        return False
+    for row, number, center_x, center_y, radius, away in pairs:
+        hit, cos, sin = found[row], rays.cos[row].tolist(), rays.sin[row].tolist()
+        angle, x, y = rays.angle.item(row), rays.x.item(row), rays.y.item(row)
+        dx, dy = center_x - x, center_y - y
+        ahead, right = dx * cos[FORWARD] + dy * sin[FORWARD], dy * cos[FORWARD] - dx * sin[FORWARD]
+        least = max(math.floor(away - radius), 1) * codes + number + 1
+        for ray in _rays_between_tangents(ahead, right, radius, angle):
+            if least >= hit[ray]:
+                continue
+            for step in _steps_around_entry(
+                dx * cos[ray] + dy * sin[ray], dx * sin[ray] - dy * cos[ray], radius
+            ):
+                to_x, to_y = cos[ray] * step + x - center_x, sin[ray] * step + y - center_y
+                if math.hypot(to_x, to_y) < radius:
+                    hits[row, ray] = hit[ray] = min(hit[ray], step * codes + number + 1)
+                    break
+    return True
+
+
+def _rays_between_tangents(
+    ahead: float, right: float, radius: float, angle: float
+) -> Iterable[int]:
+    away = math.hypot(ahead, right)
+    if radius >= away * (1 - 1e-9):
+        return _ALL_RAYS
+    center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
+    # More than any rounding error.
+    half = math.asin(radius / away) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
+    first = math.ceil(max(center - half, 0.0))
+    last = math.floor(min(center + half, RADAR_RAYS - 1.0))
+    # The forward ray comes after the middle one.
+    return range(first + (first >= FORWARD), last + (last >= FORWARD - 1) + 1)
+
+
+def _steps_around_entry(along: float, aside: float, radius: float) -> Iterable[int]:
+    """Return the steps that include the first one inside the circle, if there is one."""
+    half_squared = radius * radius - aside * aside
+    half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
+    if half_squared < 0:
+        return ()
+    half = math.sqrt(half_squared)
+    if along + half <= 0.5:
+        return ()
+    entry = max(math.floor(along - half - 1e-6), 1)
+    return range(entry, min(entry + 3, SENSOR_RANGE))

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from logical_robots_tui.schema import BEACON, NO_LABEL, NO_OBJECT, ROBOT, SELF, SENSOR_RANGE, WALL
-from logical_robots_tui.world.circles import take_nearer_circles
-from logical_robots_tui.world.rays import FORWARD, Circles, rays_of
+from logical_robots_tui.world.rays import FORWARD, Circles, rays_of, take_nearer_circles
 from logical_robots_tui.world.state import RobotState
 from logical_robots_tui.world.walls import Walls
 

@@ -16,7 +16,7 @@ import pytest
 
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress import store as store_module
-from logical_robots_tui.progress.schema import APPLICATION_ID, MIGRATIONS, prepare
+from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS, prepare
 from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:

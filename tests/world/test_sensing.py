@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.world import Area, Beacon, Level, Robot, World, circles, load_level
+from logical_robots_tui.world import Area, Beacon, Level, Robot, World, load_level, rays
 from logical_robots_tui.world.rays import rays_of
 from logical_robots_tui.world.walls import FEW, FEWEST, Walls
 
@@ -36,7 +36,7 @@ def assert_sees_what_the_plain_rays_see(level: Level) -> None:
     """With circles looked at one by one, all rays tried at them, those between their tangents."""
     plain = plain_look(World(level))
     for fewest, few in ((10_000, 0), (0, 10_000), (0, 0)):
-        with patch.multiple(circles, FEWEST=fewest, FEWEST_NEAR=fewest, FEW=few):
+        with patch.multiple(rays, FEWEST=fewest, FEWEST_NEAR=fewest, FEW=few):
             assert World(level).look() == plain
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.lab.exporting import Table, csv_of, harmless_text
-from logical_robots_tui.lab.page import as_code, as_table, shaded
+from logical_robots_tui.lab.reporting import as_code, as_table, shaded
 from logical_robots_tui.lab.tournament.ranking import ranking_of
 
 if TYPE_CHECKING:
