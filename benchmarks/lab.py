@@ -19,7 +19,7 @@ from logical_robots_tui.lab.running import Task, execute, fingerprint
 from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from logical_robots_tui.game.measuring import Trial, measure
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import FIELDS, FILE_NAME, reference_table
 from logical_robots_tui.mind import Program
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import list_levels, load_level
 
 if TYPE_CHECKING:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import stat
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.confinement import WHY, check_mine, is_confined
 from logical_robots_tui.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
 
 _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
@@ -61,3 +67,28 @@ def typed_path(text: str) -> Path:
     except RuntimeError as error:
         hint = "Name another folder."
         raise InputError("there is no such home", place=text, hint=hint) from error
+
+
+ShippedKind: TypeAlias = Literal["levels", "programs"]
+
+
+ARENAS = "arenas"
+"""The folder inside that of the levels, and of the programs, with those for several teams."""
+
+
+def shipped_folder(kind: ShippedKind) -> Path:
+    """Return the folder of shipped files, in an installed package or beside it in a checkout."""
+    package = Path(__file__).resolve().parent
+    inside = package / kind
+    return inside if inside.is_dir() else package.parent / kind
+
+
+def shipped_names(kind: ShippedKind, suffix: str, within: str = "") -> list[str]:
+    folder = shipped_folder(kind) / within
+    return sorted(path.stem for path in folder.glob(f"*{suffix}"))
+
+
+def did_you_mean(word: str, options: Iterable[str]) -> str:
+    by_folded = {option.casefold(): option for option in options}
+    close = difflib.get_close_matches(word.casefold(), by_folded, n=1, cutoff=0.6)
+    return f'Did you mean "{by_folded[close[0]]}"?' if close else ""

@@ -17,8 +17,7 @@ from contextlib import suppress
 from time import clock_gettime, monotonic
 from typing import Any
 
-from logical_robots_tui.processes.heartbeat import AWAY, BEATS, is_watched_in
-from logical_robots_tui.processes.lifeline import signal_when_closed
+from logical_robots_tui.processes.lifeline import AWAY, BEATS, is_watched_in, signal_when_closed
 
 STUCK = 70  # as for any other bug: EX_SOFTWARE in sysexits.h
 

@@ -47,7 +47,7 @@ def declare(commands: Commands) -> None:
 
 def start(options: argparse.Namespace) -> int:
     if options.what == "levels":
-        from logical_robots_tui.shipped import ARENAS, shipped_names
+        from logical_robots_tui.paths import ARENAS, shipped_names
 
         for within in ("", ARENAS):
             print(*shipped_names("levels", ".toml", within), sep="\n")

@@ -152,7 +152,7 @@ def _grade(options: argparse.Namespace) -> int:
 
 
 def _tournament(options: argparse.Namespace) -> int:
-    from logical_robots_tui.lab.tournament.planning import plan_tournament
+    from logical_robots_tui.lab.tournament.ranking import plan_tournament
 
     return _planned(options, lambda: plan_tournament(options.arena, options.players))
 
@@ -198,7 +198,7 @@ def _lab(options: argparse.Namespace) -> int:
 
 
 def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
-    from logical_robots_tui.lab.summary import lines_of
+    from logical_robots_tui.lab.reporting import lines_of
 
     print(*map(harmless, lines_of(manifest, ledger)), sep="\n")
 
@@ -239,7 +239,7 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
 def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
     if manifest.kind != "tournament" or not coordinator.tally().is_complete:
         return None
-    from logical_robots_tui.lab.tournament.planning import next_round
+    from logical_robots_tui.lab.tournament.ranking import next_round
 
     return next_round(manifest, ledger)
 

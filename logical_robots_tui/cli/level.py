@@ -144,7 +144,7 @@ def _print(level: Level, *, plain: bool) -> None:
     from rich.console import Console
 
     from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
-    from logical_robots_tui.tui.library.card import miniature
+    from logical_robots_tui.tui.library.cards import miniature
 
     size = shutil.get_terminal_size((100, 40))
     console = Console(width=size.columns)

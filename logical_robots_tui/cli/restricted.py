@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.confinement import confine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.open_games import OpenGames
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.processes.audit import refuse_all_but
 from logical_robots_tui.processes.helper import is_helper
-from logical_robots_tui.shipped import shipped_folder
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
+from logical_robots_tui.editing.strokes import Regions
 from logical_robots_tui.editing.things import Ref, reread
-from logical_robots_tui.editing.walls import Regions
 from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
-from logical_robots_tui.world.levels.fields import Fields
-from logical_robots_tui.world.levels.limits import MOST_OF_A_KIND
+from logical_robots_tui.world.levels.fields import MOST_OF_A_KIND, Fields
 from logical_robots_tui.world.levels.native import misfits, oddities, read_words
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 from logical_robots_tui.world.walls import row_clearances

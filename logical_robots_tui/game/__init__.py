@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     )
     from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Superseded, goals
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.history.divergence import Difference, Divergence
+    from logical_robots_tui.game.history.course import Difference, Divergence
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.history.marks import MARK_KINDS, Mark, MarkKind
     from logical_robots_tui.game.pace import Pace

@@ -12,8 +12,18 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.paths import is_file, is_folder, is_there, read_ordinary, real, typed_path
-from logical_robots_tui.shipped import ARENAS, did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.paths import (
+    ARENAS,
+    did_you_mean,
+    is_file,
+    is_folder,
+    is_there,
+    read_ordinary,
+    real,
+    shipped_folder,
+    shipped_names,
+    typed_path,
+)
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from logical_robots_tui.game.source import reference_names, shipped_texts
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.shipped import shipped_folder
 from logical_robots_tui.wording import counted
 from logical_robots_tui.world.level import alike
 

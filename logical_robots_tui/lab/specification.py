@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar, g
 import msgspec
 
 from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.paths import did_you_mean, read_ordinary
 
 if TYPE_CHECKING:
     from pathlib import Path

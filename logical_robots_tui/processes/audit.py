@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from logical_robots_tui.confinement import WHY
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable

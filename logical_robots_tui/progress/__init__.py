@@ -5,7 +5,7 @@ from logical_robots_tui.progress.progress import (
     MOST_VERSIONS,
     Progress,
 )
-from logical_robots_tui.progress.records import (
+from logical_robots_tui.progress.store import (
     NEW,
     Bests,
     LevelRecord,

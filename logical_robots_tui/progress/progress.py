@@ -5,15 +5,14 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.progress.records import Bests, LevelRecord, Measures, Version
-from logical_robots_tui.progress.store import Store
+from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, Store, Version
 
 if TYPE_CHECKING:
     import sqlite3
     from collections.abc import Callable
     from pathlib import Path
 
-    from logical_robots_tui.progress.records import State
+    from logical_robots_tui.progress.store import State
 
 FILE_NAME = "progress.sqlite"
 

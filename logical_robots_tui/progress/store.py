@@ -12,7 +12,7 @@ import os
 import sqlite3
 import threading
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.older import texts_of
 from logical_robots_tui.paths import is_there
@@ -20,6 +20,56 @@ from logical_robots_tui.paths import is_there
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
+
+
+State: TypeAlias = Literal["new", "in work", "won"]
+
+
+class Measures(NamedTuple):
+    """The measures of a victory; less is better, except for `wins` and `goals`.
+
+    `distance` is map units of all robots together; `wins` of `starts` shifted starts is None if
+    not tried.
+    """
+
+    ticks: int
+    rules: int
+    distance: float
+    wins: int | None = None
+    starts: int = 0
+    goals: tuple[str, ...] = ()
+
+
+class Bests(NamedTuple):
+    """The best of each measure, possibly of different programs; None if not measured yet."""
+
+    ticks: int | None = None
+    rules: int | None = None
+    distance: float | None = None
+    wins: int | None = None
+    starts: int = 0
+    goals: tuple[str, ...] = ()
+
+
+class LevelRecord(NamedTuple):
+    state: State = "new"
+    hints: int = 0
+    bests: Bests = Bests()
+    versions: int = 0
+
+
+class Version(NamedTuple):
+    """A program used in a level; `kept` is when it was last used, with time zone."""
+
+    number: int
+    text: str
+    kept: datetime
+    won: bool = False
+    measures: Measures | None = None
+
+
+NEW = LevelRecord()
+"""The record of a level that was never started."""
 
 
 APPLICATION_ID = 0x4C524F42

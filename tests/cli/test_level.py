@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from logical_robots_tui import list_levels, load_level
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world.level import alike
 from tests.cli.running import shown
 

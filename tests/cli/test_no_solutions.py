@@ -9,8 +9,8 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.game.source import hide_solutions, reference_names
+from logical_robots_tui.paths import ARENAS, shipped_folder, shipped_names
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.shipped import ARENAS, shipped_folder, shipped_names
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.cli.running import in_terminal
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 GETS_STUCK = """
 import sys, threading
 from logical_robots_tui import supervisor
-from logical_robots_tui.processes import heartbeat
+from logical_robots_tui.processes import lifeline
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 how, computed, idle = sys.argv.pop(1), float(sys.argv.pop(1)), float(sys.argv.pop(1))
 def get_stuck(self):
@@ -36,7 +36,7 @@ def get_stuck(self):
     lock.acquire()
 LogicalRobotsApp.action_interrupt = get_stuck
 supervisor._MOST_COMPUTED, supervisor._MOST_IDLE = computed, idle
-heartbeat._MOST_COMPUTED = 5.0
+lifeline._MOST_COMPUTED = 5.0
 sys.exit(supervisor.main())
 """
 NEVER = 1e9

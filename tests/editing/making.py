@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.level_text import KINDS, Kind
-from logical_robots_tui.editing.properties import resize, set_words
-from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove
-from logical_robots_tui.editing.walls import fill, paint, paint_rectangle
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
+from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, resize, set_words
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
 from logical_robots_tui.world.level import SecondGoal
 from tests.world.making import make_level

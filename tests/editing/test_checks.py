@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui import World
 from logical_robots_tui.editing.checks import LevelFinding, check
-from logical_robots_tui.editing.walls import paint, paint_rectangle
+from logical_robots_tui.editing.strokes import paint, paint_rectangle
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Visibility, list_levels, load_level
 from tests.editing.making import EDITS, Edit, room
 

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.edits import Delta, Edits
-from logical_robots_tui.editing.properties import resize
-from logical_robots_tui.editing.walls import paint
+from logical_robots_tui.editing.strokes import paint
+from logical_robots_tui.editing.things import resize
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.walls import changed_box
 from tests.editing.making import EDITS, Edit, room

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from logical_robots_tui.editing.properties import resize, set_words
+from logical_robots_tui.editing.things import resize, set_words
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot, Visibility
 from tests.editing.making import drawn, room, sketch
 

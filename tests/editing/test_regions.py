@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from logical_robots_tui.editing.walls import Regions
+from logical_robots_tui.editing.strokes import Regions
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

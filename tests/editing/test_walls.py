@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.walls import Regions, fill, paint, paint_rectangle
+from logical_robots_tui.editing.strokes import Regions, fill, paint, paint_rectangle
 from logical_robots_tui.world import LevelError
 from logical_robots_tui.world.levels.drawing import expresses
 from tests.editing.making import drawn, room, sketch

@@ -8,9 +8,10 @@ import pytest
 
 from logical_robots_tui.explain import Explainer
 from logical_robots_tui.game import Game
-from logical_robots_tui.game.debugging.comparing import Comparison, compare_proofs
 from logical_robots_tui.game.debugging.proof_difference import (
+    Comparison,
     ProofDifference,
+    compare_proofs,
     condition_of,
     first_difference,
 )

@@ -106,8 +106,8 @@ def test_an_installed_copy_uses_its_own_code_and_levels(installed: Installed) ->
     done = installed.run(
         "python",
         "-c",
-        "import logical_robots_tui as package; from logical_robots_tui import shipped;"
-        "print(package.__file__, shipped.shipped_folder('levels'))",
+        "import logical_robots_tui as package; from logical_robots_tui import paths;"
+        "print(package.__file__, paths.shipped_folder('levels'))",
     )
     code, levels = done.stdout.split()
     assert Path(code).is_relative_to(installed.root)

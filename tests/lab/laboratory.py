@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.lab import running
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import pytest
 
 from logical_robots_tui.lab.folder import Manifest, Player
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.tournament.planning import pair_off
 from logical_robots_tui.lab.tournament.ranking import (
+    pair_off,
     ranking_of_shares,
     share_of_match,
     share_of_points,

@@ -10,7 +10,7 @@ import pytest
 from logical_robots_tui.game.robustness import play_through, start_of
 from logical_robots_tui.lab.running import Asked, Result, Task, execute, fingerprint
 from logical_robots_tui.mind import Program
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
 from tests.lab.laboratory import FIRST_STEPS, program_text
 

@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.lab import local
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.tournament.planning import plan_tournament
+from logical_robots_tui.lab.tournament.ranking import plan_tournament
 from tests.cli.running import Command
 from tests.lab.laboratory import deadly, exported, recorded, start
 from tests.waiting import until

@@ -15,7 +15,7 @@ import pytest
 
 from logical_robots_tui import Desire, Program, World, load_level
 from logical_robots_tui.game.robustness import play_through, shifted
-from logical_robots_tui.shipped import shipped_names
+from logical_robots_tui.paths import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
 from tests.levels.playing import LEVELS, measured, program_text, shipped_program, solution_of
 

@@ -11,7 +11,7 @@ import pytest
 from logical_robots_tui import Game, Level, Program, load_level
 from logical_robots_tui.game.robustness import FARTHEST_SHIFT, try_starts
 from logical_robots_tui.game.source import shipped_texts
-from logical_robots_tui.shipped import shipped_names
+from logical_robots_tui.paths import shipped_names
 from tests.levels.playing import LEVELS, program_text, shipped_program, ticks_to_win
 
 CONFORMANCE = Path(__file__).parent.parent / "conformance" / "levels"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui import shipped
+from logical_robots_tui import paths
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.shipped import did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.paths import did_you_mean, shipped_folder, shipped_names
 from logical_robots_tui.world import LevelError, list_levels, load_level
 from logical_robots_tui.world.levels import load
 
@@ -24,7 +24,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A package folder of our own, with nothing shipped yet."""
     folder = tmp_path / "place" / "package"
     folder.mkdir(parents=True)
-    monkeypatch.setattr(shipped, "__file__", str(folder / "shipped.py"))
+    monkeypatch.setattr(paths, "__file__", str(folder / "paths.py"))
     return folder
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from logical_robots_tui.mind import NoticeKind
-from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.paths import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import RecordedTick, Worlds, known_frame
 from logical_robots_tui.game.frame import NoSuchTickError
-from logical_robots_tui.game.history.course import Course
-from logical_robots_tui.game.history.divergence import find_divergence
+from logical_robots_tui.game.history.course import Course, find_divergence
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.history.divergence import Divergence
+    from logical_robots_tui.game.history.course import Divergence
     from logical_robots_tui.game.history.marks import Marks
     from logical_robots_tui.game.history.packing import Packed, TickState
     from logical_robots_tui.mind import Program

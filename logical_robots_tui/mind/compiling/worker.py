@@ -29,7 +29,7 @@ from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
+from logical_robots_tui.mind.sqlite.tables import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
 from logical_robots_tui.processes.garbage import collect_seldom
 from logical_robots_tui.processes.helper import begin, limit

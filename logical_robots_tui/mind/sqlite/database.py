@@ -11,13 +11,13 @@ from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charged
 from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import LONG, Within
+from logical_robots_tui.mind.sqlite.tables import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from logical_robots_tui.mind.sqlite.layouts import Layout
+    from logical_robots_tui.mind.sqlite.tables import Layout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""

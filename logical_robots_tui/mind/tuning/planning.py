@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.layouts import KINDS
+from logical_robots_tui.mind.sqlite.tables import KINDS
 from logical_robots_tui.mind.tuning import columns, common_subexpressions, sql
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from textual.errors import NoWidget
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
-from logical_robots_tui.processes import heartbeat
+from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
 from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
@@ -122,7 +122,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def on_load(self) -> None:
         self._event_loop = asyncio.get_running_loop()
-        heartbeat.keep_beating(self._event_loop)
+        lifeline.keep_beating(self._event_loop)
         self.register_theme(NIGHT)
         wanted = self._first_theme
         if not wanted and self.console.color_system == "standard" and not self.no_color:
@@ -242,7 +242,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     @contextmanager
     def suspend(self) -> Iterator[None]:
-        with heartbeat.away(), super().suspend():
+        with lifeline.away(), super().suspend():
             yield
 
     def action_suspend_process(self) -> None:

@@ -25,11 +25,16 @@ from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
+from logical_robots_tui.tui.labyrinth.results import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
-from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH, Arrangement, Layout
+from logical_robots_tui.tui.layout.arrangement import (
+    LEAST_HEIGHT,
+    LEAST_WIDTH,
+    Arrangement,
+    Layout,
+    Pane,
+)
 from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
-from logical_robots_tui.tui.layout.pane import Pane
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from platformdirs import user_config_path
 
-from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.paths import did_you_mean, read_ordinary
 from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.keymap import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.theme.themes import NIGHT, THEMES
-from logical_robots_tui.world.levels.limits import excess_of_toml
+from logical_robots_tui.world.levels.fields import excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

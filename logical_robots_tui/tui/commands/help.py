@@ -15,8 +15,8 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.keymap import commands
+from logical_robots_tui.tui.labyrinth.drawing.cells import hex_colour
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
-from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour
 from logical_robots_tui.tui.layout.dialogs import ClosedOnce, Dialog
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS

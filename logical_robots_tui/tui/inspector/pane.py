@@ -12,7 +12,7 @@ from textual.widgets import OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.background import in_background
-from logical_robots_tui.tui.inspector.page import Page, Sighted, definition
+from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, definition
 from logical_robots_tui.tui.inspector.pages.ask import AskPage
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
@@ -31,8 +31,7 @@ from logical_robots_tui.tui.inspector.predicate_list import (
     WHY,
     PredicateList,
 )
-from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.layout.pane import Pane
+from logical_robots_tui.tui.layout.arrangement import Pane
 
 if TYPE_CHECKING:
     from textual.binding import BindingType
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Survey
+    from logical_robots_tui.tui.inspector.page import Survey
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.mind import Predicate
-    from logical_robots_tui.tui.inspector.questions import Survey
+    from logical_robots_tui.tui.inspector.page import Survey
 
 ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
 DIAGNOSIS, ORIGIN = "(diagnosis)", "(origin)"

@@ -9,11 +9,11 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.plots import written
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
-from logical_robots_tui.tui.layout.pane import Pane
+from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 

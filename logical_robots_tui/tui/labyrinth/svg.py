@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from logical_robots_tui.tui.labyrinth.drawing.cells import DARK, RGB, mix, parse
+from logical_robots_tui.tui.labyrinth.drawing.cells import hex_colour as _hex
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.lettering import robot_colour
-from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, mix, parse
-from logical_robots_tui.tui.labyrinth.drawing.palette import hex_colour as _hex
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:

@@ -17,14 +17,13 @@ from textual.widget import Widget
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
+from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
-from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
-from logical_robots_tui.tui.terminal.direct_paint import paint_target_of
-from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
+from logical_robots_tui.tui.terminal.direct_paint import mark_rendered_stale, paint_target_of
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from textual import events
     from textual.binding import BindingType
 
-    from logical_robots_tui.tui.layout.arrangement import Arrangement
-    from logical_robots_tui.tui.layout.pane import Pane
+    from logical_robots_tui.tui.layout.arrangement import Arrangement, Pane
 
 
 @dataclass(frozen=True, slots=True)

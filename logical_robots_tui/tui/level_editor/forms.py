@@ -15,8 +15,7 @@ from textual.widgets import Button, OptionList, Select
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.editing.checks import LevelFinding
-from logical_robots_tui.editing.properties import resize, set_words
-from logical_robots_tui.editing.things import Ref, change
+from logical_robots_tui.editing.things import Ref, change, resize, set_words
 from logical_robots_tui.editing.things import thing as thing_of
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.level_editor.form import Choice, Flag, Form, Lines, Number, Text, Ticks

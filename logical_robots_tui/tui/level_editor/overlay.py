@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, packed, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, packed
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.level_editor.editor import handle_of, reach_of
-from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
+from logical_robots_tui.tui.level_editor.mode import PAINTING, Tool
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

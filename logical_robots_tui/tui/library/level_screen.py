@@ -18,8 +18,7 @@ from logical_robots_tui.paths import is_file, typed_path
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.library.card import LevelCard, miniature, shipped_level
-from logical_robots_tui.tui.library.cards import LevelCards
+from logical_robots_tui.tui.library.cards import LevelCard, LevelCards, miniature, shipped_level
 from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of

@@ -20,7 +20,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 from textual.keys import Keys
 
-from logical_robots_tui.tui.terminal.textual_internals import handle_exception
+from logical_robots_tui.tui.terminal.direct_paint import handle_exception
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

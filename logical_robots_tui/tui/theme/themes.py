@@ -8,7 +8,7 @@ from textual.color import Color
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
 
-from logical_robots_tui.tui.labyrinth.drawing.palette import (
+from logical_robots_tui.tui.labyrinth.drawing.cells import (
     DARK,
     LIGHT,
     Palette,
@@ -16,7 +16,7 @@ from logical_robots_tui.tui.labyrinth.drawing.palette import (
     mix,
     parse,
 )
-from logical_robots_tui.tui.terminal.textual_internals import has_active_app
+from logical_robots_tui.tui.terminal.direct_paint import has_active_app
 
 if TYPE_CHECKING:
     from rich.style import Style as RichStyle

@@ -9,11 +9,11 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
-from logical_robots_tui.game.debugging.comparing import compare_proofs
+from logical_robots_tui.game.debugging.proof_difference import compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
-from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.plots import written
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Difference, Divergence, Game
-    from logical_robots_tui.game.debugging.comparing import Comparison
-    from logical_robots_tui.game.history.divergence import Matter
+    from logical_robots_tui.game.debugging.proof_difference import Comparison
+    from logical_robots_tui.game.history.course import Matter
 
 _LONGEST = 600  # characters of a value
 _LONGEST_TEXT = 160  # of a piece of a program

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.levels.limits import MOST_SIDE
+from logical_robots_tui.world.levels.fields import MOST_SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

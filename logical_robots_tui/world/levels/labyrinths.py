@@ -18,7 +18,7 @@ from zlib import crc32
 import numpy as np
 
 from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
-from logical_robots_tui.world.levels.limits import MOST_SIDE
+from logical_robots_tui.world.levels.fields import MOST_SIDE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -5,10 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from logical_robots_tui.confinement import check_mine
-from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.shipped import ARENAS, did_you_mean, shipped_folder, shipped_names
+from logical_robots_tui.paths import (
+    ARENAS,
+    did_you_mean,
+    read_ordinary,
+    shipped_folder,
+    shipped_names,
+)
 from logical_robots_tui.world.level import Level, LevelError
-from logical_robots_tui.world.levels.limits import MOST_BYTES
+from logical_robots_tui.world.levels.fields import MOST_BYTES
 from logical_robots_tui.world.levels.native import read_native
 from logical_robots_tui.world.levels.web import read_web
 

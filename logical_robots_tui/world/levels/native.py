@@ -7,7 +7,7 @@ import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict, get_args
 
-from logical_robots_tui.shipped import did_you_mean
+from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.world.level import (
     AREA_COLOR,
     ROBOT_COLOR,
@@ -23,8 +23,7 @@ from logical_robots_tui.world.level import (
     Visibility,
 )
 from logical_robots_tui.world.levels.drawing import read_drawing
-from logical_robots_tui.world.levels.fields import Fields, check_robot_names
-from logical_robots_tui.world.levels.limits import excess_of_toml
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names, excess_of_toml
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,8 +17,12 @@ from logical_robots_tui.world.level import (
     Robot,
     Visibility,
 )
-from logical_robots_tui.world.levels.fields import Fields, check_robot_names
-from logical_robots_tui.world.levels.limits import LONGEST_NAME, excess_of_json
+from logical_robots_tui.world.levels.fields import (
+    LONGEST_NAME,
+    Fields,
+    check_robot_names,
+    excess_of_json,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,7 +8,7 @@ import pytest
 from textual.content import Content
 from textual.geometry import Region
 
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.labyrinth.briefing import least_covering
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.world import list_levels, load_level

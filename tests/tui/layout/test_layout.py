@@ -12,9 +12,8 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.arrangement import Layout, Shares, grid_for, layout_for
+from logical_robots_tui.tui.layout.arrangement import Layout, Pane, Shares, grid_for, layout_for
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
-from logical_robots_tui.tui.layout.pane import Pane
 from tests.tui.conftest import PAPER, opened
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.game.source import load_program
-from logical_robots_tui.shipped import shipped_folder
+from logical_robots_tui.paths import shipped_folder
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
-from logical_robots_tui.shipped import ARENAS, shipped_folder
+from logical_robots_tui.paths import ARENAS, shipped_folder
 from logical_robots_tui.tui.level_editor.form import Ticks
 from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm
 from logical_robots_tui.world import Visibility

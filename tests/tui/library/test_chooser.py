@@ -9,7 +9,7 @@ import pytest
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import list_programs, load_program, save_program
-from logical_robots_tui.shipped import ARENAS, shipped_folder
+from logical_robots_tui.paths import ARENAS, shipped_folder
 from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.tui.library.save_dialog import SaveAs

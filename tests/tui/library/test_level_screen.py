@@ -15,8 +15,13 @@ from textual.widgets import Input
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
 from logical_robots_tui.tui.library import level_screen as screen
-from logical_robots_tui.tui.library.card import LINES_AROUND, LevelCard, card_strips, miniature
-from logical_robots_tui.tui.library.cards import LevelCards
+from logical_robots_tui.tui.library.cards import (
+    LINES_AROUND,
+    LevelCard,
+    LevelCards,
+    card_strips,
+    miniature,
+)
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import opened

@@ -5,8 +5,7 @@ from __future__ import annotations
 from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game import Difference, Divergence
-from logical_robots_tui.game.debugging.comparing import Comparison
-from logical_robots_tui.game.debugging.proof_difference import ProofDifference
+from logical_robots_tui.game.debugging.proof_difference import Comparison, ProofDifference
 from logical_robots_tui.tui.timeline.divergence import derivation, told
 from logical_robots_tui.values import Desire
 

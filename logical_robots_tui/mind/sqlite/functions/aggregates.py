@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from logical_robots_tui.mind.limits import weight_of_scalar
 from logical_robots_tui.mind.sqlite.budget import Room
-from logical_robots_tui.mind.sqlite.functions.values import (
+from logical_robots_tui.mind.sqlite.functions.casting import (
     Scalar,
     element,
     in_order,

@@ -22,9 +22,7 @@ from logical_robots_tui.mind.sqlite.budget import (
 )
 from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
-from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast, try_cast_like
-from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
-from logical_robots_tui.mind.sqlite.functions.values import (
+from logical_robots_tui.mind.sqlite.functions.casting import (
     Scalar,
     compared,
     element,
@@ -33,8 +31,12 @@ from logical_robots_tui.mind.sqlite.functions.values import (
     list_in,
     order_of_scalar,
     real_as_json,
+    to_text,
+    try_cast,
+    try_cast_like,
     value_as_json,
 )
+from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 if TYPE_CHECKING:

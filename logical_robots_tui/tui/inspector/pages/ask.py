@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.page import Questions
 
 _INPUT_COLUMNS = ("robot_name", "sensor", "memory")
 _HISTORY_SIZE = 100

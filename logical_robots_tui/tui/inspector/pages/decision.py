@@ -11,9 +11,8 @@ from textual.content import Content
 
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page
-from logical_robots_tui.tui.inspector.widgets.cells import cell, written
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import radar_plot
+from logical_robots_tui.tui.inspector.widgets.plots import cell, radar_plot, written
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions, Survey
+    from logical_robots_tui.tui.inspector.page import Questions, Survey
     from logical_robots_tui.values import Value
 
 _RADAR_ROWS = 8

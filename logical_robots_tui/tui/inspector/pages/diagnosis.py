@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.page import Questions
 
 _START = "(start)"
 _EVERY = 10  # ticks between two progress reports

@@ -15,8 +15,8 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, Cancelled, Page, Placed, progress
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
-from logical_robots_tui.tui.inspector.widgets.cells import cell
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
+from logical_robots_tui.tui.inspector.widgets.plots import cell
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain.why.sourcing import Read
     from logical_robots_tui.game import Frame, Game, Link, Origin
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.page import Questions
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."

@@ -12,7 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
-from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.plots import written
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -20,7 +20,7 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions, Survey
+    from logical_robots_tui.tui.inspector.page import Questions, Survey
 
 
 class PredicatePage(Page):

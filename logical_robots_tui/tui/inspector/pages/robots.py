@@ -13,9 +13,8 @@ from textual.message import Message
 
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.page import Page
-from logical_robots_tui.tui.inspector.widgets.cells import written
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS
+from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, written
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
@@ -29,8 +28,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions
-    from logical_robots_tui.tui.labyrinth.drawing.palette import Palette
+    from logical_robots_tui.tui.inspector.page import Questions
+    from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
     from logical_robots_tui.world import Level, RobotState
 
 _CHOSEN = "on $row"

@@ -23,7 +23,7 @@ from logical_robots_tui.tui.inspector.page import (
     progress,
     sight,
 )
-from logical_robots_tui.tui.inspector.widgets.cells import written
+from logical_robots_tui.tui.inspector.widgets.plots import written
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.questions import Questions
+    from logical_robots_tui.tui.inspector.page import Questions
 
 _LONGEST_ARGUMENT = 24
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
-from logical_robots_tui.tui.inspector.widgets.cells import cell, written
+from logical_robots_tui.tui.inspector.widgets.plots import cell, written
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 

@@ -19,7 +19,7 @@ from textual.strip import Strip
 
 from logical_robots_tui.game import MIND, ROBOT_COLUMNS
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.widgets.cells import cell, is_number, written
+from logical_robots_tui.tui.inspector.widgets.plots import cell, is_number, written
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style

@@ -12,8 +12,7 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static, Tree
 
-from logical_robots_tui.tui.inspector.widgets.cells import cell
-from logical_robots_tui.tui.inspector.widgets.plots import radar_plot
+from logical_robots_tui.tui.inspector.widgets.plots import cell, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style

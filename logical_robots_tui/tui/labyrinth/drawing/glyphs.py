@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, NamedTuple
 
-from logical_robots_tui.tui.labyrinth.drawing.palette import DARK, RGB, Palette
+from logical_robots_tui.tui.labyrinth.drawing.cells import DARK, RGB, Palette
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Palette, parse
 from logical_robots_tui.tui.labyrinth.drawing.discs import area_weights, blend
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, parse
 from logical_robots_tui.world.sensing import BEACON_RADIUS
 
 if TYPE_CHECKING:

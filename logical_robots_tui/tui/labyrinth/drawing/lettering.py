@@ -9,11 +9,19 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from rich.cells import cell_len
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import (
+    BOLD,
+    RGB,
+    Cells,
+    Palette,
+    mix,
+    packed,
+    parse,
+    text_id,
+)
 from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, mix, packed, parse
 from logical_robots_tui.tui.labyrinth.drawing.rays import mark_ends
 
 if TYPE_CHECKING:

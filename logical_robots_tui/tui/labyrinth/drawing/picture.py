@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, text_id
-from logical_robots_tui.tui.labyrinth.drawing.discs import paint_robot
-from logical_robots_tui.tui.labyrinth.drawing.dots import pack, refit, split
+from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, Palette, packed, text_id
+from logical_robots_tui.tui.labyrinth.drawing.discs import pack, paint_robot, refit, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import (
     ASCII_KINDS,
@@ -23,7 +22,6 @@ from logical_robots_tui.tui.labyrinth.drawing.lettering import (
     draw_labels,
     robot_colour,
 )
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, Palette, packed
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
     Traces,

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, packed, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import shows_body
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, packed
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 

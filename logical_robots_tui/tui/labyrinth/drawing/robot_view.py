@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, Cells
-from logical_robots_tui.tui.labyrinth.drawing.discs import blend
-from logical_robots_tui.tui.labyrinth.drawing.dots import fitted, split
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, mix, packed
+from logical_robots_tui.tui.labyrinth.drawing.discs import blend, fitted, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_into, robot_colour, write
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, mix, packed, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, mix, packed
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:

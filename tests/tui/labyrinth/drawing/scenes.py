@@ -9,8 +9,7 @@ import numpy as np
 
 from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Look, Palette, Picture, Viewport
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD
-from logical_robots_tui.tui.labyrinth.drawing.palette import RGB, luminance
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, luminance
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Level, Robot, RobotState, World
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing, Viewport
-from logical_robots_tui.tui.labyrinth.drawing.palette import luminance
+from logical_robots_tui.tui.labyrinth.drawing.cells import luminance
 from logical_robots_tui.world import Level, Robot
 from tests.tui.labyrinth.drawing.scenes import BARE, Drawn, apart, room, start, with_robot
 

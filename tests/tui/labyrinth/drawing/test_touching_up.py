@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.editing.walls import paint
+from logical_robots_tui.editing.strokes import paint
 from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.ground import WallTable
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster

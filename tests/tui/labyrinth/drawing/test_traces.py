@@ -9,7 +9,7 @@ import pytest
 
 from logical_robots_tui.mind.decision import Decision
 from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Viewport
-from logical_robots_tui.tui.labyrinth.drawing.dots import BLOCKS
+from logical_robots_tui.tui.labyrinth.drawing.discs import BLOCKS
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Robot
