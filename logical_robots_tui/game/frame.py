@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.world.world import points
+from logical_robots_tui.world.scoring import points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.world.dynamics import is_inside, starts_active
+from logical_robots_tui.world.scoring import tallies_at_start
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
-from logical_robots_tui.world.world import tallies_at_start
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
