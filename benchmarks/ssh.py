@@ -17,7 +17,7 @@ from benchmarks.halls import halls
 from benchmarks.measure import Effort, Measurement, at_most, need, summed_up
 from benchmarks.subjects import program_text, rows_of
 from logical_robots_tui import Program
-from logical_robots_tui.editing.level_text import save_level
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game import Pace
 from logical_robots_tui.mind import Mind
 from tests.crowd import Crowd

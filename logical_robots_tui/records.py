@@ -16,7 +16,7 @@ def record(kind: type[T], data: Any) -> T:
 
     Its module must import the types of its fields at run time, except Mapping and Sequence.
     """
-    value: T = _checked(kind, data, kind.__name__)
+    value: T = _check(kind, data, kind.__name__)
     return value
 
 
@@ -25,7 +25,7 @@ def _hints(kind: type) -> dict[str, Any]:
     return get_type_hints(kind, localns={"Mapping": Mapping, "Sequence": Sequence})
 
 
-def _checked(wanted: Any, data: Any, where: str) -> Any:
+def _check(wanted: Any, data: Any, where: str) -> Any:
     origin, arguments = get_origin(wanted), get_args(wanted)
     if is_dataclass(wanted):
         return _dataclass(wanted, data, where)
@@ -35,17 +35,17 @@ def _checked(wanted: Any, data: Any, where: str) -> Any:
     elif origin in (Union, types.UnionType):
         for argument in arguments:
             try:
-                return _checked(argument, data, where)
+                return _check(argument, data, where)
             except ValueError:
                 continue
     elif origin is tuple and isinstance(data, list):
         if arguments[1:] == (...,):
-            return tuple(_checked(arguments[0], item, where) for item in data)
+            return tuple(_check(arguments[0], item, where) for item in data)
         if len(arguments) == len(data):
             pairs = zip(arguments, data, strict=True)
-            return tuple(_checked(argument, item, where) for argument, item in pairs)
+            return tuple(_check(argument, item, where) for argument, item in pairs)
     elif origin in (Mapping, dict) and isinstance(data, dict):
-        return {key: _checked(arguments[1], item, where) for key, item in data.items()}
+        return {key: _check(arguments[1], item, where) for key, item in data.items()}
     elif wanted is float and type(data) is int:
         return float(data)
     elif isinstance(wanted, type) and type(data) is wanted:
@@ -66,5 +66,5 @@ def _dataclass(wanted: Any, data: Any, where: str) -> Any:
     if not needed <= data.keys() <= known.keys():
         raise ValueError(f"{where} has other fields than {wanted.__name__}")
     return wanted(
-        **{name: _checked(hints[name], value, f"{where}.{name}") for name, value in data.items()}
+        **{name: _check(hints[name], value, f"{where}.{name}") for name, value in data.items()}
     )

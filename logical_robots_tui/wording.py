@@ -9,12 +9,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
-def counted(number: int, what: str) -> str:
+def count_of(number: int, what: str) -> str:
     """Return a count in words, such as ``1 row`` or ``1,200 rows``."""
     return f"{number:,} {what}{'' if number == 1 else 's'}"
 
 
-def enumerated(names: Iterable[str]) -> str:
+def join_names(names: Iterable[str]) -> str:
     """Join names with commas; three or more numbered ones in order become ``Bee 1 … Bee 100``."""
     series: list[list[str]] = []
     for name in names:

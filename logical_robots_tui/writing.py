@@ -30,7 +30,7 @@ def write_atomically(path: Path, text: str | bytes) -> None:
     path = real(path)
     check_name(path)
     check_quota(path, len(content))
-    temporary, handle = _opened_beside(path)
+    temporary, handle = _open_beside(path)
     try:
         with os.fdopen(handle, "wb") as file:
             if path.exists():
@@ -45,7 +45,7 @@ def write_atomically(path: Path, text: str | bytes) -> None:
     _sweep(path)
 
 
-def _opened_beside(path: Path) -> tuple[Path, int]:
+def _open_beside(path: Path) -> tuple[Path, int]:
     """Create a temporary file in the same folder, locked while it is being written."""
     while True:
         temporary = path.with_name(f".{path.name}.{os.urandom(4).hex()}")

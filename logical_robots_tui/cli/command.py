@@ -206,7 +206,7 @@ def line_of_json(value: Any) -> str:
     return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in text)
 
 
-def written(value: Any, width: int | None = None) -> str:
+def line_within(value: Any, width: int | None = None) -> str:
     """Format a value as one line of JSON, cut to a width in characters if one is given."""
     text = harmless(json.dumps(finite(value), ensure_ascii=False, allow_nan=False))
     return text if width is None or len(text) <= width else f"{text[: width - 3]}..."

@@ -142,24 +142,22 @@ def _processors() -> int:
 def _sweep(options: argparse.Namespace) -> int:
     from logical_robots_tui.lab.sweeping import plan_sweep
 
-    return _planned(options, lambda: plan_sweep(options.experiment))
+    return _plan(options, lambda: plan_sweep(options.experiment))
 
 
 def _grade(options: argparse.Namespace) -> int:
     from logical_robots_tui.lab.submissions import plan_grading
 
-    return _planned(options, lambda: plan_grading(options.assignment, options.submissions))
+    return _plan(options, lambda: plan_grading(options.assignment, options.submissions))
 
 
 def _tournament(options: argparse.Namespace) -> int:
     from logical_robots_tui.lab.tournament.ranking import plan_tournament
 
-    return _planned(options, lambda: plan_tournament(options.arena, options.players))
+    return _plan(options, lambda: plan_tournament(options.arena, options.players))
 
 
-def _planned(
-    options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]
-) -> int:
+def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]) -> int:
     from logical_robots_tui.lab.folder import Folder
     from logical_robots_tui.lab.specification import SpecificationError
 

@@ -75,7 +75,7 @@ def declare_new(commands: Commands) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
-    from logical_robots_tui.editing.level_text import save_level
+    from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.things import set_words
     from logical_robots_tui.world import load_level
     from logical_robots_tui.world.levels.load import read_text
@@ -143,7 +143,7 @@ def declare_convert(commands: Commands) -> None:
 
 
 def _convert(options: argparse.Namespace) -> int:
-    from logical_robots_tui.editing.level_text import save_level
+    from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.world import load_level
 
     level = load_level(options.level)

@@ -15,7 +15,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.wording import enumerated
+from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
     import argparse
@@ -72,8 +72,8 @@ def list_all_levels(options: argparse.Namespace) -> int:
 
 def _who(level: Level) -> str:
     if level.teams:
-        return f"teams: {enumerated(team.name for team in level.teams)}"
-    return enumerated(robot.name for robot in level.robots)
+        return f"teams: {join_names(team.name for team in level.teams)}"
+    return join_names(robot.name for robot in level.robots)
 
 
 def list_all_programs(options: argparse.Namespace) -> int:
@@ -135,11 +135,11 @@ def print_help(options: argparse.Namespace) -> int:
         close = similar(options.name)
         hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
         raise InputError(f"there is no function {options.name}.", hint=hint)
-    print(_explained(entry))
+    print(_help_of(entry))
     return 0
 
 
-def _explained(entry: FunctionHelp) -> str:
+def _help_of(entry: FunctionHelp) -> str:
     article = "an" if entry.kind[0] in "ao" else "a"
     return "\n".join(
         [

@@ -198,7 +198,7 @@ def _check(file: Path, *, as_json: bool) -> int:
         print(f"{'LEVEL':24}  {'TICKS':>6}  {'RULES':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
     for level, text, claimed in claims:
         if (level, text) not in played:
-            played[level, text] = asyncio.run(_played_again(level, text))
+            played[level, text] = asyncio.run(_replay(level, text))
         outcome = played[level, text]
         found = None if isinstance(outcome, str) else outcome
         problem = str(outcome) if found is None else "; ".join(_differences(claimed, found))
@@ -221,7 +221,7 @@ def _check(file: Path, *, as_json: bool) -> int:
     return CONFIRMED if confirmed else NOT_CONFIRMED
 
 
-async def _played_again(level: str, text: str) -> Measures | str:
+async def _replay(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.measuring import MeasuringError, measure
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.mind import Program, ProgramError

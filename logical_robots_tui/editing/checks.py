@@ -47,7 +47,7 @@ def check(level: Level) -> list[LevelFinding]:
     """Return all likely mistakes, or only those that prevent loading; at most about a second."""
     return refusals(level) or [
         *_in_vain(level),
-        *_misplaced(level),
+        *_placement(level),
         *_goals(level),
         *_open_rim(level.walls),
         *_names_used_twice(level),
@@ -57,10 +57,10 @@ def check(level: Level) -> list[LevelFinding]:
 
 def refusals(level: Level) -> list[LevelFinding]:
     twice = [finding for finding in _names_used_twice(level) if finding.forbids]
-    return [*_refused(level), *twice]
+    return [*_refusals(level), *twice]
 
 
-def _refused(level: Level) -> Iterator[LevelFinding]:
+def _refusals(level: Level) -> Iterator[LevelFinding]:
     top = Fields(words_of(level), level.name)
     try:
         read_words(top)
@@ -108,7 +108,7 @@ def _in_vain(level: Level) -> Iterator[LevelFinding]:
         yield LevelFinding(f"{odd.message} {odd.hint}".rstrip(), some.x, some.y)
 
 
-def _misplaced(level: Level) -> Iterator[LevelFinding]:
+def _placement(level: Level) -> Iterator[LevelFinding]:
     for some in all_things(level):
         on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
         in_wall = on_map and bool(level.walls[math.floor(some.y), math.floor(some.x)])
@@ -145,11 +145,11 @@ def _goals(level: Level) -> Iterator[LevelFinding]:
             continue
         never, hardly = reach.to(area)
         if never:
-            text = f'{_listed(never)} can\'t reach the goal "{area.name}".'
+            text = f'{_join(never)} can\'t reach the goal "{area.name}".'
             yield LevelFinding(text, area.x, area.y)
         if hardly:
             way = "only through gaps narrower than a robot"
-            text = f'{_listed(hardly)} can reach the goal "{area.name}" {way}.'
+            text = f'{_join(hardly)} can reach the goal "{area.name}" {way}.'
             yield LevelFinding(text, area.x, area.y)
 
 
@@ -173,7 +173,7 @@ def _open(side: str, size: int) -> str:
     return f"The outer wall has a gap on the {side}, {size} unit{'' if size == 1 else 's'} wide."
 
 
-def _listed(names: Sequence[str]) -> str:
+def _join(names: Sequence[str]) -> str:
     shown = list(names[:_MOST_NAMES])
     more = len(names) - len(shown)
     if more:

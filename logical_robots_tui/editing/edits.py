@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from logical_robots_tui.world.level import COMPARED
-from logical_robots_tui.world.walls import PackedBits, changed_box
+from logical_robots_tui.world.walls import PackedBits, difference_box
 
 if TYPE_CHECKING:
     import numpy as np
@@ -75,7 +75,7 @@ class _Redrawn(NamedTuple):
 def _walls_between(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> _Flips | _Redrawn | None:
     if before.shape != after.shape:
         return _Redrawn(PackedBits.of(before), PackedBits.of(after))
-    box = changed_box(before, after)
+    box = difference_box(before, after)
     if box is None:
         return None
     down, across = box

@@ -4,83 +4,30 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 import tomlkit
 
-from logical_robots_tui.editing.checks import refusals
-from logical_robots_tui.editing.rewriting import rewritten
-from logical_robots_tui.paths import real, shipped_folder
 from logical_robots_tui.world.level import (
     AREA_COLOR,
     ROBOT_COLOR,
     Area,
     Beacon,
-    LevelError,
     Robot,
     Score,
     Team,
     Visibility,
 )
 from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
-from logical_robots_tui.world.levels.fields import MOST_BYTES, MOST_OF_A_NUMBER
-from logical_robots_tui.world.levels.load import SUFFIXES, WEB, load_level, read_text
+from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
 from logical_robots_tui.world.levels.native import oddities
-from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from logical_robots_tui.world.level import Level
-
-
-def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
-    """Write a level atomically, in the format of the ending; return it as in the file.
-
-    An existing file of this game changes only where the levels differ, unless `anew`. Missing
-    folders are created. Raises LevelError if it can't be written or loaded again.
-    """
-    place = str(path)
-    if path.suffix.lower() not in SUFFIXES:
-        hint = "Use .toml, or .json for the web platform."
-        raise LevelError("The file has no ending of a level format.", place=place, hint=hint)
-    for finding in refusals(level):
-        raise LevelError(finding.text, place=place)
-    try:
-        if shipped_folder("levels").resolve() in real(path).parents:
-            message = "The levels of the game can't be changed."
-            raise LevelError(message, place=place, hint="Save it in another folder.")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        before, text = _texts(level, path, anew)
-        if len(text.encode()) > MOST_BYTES:
-            message = f"The file would be larger than {MOST_BYTES // 2**20} MB."
-            raise LevelError(message, place=place)
-        if text != before:
-            write_atomically(path, text)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        hint = "Save it under another name or in another folder."
-        raise LevelError(f"The file can't be written: {reason}.", place=place, hint=hint) from error
-    return replace(level, name=path.stem, source=place)
-
-
-def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
-    is_web = path.suffix.lower() == WEB
-    if anew:
-        return "", write_web(level) if is_web else write_native(level)
-    try:
-        before = read_text(path)
-        if not is_web:
-            return before, rewritten(before, level)
-        earlier = load_level(path)
-    except LevelError:  # it doesn't exist, or is not a level
-        return _texts(level, path, anew=True)
-    text = write_web(level)
-    return before, before if write_web(earlier) == text else text
-
 
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 

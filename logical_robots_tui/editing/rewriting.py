@@ -54,13 +54,13 @@ def rewritten(text: str, level: Level) -> str:
     before = read_native(plain, level.name, level.source)
     if alike(before, level):
         return text
-    new = _changed(plain, before, level)
+    new = _rewrite(plain, before, level)
     if new is None:
         new = write_native(level)
     return mark + (new.replace("\n", "\r\n") if of_windows else new)
 
 
-def _changed(text: str, before: Level, level: Level) -> str | None:
+def _rewrite(text: str, before: Level, level: Level) -> str | None:
     """Return the changed text, or None if it would not describe the level."""
     try:
         blocks = Blocks(text)
@@ -220,7 +220,7 @@ class Blocks:
             for match, piece in zip(found, pieces[1:], strict=True)
         ]
         try:
-            return _joined(map(tomllib.loads, pieces)) == tomllib.loads(text)
+            return _merge(map(tomllib.loads, pieces)) == tomllib.loads(text)
         except ValueError:
             return False
 
@@ -267,7 +267,7 @@ def _comments_above(text: str, start: int) -> int:
     return start
 
 
-def _joined(pieces: Any) -> dict[str, Any]:
+def _merge(pieces: Any) -> dict[str, Any]:
     whole: dict[str, Any] = {}
     for number, piece in enumerate(pieces):
         for key, value in piece.items():

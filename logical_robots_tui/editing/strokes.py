@@ -153,7 +153,7 @@ def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int
     map units, `shape` is (height, width). Raises LevelError if a value is out of range.
     """
     _check(width, grid, points)
-    way = [(_snapped(x / grid, width), _snapped(y / grid, width)) for x, y in points]
+    way = [(_snap(x / grid, width), _snap(y / grid, width)) for x, y in points]
     reach = width / 2 + 1
     box = _Box.around(way, reach, grid, shape)
     if box is None:
@@ -255,7 +255,7 @@ def _check(width: int, grid: int, points: Sequence[Point]) -> None:
             raise LevelError("This point is too far from the map.")
 
 
-def _snapped(place: float, width: int) -> float:
+def _snap(place: float, width: int) -> float:
     return math.floor(place) + 0.5 if width % 2 else float(math.floor(place + 0.5))
 
 

@@ -128,7 +128,7 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
         if level.teams and not new.team:
             new = replace(new, team=level.teams[0].name)
     ref = Ref(kind, len(things))
-    return _with(level, kind, (*things, _checked(level, ref, new))), ref
+    return _with(level, kind, (*things, _validate(level, ref, new))), ref
 
 
 def change(level: Level, ref: Ref, **values: Any) -> Level:
@@ -141,13 +141,13 @@ def change(level: Level, ref: Ref, **values: Any) -> Level:
     for name in values:
         if name not in known:
             raise LevelError(f"{ref.kind.capitalize()} have no {name}.")
-    after = _checked(level, ref, replace(before, **values))
+    after = _validate(level, ref, replace(before, **values))
     if after == before:
         return level
     things = list(_list(level, ref.kind))
     things[ref.index] = after
     changed = _with(level, ref.kind, tuple(things))
-    return _followed(changed, before, after) if after.name != before.name else changed
+    return _follow(changed, before, after) if after.name != before.name else changed
 
 
 def duplicate(level: Level, ref: Ref, dx: float, dy: float) -> tuple[Level, Ref]:
@@ -202,7 +202,7 @@ def reread(level: Level, ref: Ref, some: Thing) -> Thing:
     return _READ[ref.kind](place)
 
 
-def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
+def _validate(level: Level, ref: Ref, some: Thing) -> Thing:
     top = Fields({}, level.name)
     found = reread(level, ref, some)
     if ref.kind == "robots":
@@ -213,7 +213,7 @@ def _checked(level: Level, ref: Ref, some: Thing) -> Thing:
     return found
 
 
-def _followed(level: Level, before: Thing, after: Thing) -> Level:
+def _follow(level: Level, before: Thing, after: Thing) -> Level:
     """Rename an object in the areas and scores of a level that refer to it."""
     names = {before.name: after.name}
     if isinstance(before, Robot):
@@ -239,10 +239,10 @@ def _followed(level: Level, before: Thing, after: Thing) -> Level:
 
 
 def _free_name(name: str, taken: set[str]) -> str:
-    return name if name not in taken else next(n for n in _numbered(name) if n not in taken)
+    return name if name not in taken else next(n for n in _numbers(name) if n not in taken)
 
 
-def _numbered(name: str) -> Iterator[str]:
+def _numbers(name: str) -> Iterator[str]:
     found = re.fullmatch(r"(.+?)( ?)\d{1,4}", name, re.DOTALL)
     stem, gap = (found[1], found[2]) if found else (name, " ")
     for number in range(2, MOST_OF_A_KIND + 3):

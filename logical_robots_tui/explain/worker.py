@@ -9,7 +9,12 @@ from typing import Any
 
 from logical_robots_tui.explain.clauses.decomposition import decompose
 from logical_robots_tui.explain.diagnosis.checkup import check_up
-from logical_robots_tui.mind.compiling.worker import SAMPLES, is_prepared_soon, prepared, serve
+from logical_robots_tui.mind.compiling.worker import (
+    SAMPLES,
+    is_prepared_soon,
+    keep_preparable,
+    serve,
+)
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.tuning import tune_all
 
@@ -43,7 +48,7 @@ def _check_up(request: dict[str, Any]) -> dict[str, object]:
     functions = frozenset(request["checkup"])
     with closing(Database()) as database:
         found = check_up(request["text"], functions, partial(is_prepared_soon, database))
-    tuned = prepared(tune_all(found.program.statements))
+    tuned = keep_preparable(tune_all(found.program.statements))
     return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game.frame import Frame, ends
 from logical_robots_tui.world import World
-from logical_robots_tui.world.changing import changed_state, former_names
+from logical_robots_tui.world.changing import change_state, former_names
 
 if TYPE_CHECKING:
     import threading
@@ -62,7 +62,7 @@ def advance(
     done: list[Advance] = []
     while True:
         if known:
-            frame = known_frame(worlds, past, known[len(done)])
+            frame = frame_of(worlds, past, known[len(done)])
         else:
             frame = _next_frame(worlds.of(level), mind, past, stop, clock, decide)
         is_watched = watch.breakpoints and frame.decisions
@@ -73,7 +73,7 @@ def advance(
         past = frame
 
 
-def known_frame(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> Frame:
+def frame_of(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> Frame:
     """Restore a frame: let the robots sense again from the end of the previous tick."""
     world, moment = worlds.of(known.level), known.moment
     if not moment.decisions:
@@ -182,7 +182,7 @@ def after_change(
     former = former_names(before, after)
     known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
     memories = {robot.name: known.get(robot.name, "") for robot in after.robots}
-    return changed_state(frame.after, before, after, poses), memories
+    return change_state(frame.after, before, after, poses), memories
 
 
 def is_thought_alike(before: Level, after: Level) -> bool:

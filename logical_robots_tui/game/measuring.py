@@ -127,13 +127,13 @@ def main() -> None:
         sys.stdin.buffer.read(size)
     )
     try:
-        found = _measured(level, program, known)
+        found = _measure(level, program, known)
         _say(late=False, measures=found and found._asdict())
     except LateError:
         _say(late=True)
 
 
-def _measured(level: Level, program: Program, known: Measures | None) -> Measures | None:
+def _measure(level: Level, program: Program, known: Measures | None) -> Measures | None:
     if known is None:
         played = play_through(level, program, 2 * MOST_TICKS)
         if played.won_at is None:

@@ -25,7 +25,7 @@ class OpenGames:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         for number in range(MOST_GAMES):
-            handle = _locked(self._file(number))
+            handle = _lock(self._file(number))
             if handle is not None:
                 self._number, self._handle = number, handle  # closing it would free the place
                 break
@@ -43,7 +43,7 @@ class OpenGames:
             if number == self._number or not self._file(number).exists():
                 continue
             with suppress(OSError, ValueError):
-                handle = _locked(self._file(number))
+                handle = _lock(self._file(number))
                 if handle is not None:
                     os.close(handle)
                     continue
@@ -68,7 +68,7 @@ class OpenGames:
         return self._folder / f".end-game-{number}"
 
 
-def _locked(file: Path) -> int | None:
+def _lock(file: Path) -> int | None:
     """Open and lock a file; None if another process has it. May raise OSError."""
     handle = os.open(file, _OPENING, 0o600)
     try:

@@ -187,7 +187,7 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
     @cached_property
     def _desires(self) -> list[NDArray[np.float64]]:
         """For each stage an array of ticks, robots and engines."""
-        return [_unpacked(stage.desires) for stage in self.stages]
+        return [_unpack(stage.desires) for stage in self.stages]
 
     def check(self) -> None:
         """Raise ValueError or LevelError unless all parts are valid and fit together."""
@@ -322,7 +322,7 @@ async def gather(
                 await asyncio.sleep(0)
                 if history.turns != turns:
                     raise Superseded
-        stages.append(Stage(write(level), moment.after, memories, is_decided, _packed(wanted)))
+        stages.append(Stage(write(level), moment.after, memories, is_decided, _pack(wanted)))
     texts = [
         Text(max(tick, begin + 1), name(program), text if with_programs else None, team)
         for tick, program in history.programs(last)
@@ -331,13 +331,13 @@ async def gather(
     return Replay(history.level_at(begin).name, last, tuple(stages), tuple(texts), hashes)
 
 
-def _packed(wanted: NDArray[np.float64]) -> tuple[bytes, ...]:
+def _pack(wanted: NDArray[np.float64]) -> tuple[bytes, ...]:
     bits = wanted.view("<u8")
     bits[1:] ^= bits[:-1].copy()
     return tuple(bits[:, robot].T.tobytes() for robot in range(bits.shape[1]))
 
 
-def _unpacked(desires: Sequence[bytes]) -> NDArray[np.float64]:
+def _unpack(desires: Sequence[bytes]) -> NDArray[np.float64]:
     columns = [np.frombuffer(each, "<u8").reshape(2, -1).T for each in desires]
     if not columns:
         return np.zeros((MOST_TICKS, 0, 2))

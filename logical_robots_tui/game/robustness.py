@@ -47,7 +47,7 @@ class Played:
 
 def start_of(level: Level, start: int) -> Level:
     """Return the level with its robots at a start: 0 is the given one, others are shifted."""
-    return shifted(level, start - 1) if start else level
+    return shift_start(level, start - 1) if start else level
 
 
 def named_start_of(level: Level, start: int) -> Level:
@@ -60,7 +60,7 @@ def named_start_of(level: Level, start: int) -> Level:
     )
 
 
-def shifted(level: Level, seed: int) -> Level:
+def shift_start(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
     Robots of the same index in their teams are shifted alike, relative to their heading.
@@ -131,6 +131,8 @@ def try_starts(
     """
     wins = 0
     for seed in range(starts):
-        wins += play_through(shifted(level, seed), program, patience, stop=stop).won_at is not None
+        wins += (
+            play_through(shift_start(level, seed), program, patience, stop=stop).won_at is not None
+        )
         report(seed + 1, wins)
     return wins

@@ -17,7 +17,7 @@ from logical_robots_tui.game.advancing import (
     RecordedTick,
     Worlds,
     advance,
-    known_frame,
+    frame_of,
     start_frame,
 )
 from logical_robots_tui.game.debugging.watching import Watch
@@ -152,7 +152,7 @@ class Run:
         if self._latest.tick != tick - 1:
             before = self._recording.moment(max(tick - 1, 0))
         known = RecordedTick(self.level, self._recording.moment(tick))
-        self._latest = known_frame(self._worlds, before, known)
+        self._latest = frame_of(self._worlds, before, known)
         return self._latest
 
     def _go_on(self, stop: threading.Event) -> None:

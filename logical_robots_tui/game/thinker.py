@@ -7,7 +7,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game.advancing import Worlds, known_frame
+from logical_robots_tui.game.advancing import Worlds, frame_of
 from logical_robots_tui.mind import Mind, Stopped
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ class Thinker:
     ) -> tuple[Frame, Mind]:
         if self._worlds is None:
             self._worlds = Worlds(known.level)
-        frame = known_frame(self._worlds, before, known)
+        frame = frame_of(self._worlds, before, known)
         return frame, self.mind(program, known.level, limits)
 
     async def do(self, work: Callable[[threading.Event], T]) -> T:

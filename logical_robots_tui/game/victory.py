@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
@@ -161,7 +161,7 @@ def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
 
 
 def result_line(level: Level, measures: Measures) -> str:
-    ticks, rules = counted(measures.ticks, "tick"), counted(measures.rules, "rule")
+    ticks, rules = count_of(measures.ticks, "tick"), count_of(measures.rules, "rule")
     line = f"Logical Robots · {level.title} · {ticks} · {rules}"
     line += f" · {measures.distance:,.0f} units driven"
     if measures.wins is not None:

@@ -14,7 +14,7 @@ from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import digest
 from logical_robots_tui.lab.specification import Assignment
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.exporting import Done
@@ -80,7 +80,7 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             Grade(
                 student,
                 tuple(levels),
-                _rounded(sum_ * kept),
+                _round(sum_ * kept),
                 sum(each.points for each in assignment.level),
                 sum(level.points is None for level in levels),
             )
@@ -122,7 +122,7 @@ def _level(
     outcome = first.outcome if first else "not run yet" if is_submitted else "nothing was submitted"
     return LevelGrade(
         name,
-        None if points is None else _rounded(points),
+        None if points is None else _round(points),
         most,
         won,
         outcome,
@@ -148,7 +148,7 @@ def _share(assignment: Assignment, name: str, first: Result, robust: float) -> f
     return reached / (split.won + split.starts + split.ticks + split.rules)
 
 
-def _rounded(points: float) -> float:
+def _round(points: float) -> float:
     """Return points rounded to two decimals, halves up."""
     return float(Decimal(f"{points:.9f}").quantize(Decimal("0.01"), ROUND_HALF_UP))
 
@@ -237,18 +237,18 @@ def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
     for level in grade.levels:
         points = "not graded yet" if level.points is None else f"{level.points:g}"
         lines += ["", f"## {_markdown(level.level)}: {points} of {level.most:g} points", ""]
-        lines += [f"- {_markdown(said)}" for said in _said(level, show)]
+        lines += [f"- {_markdown(said)}" for said in _level_feedback(level, show)]
     return "\n".join(lines) + "\n"
 
 
-def _said(level: LevelGrade, show: list[str]) -> list[str]:
+def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     said = []
     if "won" in show or level.outcome in ("does not compile", "nothing was submitted"):
         said.append(f"From the given start: {level.outcome}.")
     if "ticks" in show and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
     if "rules" in show and level.rules is not None:
-        said.append(f"{counted(level.rules, 'rule')}.")
+        said.append(f"{count_of(level.rules, 'rule')}.")
     if "distance" in show and level.distance:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):
@@ -268,7 +268,7 @@ def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
     tests = []
     for level in grade.levels:
         test = {"name": level.level, "score": level.points or 0, "max_score": level.most}
-        test["output"] = "\n".join(map(harmless_text, _said(level, show)))
+        test["output"] = "\n".join(map(harmless_text, _level_feedback(level, show)))
         tests.append(test)
     remarks = "\n".join(map(harmless_text, grade.student.remarks))
     return {"score": grade.points, "output": remarks, "output_format": "text", "tests": tests}

@@ -14,6 +14,13 @@ from logical_robots_tui.lab.exporting import Done, check_extra, done_runs, harml
 from logical_robots_tui.lab.folder import digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.page import (
+    as_code,
+    as_page,
+    as_percent,
+    as_table,
+    shade,
+)
 from logical_robots_tui.lab.tournament.reporting import tournament_parts
 
 if TYPE_CHECKING:
@@ -115,67 +122,6 @@ def _bars(title: str, values: Mapping[str, float]) -> list[str]:
     return text.rstrip().split("\n")
 
 
-_MOST_ROWS = 1_000
-_PAGE = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
-<title>{title}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto }}
-table {{ border-collapse: collapse; margin: 1rem 0; display: block; overflow-x: auto }}
-th, td {{ border: 1px solid #bbb; padding: .2rem .6rem; text-align: left }}
-td.number {{ text-align: right; font-variant-numeric: tabular-nums }}
-code {{ font-size: 12px; white-space: nowrap }}
-svg {{ max-width: 48rem; display: block }}
-</style></head><body>
-<h1>{title}</h1>
-{body}
-</body></html>
-"""
-
-
-def as_page(title: str, parts: Iterable[str]) -> str:
-    return _PAGE.format(title=html.escape(harmless_text(title)), body="\n".join(parts))
-
-
-class Html(str):
-    """Text that is HTML already."""
-
-    __slots__ = ()
-
-
-def as_table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    def cell(value: Any) -> str:
-        if isinstance(value, Html):
-            return f"<td>{value}</td>"
-        if isinstance(value, bool) or value is None:
-            value = {None: "", True: "yes", False: "no"}[value]
-        if isinstance(value, str):
-            return f"<td>{html.escape(harmless_text(value))}</td>"
-        return f'<td class="number">{value:,.10g}</td>'
-
-    names = "".join(f"<th>{html.escape(harmless_text(name))}</th>" for name in head)
-    lines = ["<tr>" + "".join(map(cell, row)) + "</tr>" for row in rows]
-    more = ""
-    if len(lines) > _MOST_ROWS:
-        more = f"<p>The first {_MOST_ROWS:,} of {len(lines):,} rows; runs.csv has all runs.</p>"
-    return f"<table><tr>{names}</tr>\n" + "\n".join(lines[:_MOST_ROWS]) + f"</table>{more}"
-
-
-def as_code(text: str) -> Html:
-    return Html(f"<code>{html.escape(text)}</code>")
-
-
-def as_percent(share: float) -> str:
-    return f"{100 * share:.0f} %"
-
-
-def shaded(share: float, text: str) -> Html:
-    """Return a text on a colour between red, for a share of 0, and green, for 1."""
-    shade = f"background: hsl({120 * share:.0f} 60% 80%); padding: .2rem"
-    return Html(f'<span style="{shade}">{html.escape(text)}</span>')
-
-
 _BARS = 20
 
 
@@ -188,7 +134,7 @@ def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     else:
         check_extra("pygal", "a report")
         is_grade = manifest.kind == "grade"
-        main = _grades(manifest, ledger) if is_grade else _varied(manifest, done)
+        main = _grades(manifest, ledger) if is_grade else _variation(manifest, done)
         parts = [_overview(done), main, _ticks(done), failures, _cells(manifest, done)]
     file = folder.path / "report.html"
     folder.put(file, as_page(manifest.title, parts))
@@ -238,7 +184,7 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
     return text
 
 
-def _varied(manifest: Manifest, done: list[Done]) -> str:
+def _variation(manifest: Manifest, done: list[Done]) -> str:
     cells = by_cell(done)
     names = list(dict.fromkeys(name for cell in manifest.cells for name in cell.settings))
     full = [(cell, runs) for cell, runs in cells if len(cell.settings) == len(names)]
@@ -274,7 +220,7 @@ def _heat_map(across: str, down: str, group: list[tuple[Cell, list[Done]]]) -> s
 
     def cell(share: Share) -> str:
         said = f"{as_percent(share.share)} ({share.won} of {share.tried}, {_interval(share)})"
-        return shaded(share.share, said)
+        return shade(share.share, said)
 
     rows = [
         (str(line), *(cell(shares[key]) if (key := (c, line)) in shares else "" for c in columns))

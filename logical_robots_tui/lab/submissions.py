@@ -223,7 +223,7 @@ def _manifest(
             if text is None:
                 continue
             own = digest(text)
-            program = first.setdefault(normalised(text), own)
+            program = first.setdefault(normalise(text), own)
             inputs[own] = text
             name = level + SUFFIX if level in programs else student.submission + SUFFIX
             same = "" if own == program else own
@@ -248,7 +248,7 @@ def _manifest(
     return manifest, inputs
 
 
-def normalised(text: str) -> str:
+def normalise(text: str) -> str:
     source = prepare(text)
     if source.problems or '"""' in source.text:
         return text

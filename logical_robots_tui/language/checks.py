@@ -11,11 +11,11 @@ from logica.compiler import universe
 from logical_robots_tui.language.definitions import (
     MAIN,
     built_in_names,
-    called,
     calls,
     definitions,
     is_built_in,
     lacking,
+    names_used,
     parameters,
     prelude,
     rules_of,
@@ -23,7 +23,7 @@ from logical_robots_tui.language.definitions import (
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.signatures import (
     collisions,
-    given_twice,
+    duplicates,
     signatures,
     wrong_calls,
 )
@@ -102,11 +102,11 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
     problems = [
         *parsed.problems,
         *_annotations(program, text),
-        *_supplied(program, text),
+        *_redefinitions(program, text),
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
         *wrong_calls(program, known, text, runs),
-        *given_twice(program, text),
+        *duplicates(program, text),
         *_without_arguments(program, text),
         *verbatim(program, known, text),
         *inference.problems,
@@ -167,7 +167,7 @@ def _fits(annotation: Annotation, kind: type[Expression]) -> bool:
     return has_subject and is_enough and all(isinstance(value, kind) for value in rest)
 
 
-def _supplied(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _redefinitions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     for name in definitions(program):
         if name in INPUTS:
             message = f"{name} is supplied by the game and can't be defined"
@@ -184,7 +184,7 @@ def _names(
     subjects = {each.subject for each in program if isinstance(each, Annotation)}
     values = {node.name for node in walk(program) if isinstance(node, PredicateName)}
     values -= {*(each.name for each in calls(program)), *subjects}
-    for name in called(program):
+    for name in names_used(program):
         if name in seen or name in known or name in left_open:
             continue
         seen.add(name)
@@ -222,7 +222,7 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
 def _types(program: Sequence[Statement]) -> Iterator[str]:
     for call in calls(program):
         if call.name in ("TryCast", "~"):
-            for name in called(call.arguments[1:]):
+            for name in names_used(call.arguments[1:]):
                 if call.name == "~" or name.upper() in TYPES:
                     yield name
 

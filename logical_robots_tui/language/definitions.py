@@ -94,7 +94,7 @@ def calls(tree: Tree) -> Iterator[Call | Atom]:
     return (node for node in walk(tree) if isinstance(node, Call | Atom))
 
 
-def called(tree: Tree) -> Iterator[str]:
+def names_used(tree: Tree) -> Iterator[str]:
     """Yield the names of all predicates, functions and aggregates that a tree mentions."""
     for node in walk(tree):
         if isinstance(node, Call | Atom | PredicateName):
@@ -105,12 +105,12 @@ def called(tree: Tree) -> Iterator[str]:
             yield from (node.name, node.base)
 
 
-def reached(tree: Tree, program: Mapping[str, Sequence[Statement]]) -> set[str]:
+def reach(tree: Tree, program: Mapping[str, Sequence[Statement]]) -> set[str]:
     """Return the names of the predicates that a tree uses, directly or indirectly."""
     found: set[str] = set()
     waiting = [tree]
     while waiting:
-        for name in called(waiting.pop()):
+        for name in names_used(waiting.pop()):
             if name not in found:
                 found.add(name)
                 waiting.append(program.get(name, ()))
@@ -134,7 +134,7 @@ def lacking(program: Sequence[Statement]) -> dict[str, str]:
             seen.add(name)
             for statement in own[name]:
                 inside = given.union(substitutions(statement))
-                for other in called(statement):
+                for other in names_used(statement):
                     yield from first_open(other, inside, seen)
 
     found = {name: next(first_open(name, frozenset(), set()), "") for name in own}
@@ -146,10 +146,10 @@ def substitutions(statement: Statement) -> tuple[str, ...]:
     return statement.parameters if isinstance(statement, Functor) else ()
 
 
-def made_from_functors(program: Iterable[Statement]) -> set[str]:
+def functor_names(program: Iterable[Statement]) -> set[str]:
     """Return the predicates that functors make, copy, substitute or put in."""
     functors = [each for each in program if isinstance(each, Functor)]
-    return {name for each in functors for name in (*called(each), *each.parameters)}
+    return {name for each in functors for name in (*names_used(each), *each.parameters)}
 
 
 _QL = expr_translate.QL

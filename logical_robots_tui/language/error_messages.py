@@ -54,7 +54,7 @@ def explain(
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
         hint = "Give parts of it names of their own."
         return diagnostic_at(source.original, start, 0, "the program is nested too deeply", hint)
-    if names := unassigned(error):
+    if names := unbound_variables(error):
         return _without_value(names, source, start, end)
     message = plain_message(error)
     at, length = _place(error, source, start, end)
@@ -88,14 +88,14 @@ def plain_message(error: BaseException) -> str:
     return message[:1].lower() + message[1:300]
 
 
-def unassigned(error: BaseException) -> list[str]:
+def unbound_variables(error: BaseException) -> list[str]:
     found = _UNASSIGNED.search(_plain_text(error))
     return [n.split(" in rule for ")[0] for n in found.group(1).split(", ")] if found else []
 
 
 def is_function(error: BaseException) -> bool:
     """Return whether the package only complains about missing arguments."""
-    return bool(unassigned(error)) or "not passed a required argument" in str(error)
+    return bool(unbound_variables(error)) or "not passed a required argument" in str(error)
 
 
 def _plain_text(error: BaseException) -> str:

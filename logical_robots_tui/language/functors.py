@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.language.definitions import definitions, reached
+from logical_robots_tui.language.definitions import definitions, reach
 from logical_robots_tui.language.tree import (
     Aggregate,
     Aggregation,
@@ -52,7 +52,7 @@ class Expanded:
         return self.names.get((predicate, within), predicate)
 
     def reach(self, name: str) -> set[str]:
-        return reached(self.rules.get(name, ()), self.rules)
+        return reach(self.rules.get(name, ()), self.rules)
 
 
 def expand(program: Iterable[Statement]) -> Expanded:

@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.language import tree
-from logical_robots_tui.language.definitions import definitions, made_from_functors, rules_of
+from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
 from logical_robots_tui.language.similar_names import closest
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import REST, Name
@@ -52,7 +52,7 @@ class Inference:
         self._text = text
         self._definitions = definitions(program)
         self._rules = rules_of(program)
-        self._unknown = doubtful | made_from_functors(program)
+        self._unknown = doubtful | functor_names(program)
         self._columns: dict[Column, Kind] = {("Sensor", "sensor"): SENSOR}
         self._arguments: dict[Column, Kind] = {}
         self._given: dict[Column, list[Kind]] = {}

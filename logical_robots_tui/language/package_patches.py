@@ -66,10 +66,10 @@ def mentioned_variables(
 
 def deep_copy(tree: Any) -> Any:
     """Copy a syntax tree; texts are shared with the original, and shared subtrees stay shared."""
-    return _copied(tree, {})
+    return _copy(tree, {})
 
 
-def _copied(node: Any, done: dict[int, Any]) -> Any:
+def _copy(node: Any, done: dict[int, Any]) -> Any:
     kind = type(node)
     if kind in _NEVER_CHANGE:
         return node
@@ -80,11 +80,11 @@ def _copied(node: Any, done: dict[int, Any]) -> Any:
         if kind is dict:
             found = done[id(node)] = {}
             for key, value in node.items():
-                found[key] = _copied(value, done)
+                found[key] = _copy(value, done)
         else:
             found = done[id(node)] = []
             for value in node:
-                found.append(_copied(value, done))
+                found.append(_copy(value, done))
     return found
 
 

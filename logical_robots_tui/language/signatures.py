@@ -13,7 +13,7 @@ from logical_robots_tui.language.definitions import (
     definitions,
     is_built_in,
     prelude,
-    reached,
+    reach,
     rules_of,
 )
 from logical_robots_tui.language.similar_names import closest
@@ -81,7 +81,7 @@ def wrong_calls(
     program: Sequence[Statement], known: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
     own = definitions(program)
-    used = {MAIN, *reached(own[MAIN], own)} if MAIN in own else {*own}
+    used = {MAIN, *reach(own[MAIN], own)} if MAIN in own else {*own}
     for rule in rules_of(program):
         for call in calls(rule):
             name, for_value = call.name, isinstance(call, Call)
@@ -99,7 +99,7 @@ def wrong_calls(
                 yield from _wrong_built_in(call, text)
 
 
-def given_twice(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def duplicates(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
     for node in walk(program):
         seen = set()
         for each in children(node):

@@ -431,7 +431,7 @@ def conjuncts(body: Proposition | None) -> list[Proposition]:
     return [part for member in body.members for part in conjuncts(member)]
 
 
-def equated(part: Node) -> tuple[Expression, Expression] | None:
+def equation_sides(part: Node) -> tuple[Expression, Expression] | None:
     if isinstance(part, Equation):
         return part.left, part.right
     if isinstance(part, Atom) and part.name == "=":

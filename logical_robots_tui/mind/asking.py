@@ -10,13 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.failures import FailureError, failures_in_words
 from logical_robots_tui.mind.program import TRUTH_MARK
+from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
 from logical_robots_tui.mind.sqlite.stored import Interner, from_sql
-from logical_robots_tui.mind.sqlite.tables import (
-    COLUMNS_LAYOUT,
-    LISTS_LAYOUT,
-    PlainTables,
-    TunedTables,
-)
+from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables
 from logical_robots_tui.mind.table import plan_lines
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ _PATIENCE = 20  # seconds to wait for each processor second, on a busy machine
 _LARGEST_ANSWER = 32_000_000  # bytes
 
 
-def compiled(
+def compile_request(
     request: Mapping[str, Any],
     kind: type[T],
     *,

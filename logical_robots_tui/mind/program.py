@@ -159,14 +159,16 @@ class Program:
                 the team.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import check_text, compiled
+        from logical_robots_tui.mind.compilation import check_text, compile_request
 
         teams: dict[str, Program] = {}
         for team, each in ({"": text} if isinstance(text, str) else text).items():
             try:
                 check_text(each, limits)
                 request = {"text": each}
-                teams[team] = compiled(request, Program, stop=stop, limits=limits, report=report)
+                teams[team] = compile_request(
+                    request, Program, stop=stop, limits=limits, report=report
+                )
             except ProgramError as error:
                 error.team = team
                 raise
@@ -188,10 +190,12 @@ class Program:
         Raises:
             ProgramError: The program has errors, or a name is not that of a constant.
         """
-        from logical_robots_tui.mind.compilation import check_text, compiled
+        from logical_robots_tui.mind.compilation import check_text, compile_request
 
         check_text(text, limits)
-        return compiled({"text": text, "constants": dict(values)}, Settled, limits=limits).text
+        return compile_request(
+            {"text": text, "constants": dict(values)}, Settled, limits=limits
+        ).text
 
     def question(
         self, query: str, *, stop: threading.Event | None = None, limits: Limits | None = None
@@ -207,7 +211,7 @@ class Program:
             ProgramError: The query has errors; the diagnostics refer to its lines and columns.
             Stopped: `stop` was set.
         """
-        from logical_robots_tui.mind.compilation import check_text, compiled
+        from logical_robots_tui.mind.compilation import check_text, compile_request
 
         check_text(query, limits)
         columns = {
@@ -215,7 +219,7 @@ class Program:
             for table in ("Memory", "Item")
         }
         request = {"text": self.text, "query": query, "columns": columns}
-        return compiled(request, Question, stop=stop, limits=limits)
+        return compile_request(request, Question, stop=stop, limits=limits)
 
     def predicate(self, name: str) -> Predicate | None:
         """Return the predicate of that name, or None."""

@@ -171,14 +171,14 @@ def same(one: Value, other: Value) -> bool:
 
 def alike(one: Value, other: Value) -> bool:
     """Return whether values are equal up to the order of lists, which queries don't determine."""
-    return same(one, other) or same(_sorted(one), _sorted(other))
+    return same(one, other) or same(_sort(one), _sort(other))
 
 
-def _sorted(value: Value) -> Value:
+def _sort(value: Value) -> Value:
     if isinstance(value, dict):
-        return {name: _sorted(each) for name, each in value.items()}
+        return {name: _sort(each) for name, each in value.items()}
     if isinstance(value, list):
-        return sorted(map(_sorted, value), key=repr)
+        return sorted(map(_sort, value), key=repr)
     return value
 
 

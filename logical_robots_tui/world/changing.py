@@ -25,7 +25,7 @@ def start_state(level: Level) -> WorldState:
     return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
 
 
-def changed_state(
+def change_state(
     state: WorldState, before: Level, after: Level, poses: Mapping[str, Pose]
 ) -> WorldState:
     """Return the state in which a world continues in a changed level, or raise ValueError.
@@ -43,16 +43,16 @@ def changed_state(
     bodies = {robot.name: robot for robot in state.robots}
     former = former_names(before, after)
     robots = tuple(
-        _put(_carried(robot, given[old], bodies[old]), poses)
+        _put(_carry(robot, given[old], bodies[old]), poses)
         if (old := former.get(robot.name)) is not None
         else _put(_at_start(robot), poses)
         for robot in after.robots
     )
     areas = tuple(
         AreaState(area.name, active, _visitors(area, robots))
-        for area, active in zip(after.areas, _switched_as_before(state, before, after), strict=True)
+        for area, active in zip(after.areas, _switch_as_before(state, before, after), strict=True)
     )
-    if _scored(before) == _scored(after):
+    if _score_key(before) == _score_key(after):
         tallies = state.tallies
     else:
         tallies = tallies_at_start(after, robots, areas)
@@ -70,7 +70,7 @@ def former_names(before: Level, after: Level) -> dict[str, str]:
     return names
 
 
-def _carried(robot: Robot, before: Robot, body: RobotState) -> RobotState:
+def _carry(robot: Robot, before: Robot, body: RobotState) -> RobotState:
     charge = min(body.battery_level, float(robot.battery_capacity))
     if robot.has_battery and not before.has_battery:
         charge = float(robot.battery_capacity)
@@ -93,7 +93,7 @@ def _new_area(area: Area) -> AreaState:
     return AreaState(area.name, starts_active(area))
 
 
-def _switched_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:
+def _switch_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:
     """Return which areas are on: as before if they are the same areas, else as at the start."""
     known: dict[tuple[object, ...], list[bool]] = {}
     for area, now in zip(before.areas, state.areas, strict=True):
@@ -109,7 +109,7 @@ def _switch(area: Area) -> tuple[object, ...]:
     return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
 
 
-def _scored(level: Level) -> tuple[object, ...]:
+def _score_key(level: Level) -> tuple[object, ...]:
     return level.scores, level.teams, [beacon.name for beacon in level.beacons]
 
 

@@ -42,7 +42,7 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
     The turn always succeeds. The move is cancelled if it ends in a wall; there are none outside
     the map. The wanted power is finite.
     """
-    left, right = _clamped(left), _clamped(right)
+    left, right = _clamp(left), _clamp(right)
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
     speed = (left + right) / 2
     x = mover.x + speed * math.cos(angle)
@@ -72,7 +72,7 @@ def is_inside(mover: Mover | RobotState, area: Area) -> bool:
     return math.hypot(mover.x - area.x, mover.y - area.y) < area.radius
 
 
-def _clamped(power: float) -> float:
+def _clamp(power: float) -> float:
     return min(1.0, max(-1.0, power))
 
 
@@ -182,7 +182,7 @@ def starts_active(area: Area) -> bool:
     return not area.on_beacon
 
 
-def switched(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
+def next_active(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
     """Return whether an area is on after this tick; `seen` are beacons on any radar."""
     if area.off_beacon and area.off_beacon in seen:
         return False

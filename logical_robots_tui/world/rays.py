@@ -192,7 +192,7 @@ def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
     along += dy * sin
     aside = dx * sin
     aside -= dy * cos
-    half_squared = _widened(pairs)[:, None] - np.square(aside, out=aside)
+    half_squared = _widen(pairs)[:, None] - np.square(aside, out=aside)
     which = (half_squared >= 0).reshape(-1).nonzero()[0]
     pair, ray = np.divmod(which, RAYS)
     ray += pairs.robot.take(pair) * RAYS
@@ -232,12 +232,12 @@ def _between_tangents(
     dx, dy = dx[pair], dy[pair]
     along = dx * cos + dy * sin
     aside = dx * sin - dy * cos
-    half_squared = _widened(pairs)[pair] - aside * aside
+    half_squared = _widen(pairs)[pair] - aside * aside
     met = (half_squared >= 0).nonzero()[0]
     return Chords(pair[met], ray[met], along[met], half_squared[met])
 
 
-def _widened(pairs: Pairs) -> NDArray[np.float64]:
+def _widen(pairs: Pairs) -> NDArray[np.float64]:
     """Return squared radii enlarged by more than any rounding error, so no circle is missed."""
     squared = pairs.radius * pairs.radius
     return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)

@@ -40,10 +40,10 @@ def tallies_at_start(
     level: Level, robots: Sequence[RobotState], areas: Sequence[AreaState]
 ) -> tuple[tuple[int, ...], ...]:
     nothing = ((0,) * len(level.teams),) * len(level.scores)
-    return tallied(level, nothing, 0, robots, areas, ())
+    return tally_tick(level, nothing, 0, robots, areas, ())
 
 
-def tallied(
+def tally_tick(
     level: Level,
     before: Sequence[tuple[int, ...]],
     tick: int,

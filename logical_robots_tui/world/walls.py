@@ -121,14 +121,14 @@ class Walls:
 
     def _room_like(self, like: Walls) -> NDArray[np.uint8]:
         """Return the free space around cells, recomputed only where the walls differ."""
-        box = changed_box(like._walls, self._walls)
+        box = difference_box(like._walls, self._walls)
         if box is None:
             return like._room
         room, part, around = like._room.copy(), [], []
         for changed, length in zip(box, self._walls.shape, strict=True):
-            part.append(_widened(changed, self._reach, length))
+            part.append(_widen(changed, self._reach, length))
             # The walls nearest to a cell in that part may be as far away again.
-            around.append(_widened(changed, 2 * self._reach, length))
+            around.append(_widen(changed, 2 * self._reach, length))
         pads = [
             (_RIM * (some.start == 0), _RIM * (some.stop == length))
             for some, length in zip(around, self._walls.shape, strict=True)
@@ -203,7 +203,7 @@ def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:
     return room
 
 
-def _widened(part: slice, by: int, length: int) -> slice:
+def _widen(part: slice, by: int, length: int) -> slice:
     return slice(max(part.start - by, 0), min(part.stop + by, length))
 
 
@@ -268,7 +268,9 @@ class PackedBits(NamedTuple):
         return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
 
 
-def changed_box(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+def difference_box(
+    before: NDArray[np.bool_], after: NDArray[np.bool_]
+) -> tuple[slice, slice] | None:
     if before is after:
         return None
     rows = np.flatnonzero(_unequal_rows(before, after))

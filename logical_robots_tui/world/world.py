@@ -16,12 +16,12 @@ from logical_robots_tui.world.dynamics import (
     is_dead,
     is_inside,
     is_won,
+    next_active,
     push_out,
     run_batteries,
     run_battery,
-    switched,
 )
-from logical_robots_tui.world.scoring import tallied
+from logical_robots_tui.world.scoring import tally_tick
 from logical_robots_tui.world.sensing import Senses
 from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
@@ -143,11 +143,11 @@ class World:
             drive(mover, left, right, level)
             push_out(mover, solid)
 
-        robots = tuple(map(_finished, self._names, movers))
+        robots = tuple(map(_final_state, self._names, movers))
         areas = tuple(
             AreaState(
                 name=area.name,
-                active=switched(area, state.active, self._seen),
+                active=next_active(area, state.active, self._seen),
                 visitors=tuple(
                     name
                     for name, mover in zip(self._names, movers, strict=True)
@@ -161,7 +161,7 @@ class World:
             won_at = tick
         tallies = before.tallies
         if tallies:
-            tallies = tallied(level, tallies, tick, robots, areas, self.sense())
+            tallies = tally_tick(level, tallies, tick, robots, areas, self.sense())
         self._state = WorldState(tick, robots, areas, won_at, tallies)
         self._sensed = None
 
@@ -202,7 +202,7 @@ class World:
             raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
 
 
-def _finished(name: str, mover: Mover) -> RobotState:
+def _final_state(name: str, mover: Mover) -> RobotState:
     return RobotState(
         name=name,
         x=mover.x,

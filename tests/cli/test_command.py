@@ -14,7 +14,7 @@ import pytest
 import logical_robots_tui
 from logical_robots_tui.cli import failure, listing
 from logical_robots_tui.cli.main import parser as command_parser
-from logical_robots_tui.wording import enumerated
+from logical_robots_tui.wording import join_names
 from tests.cli.running import Command, in_terminal
 from tests.waiting import PATIENCE
 
@@ -130,7 +130,7 @@ def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
     ],
 )
 def test_numbered_names_in_order_are_abbreviated(names: str, said: str) -> None:
-    assert enumerated(names.split(",")) == said
+    assert join_names(names.split(",")) == said
 
 
 def test_shipped_and_own_programs_are_listed(command: Command, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from logical_robots_tui.editing.edits import Delta, Edits
 from logical_robots_tui.editing.strokes import paint
 from logical_robots_tui.editing.things import resize
 from logical_robots_tui.world.level import alike
-from logical_robots_tui.world.walls import changed_box
+from logical_robots_tui.world.walls import difference_box
 from tests.editing.making import EDITS, Edit, room
 
 
@@ -117,8 +117,8 @@ def test_the_box_of_a_change_is_the_smallest() -> None:
     for width in (120, 121):
         level = room(width)
         after = paint(paint(level, [(30, 20)]), [(50, 60)])
-        assert changed_box(level.walls, after.walls) == (slice(20, 61), slice(30, 51))
-        assert changed_box(level.walls, level.walls.copy()) is None
+        assert difference_box(level.walls, after.walls) == (slice(20, 61), slice(30, 51))
+        assert difference_box(level.walls, level.walls.copy()) is None
 
 
 def test_hundreds_of_strokes_on_the_largest_level_take_little_memory() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.editing.level_text import save_level
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.things import Ref, change
 from logical_robots_tui.world import (
     Beacon,

@@ -20,7 +20,7 @@ from logical_robots_tui.game import (
     reference_for,
 )
 from logical_robots_tui.game.measuring import Trial, measure, patience_for
-from logical_robots_tui.game.robustness import play_through, shifted, try_starts
+from logical_robots_tui.game.robustness import play_through, shift_start, try_starts
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Stopped
@@ -93,8 +93,8 @@ async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back
 
 def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level) -> None:
     (given,) = level.robots
-    starts = [shifted(level, seed).robots[0] for seed in range(20)]
-    assert starts == [shifted(level, seed).robots[0] for seed in range(20)]
+    starts = [shift_start(level, seed).robots[0] for seed in range(20)]
+    assert starts == [shift_start(level, seed).robots[0] for seed in range(20)]
     assert len({start.x for start in starts}) == 20
     for start in starts:
         assert max(abs(start.x - given.x), abs(start.y - given.y)) <= 8
@@ -147,7 +147,7 @@ def test_a_program_that_does_not_win_from_the_start_has_no_measures(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(measuring, "MOST_TICKS", 50)
-    assert measuring._measured(level, Program.compile(STILL), None) is None
+    assert measuring._measure(level, Program.compile(STILL), None) is None
 
 
 @pytest.mark.proof

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Game, Link, Run, origin_in_game, origin_in_run, read_path
-from logical_robots_tui.game.debugging.pins import written_path
+from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import Program, QueryError
 from tests.game.playing import hall
 
@@ -59,7 +59,7 @@ async def test_what_a_value_was_made_from_is_followed_in_turn(level: Level) -> N
 
 async def test_a_value_that_comes_from_a_sensor_names_the_field(level: Level) -> None:
     (link,) = await links(level, "memory.plan.since")
-    assert [(r.what, written_path(r.path, "sensor"), r.value) for r in link.reads] == [
+    assert [(r.what, path_text(r.path, "sensor"), r.value) for r in link.reads] == [
         ("sensor", "sensor.clock", 4)
     ]
 
@@ -110,5 +110,5 @@ def test_what_names_no_part_is_refused(text: str) -> None:
 
 def test_the_path_of_a_part_can_be_written_and_read() -> None:
     assert read_path("memory.plan.seen[2].at") == ("plan", "seen", 2, "at")
-    assert written_path(("plan", "seen", 2, "at")) == "memory.plan.seen[2].at"
+    assert path_text(("plan", "seen", 2, "at")) == "memory.plan.seen[2].at"
     assert read_path("memory") == ()

@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.lab.specification import SpecificationError
-from logical_robots_tui.lab.submissions import normalised, plan_grading
+from logical_robots_tui.lab.submissions import normalise, plan_grading
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.world.levels.load import read_level
@@ -137,8 +137,8 @@ def test_only_a_predicate_without_arguments_and_body_is_a_constant(rule: str) ->
 def test_programs_are_the_same_but_for_comments_and_space() -> None:
     text = 'A("x  y") = 1;  # remark\nB() :- A( "x  y" );\n'
     same = '\nA("x  y")   =\n1; B() :-\tA( "x  y" );'
-    assert normalised(text) == normalised(same)
-    assert normalised(text) != normalised(text.replace("x  y", "x y"))
+    assert normalise(text) == normalise(same)
+    assert normalise(text) != normalise(text.replace("x  y", "x y"))
 
 
 def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from logical_robots_tui.game.measuring import MOST_TICKS, patience_for
 from logical_robots_tui.game.robustness import (
     STARTS,
     play_through,
-    shifted,
+    shift_start,
     try_starts,
 )
 from logical_robots_tui.game.victory import measures_of, reference_table
@@ -128,7 +128,7 @@ def test_the_solution_wins_from_a_shifted_start(name: str, seed: int) -> None:
     if (seed + 1) * ticks * len(level.robots) > THOUGHTS_FOR_SHIFTED_STARTS:
         pytest.skip("takes long; `make prove` tries it")
     program = shipped_program(solution_of(name))
-    assert ticks_to_win(shifted(level, seed), program, patience_for(ticks))
+    assert ticks_to_win(shift_start(level, seed), program, patience_for(ticks))
 
 
 @pytest.mark.sampled

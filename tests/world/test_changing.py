@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Level, Robot, World
-from logical_robots_tui.world.changing import changed_state, former_names, start_state
+from logical_robots_tui.world.changing import change_state, former_names, start_state
 from tests.world.making import make_level
 
 ADA, BO = Robot("Ada", 30.5, 30.5), Robot("Bo", 60.5, 30.5, has_battery=True, battery_capacity=50)
@@ -34,7 +34,7 @@ def later(of: Level, ticks: int = 5) -> World:
 def test_robots_stay_where_they_are_and_new_ones_stand_at_their_start() -> None:
     before, after = level(), level(ADA, BO, Robot("Cy", 10, 70, 1.0))
     state = later(before).save()
-    changed = changed_state(state, before, after, {})
+    changed = change_state(state, before, after, {})
     assert changed.robots[:2] == state.robots
     assert changed.robots[2] == start_state(after).robots[2]
     assert changed.tick == state.tick
@@ -44,12 +44,12 @@ def test_robots_stay_where_they_are_and_new_ones_stand_at_their_start() -> None:
 def test_a_robot_is_put_where_one_says_and_areas_tell_at_once_who_is_in_them() -> None:
     before = level()
     state = later(before).save()
-    changed = changed_state(state, before, before, {"Ada": (90, 41, -1.0)})
+    changed = change_state(state, before, before, {"Ada": (90, 41, -1.0)})
     assert (changed.robots[0].x, changed.robots[0].y) == (90.0, 41.0)
     assert changed.robots[0].angle == pytest.approx(2 * math.pi - 1)
     assert changed.areas[0].visitors == ("Ada",)
     with pytest.raises(ValueError, match="Nobody"):
-        changed_state(state, before, before, {"Nobody": (1, 2, 3)})
+        change_state(state, before, before, {"Nobody": (1, 2, 3)})
 
 
 def test_areas_stay_switched_unless_their_switches_change() -> None:
@@ -57,9 +57,9 @@ def test_areas_stay_switched_unless_their_switches_change() -> None:
     state = later(before).save()
     assert state.areas[0].active
     moved = level(areas=(Area("New", 5, 5, 3), replace(GATE, x=20.0, radius=30.0)))
-    assert changed_state(state, before, moved, {}).areas[1].active
+    assert change_state(state, before, moved, {}).areas[1].active
     other = level(areas=(replace(GATE, on_beacon="Nothing"),))
-    assert not changed_state(state, before, other, {}).areas[0].active
+    assert not change_state(state, before, other, {}).areas[0].active
 
 
 def test_a_renamed_robot_goes_on_and_batteries_hold_no_more_than_they_can() -> None:
@@ -67,13 +67,13 @@ def test_a_renamed_robot_goes_on_and_batteries_hold_no_more_than_they_can() -> N
     after = level(ADA, replace(BO, name="Bob", battery_capacity=20))
     assert former_names(before, after) == {"Ada": "Ada", "Bob": "Bo"}
     state = later(before).save()
-    bob = changed_state(state, before, after, {}).robots[1]
+    bob = change_state(state, before, after, {}).robots[1]
     assert bob == replace(state.robots[1], name="Bob", battery_level=20.0)
 
 
 def test_at_the_start_a_changed_level_begins_like_any_other() -> None:
     before, after = level(), level(replace(ADA, x=11.0), replace(BO, battery_capacity=70.0))
-    assert changed_state(start_state(before), before, after, {}) == World(after).save()
+    assert change_state(start_state(before), before, after, {}) == World(after).save()
 
 
 @settings(max_examples=30, deadline=None)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from logical_robots_tui.editing.walls import Regions
 
 from logical_robots_tui.editing.checks import check
+from logical_robots_tui.editing.strokes import Regions
 from logical_robots_tui.world import LevelError
 from logical_robots_tui.world.levels.drawing import coarsest_cell
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Score, Team, World
-from logical_robots_tui.world.changing import changed_state
+from logical_robots_tui.world.changing import change_state
 from logical_robots_tui.world.scoring import points
 from tests.world.making import levels, make_level
 
@@ -148,9 +148,9 @@ def test_an_edit_keeps_the_score_unless_it_changes_what_is_scored() -> None:
     level = match(red(150), blue(250), scores=(Score("hold", "hill"),))
     state = play(level, 5).save()
     moved = replace(level, areas=(replace(HILL, x=50),))
-    assert changed_state(state, level, moved, {}).tallies == state.tallies == ((5, 0),)
+    assert change_state(state, level, moved, {}).tallies == state.tallies == ((5, 0),)
     other = replace(level, scores=(Score("most", "hill"),))
-    assert changed_state(state, level, other, {}).tallies == ((0, 0),)
+    assert change_state(state, level, other, {}).tallies == ((0, 0),)
 
 
 def test_a_level_without_scores_has_no_tallies() -> None:

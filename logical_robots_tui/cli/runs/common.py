@@ -91,7 +91,7 @@ def new_run_command(
     return command
 
 
-def opened(options: argparse.Namespace) -> tuple[Level, Program]:
+def open_run(options: argparse.Namespace) -> tuple[Level, Program]:
     """Load level and program, check the robot; raise InputError or ProgramFileError."""
     from logical_robots_tui.game.robustness import named_start_of
     from logical_robots_tui.game.source import programs_for

@@ -9,7 +9,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import harmless
-from logical_robots_tui.cli.runs.common import new_run_command, opened, show
+from logical_robots_tui.cli.runs.common import new_run_command, open_run, show
 
 if TYPE_CHECKING:
     import argparse
@@ -49,7 +49,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    level, program = opened(options)
+    level, program = open_run(options)
     found = asyncio.run(_diagnose(level, program, options.ticks))
     show(options, _data(found), _lines(found))
     return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING

@@ -6,8 +6,8 @@ import argparse
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import harmless, written
-from logical_robots_tui.cli.runs.common import new_run_command, opened, run_shown, show
+from logical_robots_tui.cli.command import harmless, line_within
+from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -58,7 +58,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    level, program = opened(options)
+    level, program = open_run(options)
     origin = asyncio.run(_search(level, program, options))
     data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
     show(options, data, _lines(origin))
@@ -83,10 +83,10 @@ def _lines(origin: Origin) -> Iterator[str]:
 
 
 def _link(number: int, link: Link) -> Iterator[str]:
-    from logical_robots_tui.game.debugging.pins import written_path
+    from logical_robots_tui.game.debugging.pins import path_text
 
-    name = f"{link.robot}'s {written_path(link.path)}"
-    yield harmless(f"{number + 1}. {name} = {written(link.value, _LONGEST)}")
+    name = f"{link.robot}'s {path_text(link.path)}"
+    yield harmless(f"{number + 1}. {name} = {line_within(link.value, _LONGEST)}")
     if link.tick == 0:
         yield f"   there from the start until tick {link.until}"
         return
@@ -104,25 +104,25 @@ def _link(number: int, link: Link) -> Iterator[str]:
 
 
 def _read(read: Read) -> str:
-    from logical_robots_tui.game.debugging.pins import written_path
+    from logical_robots_tui.game.debugging.pins import path_text
 
-    return f"{read.robot}'s {written_path(read.path, read.what)} = {written(read.value, _LONGEST)}"
+    return f"{read.robot}'s {path_text(read.path, read.what)} = {line_within(read.value, _LONGEST)}"
 
 
 def _data(link: Link) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.pins import written_path
+    from logical_robots_tui.game.debugging.pins import path_text
 
     return {
         "robot": link.robot,
         "value": link.value,
-        "part": written_path(link.path),
+        "part": path_text(link.path),
         "tick": link.tick,
         "until": link.until,
         "rule_line": link.rule.line if link.rule else None,
         "line": link.span.line if link.span else None,
         "text": link.span.text if link.span else None,
         "reads": [
-            {"robot": read.robot, "part": written_path(read.path, read.what), "value": read.value}
+            {"robot": read.robot, "part": path_text(read.path, read.what), "value": read.value}
             for read in link.reads
         ],
         "before": link.before,

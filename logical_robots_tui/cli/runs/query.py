@@ -12,11 +12,11 @@ from logical_robots_tui.cli.command import (
     columns,
     harmless,
     line_of_json,
+    line_within,
     prefers_json,
-    written,
 )
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.runs.common import frame_at, new_run_command, opened, run_shown, show
+from logical_robots_tui.cli.runs.common import frame_at, new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
     import argparse
@@ -100,7 +100,7 @@ def _mistakes_in(what: str) -> Iterator[None]:
 
 
 def _query(options: argparse.Namespace) -> int:
-    level, program = opened(options)
+    level, program = open_run(options)
     with _mistakes_in("query"):
         table = asyncio.run(_ask(level, program, options.query, options.tick))
     has_minds = bool(table.viewers)
@@ -115,7 +115,7 @@ def _query(options: argparse.Namespace) -> int:
         }
         print(line_of_json(data))
     elif table.rows:
-        rows = [tuple(written(value, WIDEST) for value in row) for row in table.rows]
+        rows = [tuple(line_within(value, WIDEST) for value in row) for row in table.rows]
         head = table.columns
         if has_minds:
             head = ("IN THE MIND OF", *head)
@@ -141,7 +141,7 @@ async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
 def _when(options: argparse.Namespace) -> int:
     from logical_robots_tui.mind import QueryError
 
-    level, program = opened(options)
+    level, program = open_run(options)
     with _mistakes_in("question"):
         question = program.question(options.question)
     found = asyncio.run(_search(level, program, question, options))

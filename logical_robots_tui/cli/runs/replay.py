@@ -20,9 +20,9 @@ from logical_robots_tui.cli.command import (
     number_from,
 )
 from logical_robots_tui.cli.level_files import add_force, refuse_existing, write
-from logical_robots_tui.cli.runs.common import opened, progress_bar
+from logical_robots_tui.cli.runs.common import open_run, progress_bar
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     import argparse
@@ -103,7 +103,7 @@ def _record(options: argparse.Namespace) -> int:
     if options.ticks > MOST_TICKS:
         raise InputError(f"--ticks {options.ticks}: a replay has at most {MOST_TICKS:,} ticks")
     refuse_existing(options.output, force=options.force)
-    level, program = opened(options)
+    level, program = open_run(options)
 
     async def run() -> Replay:
         game = Game(level, program, history=options.ticks)
@@ -126,7 +126,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _ticks(replay: Replay) -> str:
-    return counted(replay.last - replay.first, "tick")
+    return count_of(replay.last - replay.first, "tick")
 
 
 _PLAY_EPILOG = """\
@@ -183,7 +183,7 @@ def _verify(options: argparse.Namespace) -> int:
     from logical_robots_tui.game.replay import load_replay
 
     replay = load_replay(options.replay)
-    verifier = asyncio.run(_computed(replay))
+    verifier = asyncio.run(_compute(replay))
     tick, reason = verifier.difference or (None, "")
     if options.json:
         told = {"same": tick is None, "tick": tick, "reason": reason, "ticks": replay.last}
@@ -197,7 +197,7 @@ def _verify(options: argparse.Namespace) -> int:
     return SAME if tick is None else DIFFERENT
 
 
-async def _computed(replay: Replay) -> Verifier:
+async def _compute(replay: Replay) -> Verifier:
     """Compute a replay to its end and compare; raise ProgramError if a program is wrong."""
     from logical_robots_tui.game import Game, compile_program
     from logical_robots_tui.game.replay import play_into

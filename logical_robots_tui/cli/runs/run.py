@@ -18,7 +18,7 @@ from logical_robots_tui.cli.command import (
     named_programs,
     prefers_json,
 )
-from logical_robots_tui.cli.runs.common import new_run_command, opened, progress_bar
+from logical_robots_tui.cli.runs.common import new_run_command, open_run, progress_bar
 
 if TYPE_CHECKING:
     import argparse
@@ -59,7 +59,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    level, program = opened(options)
+    level, program = open_run(options)
     with progress_bar(level.title, options.ticks) as show:
         outcome = asyncio.run(
             play_out(level, program, " ".join(named_programs(options)), options.ticks, show)

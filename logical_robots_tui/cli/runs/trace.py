@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.cli.command import line_of_json
-from logical_robots_tui.cli.runs.common import check_name, new_run_command, opened
+from logical_robots_tui.cli.runs.common import check_name, new_run_command, open_run
 
 if TYPE_CHECKING:
     import argparse
@@ -62,7 +62,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    level, program = opened(options)
+    level, program = open_run(options)
     for name in options.predicates:
         check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
     won = asyncio.run(_trace(level, program, options))

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     harmless,
+    line_within,
     number_from,
-    written,
 )
-from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, opened, show
+from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -66,7 +66,7 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument(
         "--given",
-        type=_given,
+        type=_column_value,
         action="append",
         default=[],
         metavar="COLUMN=VALUE",
@@ -88,7 +88,7 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    level, program = opened(options)
+    level, program = open_run(options)
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
     explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, options))
@@ -164,7 +164,7 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
 
 
 def _deeper(ask: Ask) -> str:
-    given = [f"--given {shlex.quote(f'{c}={written(v)}')}" for c, v in ask.given.items()]
+    given = [f"--given {shlex.quote(f'{c}={line_within(v)}')}" for c, v in ask.given.items()]
     within = [f"--within {ask.within}"] if ask.within else []
     return harmless(" ".join([f"--predicate {ask.predicate}", *given, *within]))
 
@@ -175,7 +175,7 @@ def _line(depth: int, node: Node, wide: int) -> str:
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
     said = f"  ({node.said})" if node.said else ""
     shown = node.values[:_MOST_VALUES]
-    values = [(_truth(value) if node.is_truth else written(value)) for value in shown]
+    values = [(_truth(value) if node.is_truth else line_within(value)) for value in shown]
     if more := len(node.values) - len(shown) + node.more:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
@@ -242,7 +242,7 @@ def _node(node: Node) -> dict[str, Any]:
     return data
 
 
-def _given(text: str) -> tuple[str, Any]:
+def _column_value(text: str) -> tuple[str, Any]:
     column, sign, value = text.partition("=")
     if not sign or not column:
         raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")

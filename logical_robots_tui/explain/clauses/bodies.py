@@ -36,7 +36,7 @@ from logical_robots_tui.language.tree import (
     call,
     children,
     conjuncts,
-    equated,
+    equation_sides,
     is_aggregate,
     operands,
     variable_of,
@@ -69,7 +69,7 @@ def make_rule(
 def span_of(node: Tree, source: Prepared) -> Span:
     """Return the place of a tree's text."""
     start, stop = tree.span_of(node) or (0, 0)
-    return span_of_text(start, _closed(source.skeleton, start, stop), source.original)
+    return span_of_text(start, _close_brackets(source.skeleton, start, stop), source.original)
 
 
 def span_of_text(start: int, stop: int, text: str) -> Span:
@@ -81,7 +81,7 @@ def span_of_text(start: int, stop: int, text: str) -> Span:
     return Span(start, stop, text.count("\n", 0, start) + 1, " ".join(" ".join(lines).split()))
 
 
-def _closed(skeleton: str, start: int, stop: int) -> int:
+def _close_brackets(skeleton: str, start: int, stop: int) -> int:
     open_brackets: list[str] = []
     for at in range(start, len(skeleton)):
         character = skeleton[at]
@@ -97,7 +97,7 @@ def _closed(skeleton: str, start: int, stop: int) -> int:
 
 
 def as_expression(part: Proposition) -> Expression:
-    pair = equated(part)
+    pair = equation_sides(part)
     if pair is not None:
         return call("==", left=pair[0], right=pair[1])
     assert isinstance(part, Atom)
@@ -112,7 +112,7 @@ def as_part(condition: Expression, *, holds: bool) -> Proposition:
     return Equation(known, _FALSE)
 
 
-def compared(condition: Expression) -> tuple[str, Expression, Expression] | None:
+def comparison_of(condition: Expression) -> tuple[str, Expression, Expression] | None:
     if not isinstance(condition, Call) or condition.name not in COMPARISONS:
         return None
     sides = operands(condition.arguments)
@@ -193,7 +193,7 @@ class Scope:
             if not self.mentioned(part.collection) <= known:
                 return None
             return self._matched(part.element, known)
-        pair = equated(part)
+        pair = equation_sides(part)
         if pair is not None:
             return self._equal(*pair, known)
         name = part.name if isinstance(part, Atom) else ""

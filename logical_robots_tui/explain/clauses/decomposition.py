@@ -19,7 +19,7 @@ from logical_robots_tui.explain.clauses.bodies import (
 )
 from logical_robots_tui.explain.clauses.normal_form import Builder
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
-from logical_robots_tui.language.definitions import called
+from logical_robots_tui.language.definitions import names_used
 from logical_robots_tui.language.functors import expand, rename
 from logical_robots_tui.language.tree import (
     Atom,
@@ -80,7 +80,7 @@ def decompose(
     read = {each: tables[each] for each in _read(name, expanded, functions) if each in tables}
     for each, table in read.items():
         define(table, _columns(expanded.rules[each]))
-    compiled = _compiled(builder.probes, expanded, functions, tables, source)
+    compiled = _compile(builder.probes, expanded, functions, tables, source)
 
     return Probing(
         predicate,
@@ -91,7 +91,7 @@ def decompose(
         given,
         any(rule.is_distinct for rule in rules),
         parts,
-        {probe: sql for probe, sql in compiled.items() if is_quick(*_prepared(sql))},
+        {probe: sql for probe, sql in compiled.items() if is_quick(*_final_form(sql))},
         _ALL if given else "",
         read,
         _sources({*read, *(() if given else (name,))} - {*with_rows}, expanded, source),
@@ -104,7 +104,7 @@ def _columns(rules: list[Rule]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(c for rule in rules for part in head_of(rule) for c in part))
 
 
-def _prepared(sql: str) -> tuple[str, int]:
+def _final_form(sql: str) -> tuple[str, int]:
     number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
     return with_given(sql, number), number
 
@@ -140,7 +140,7 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
     found: set[str] = set()
     waiting = [name]
     while waiting:
-        for other in called(expanded.rules.get(waiting.pop(), ())):
+        for other in names_used(expanded.rules.get(waiting.pop(), ())):
             if other not in found:
                 found.add(other)
                 waiting += [other] if other in functions else []
@@ -159,7 +159,7 @@ def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tupl
         for name, rules in expanded.rules.items():
             if name in found or name in with_rows:
                 continue
-            needed = _needed(rules, found)
+            needed = _needs(rules, found)
             if not needed and name in named:
                 needed = tuple(c for c in head_of(rules[0])[0] if c != VALUE)
             if needed:
@@ -168,7 +168,7 @@ def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tupl
     return found
 
 
-def _needed(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+def _needs(rules: list[Rule], functions: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     needed: list[str] = []
     columns = [column for column in head_of(rules[0])[0] if column != VALUE]
     for column in columns:
@@ -214,7 +214,7 @@ def _is_founded(
         for rule in expanded.rules[name]:
             if name in functions:
                 return False
-            if any(used in circle for each in outer_aggregates(rule) for used in called(each)):
+            if any(used in circle for each in outer_aggregates(rule) for used in names_used(each)):
                 return False
             if any(each.operator not in DECIDED_BY_ONE for each in head_of(rule)[1].values()):
                 return False
@@ -224,7 +224,7 @@ def _is_founded(
 # -- SQL -----------------------------------------------------------------------------------------
 
 
-def _compiled(
+def _compile(
     probes: Mapping[str, Rule],
     expanded: Expanded,
     functions: Mapping[str, Collection[str]],

@@ -37,7 +37,7 @@ from logical_robots_tui.language.tree import (
     Variable,
     arguments,
     conjuncts,
-    equated,
+    equation_sides,
     is_aggregate,
     operands,
     rebuild,
@@ -228,7 +228,7 @@ class _ClauseBuilder:
     ) -> Literal["call", "condition", "value", "element", "denial", "function"]:
         if isinstance(part, Membership):
             return "element"
-        if equated(part) is not None:
+        if equation_sides(part) is not None:
             return "value"
         name = part.name if isinstance(part, Atom) else ""
         if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
@@ -241,7 +241,7 @@ class _ClauseBuilder:
     def _shown(part: Proposition) -> Sequence[Expression]:
         if isinstance(part, Membership):
             return [part.collection]
-        if (pair := equated(part)) is not None:
+        if (pair := equation_sides(part)) is not None:
             return pair
         return operands(part.arguments) if isinstance(part, Atom) else ()
 

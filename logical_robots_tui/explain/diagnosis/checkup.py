@@ -11,7 +11,7 @@ from logical_robots_tui.language.definitions import (
     MAIN,
     definitions,
     is_constant,
-    reached,
+    reach,
     rules_of,
 )
 from logical_robots_tui.language.functors import expand
@@ -58,7 +58,7 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     functions |= {name for name, mine in own.items() if len(mine) == 1 and is_constant(mine[0])}
     functions |= {n for n, (first, _) in expanded.origins.items() if first in functions}
     all_own = definitions(program)
-    needed = reached(all_own[MAIN], all_own) | {MAIN}
+    needed = reach(all_own[MAIN], all_own) | {MAIN}
     tracer = Tracer(source, expanded, functions, [rule for _, rule in rules])
     for name, rule in rules:
         if name in needed and name not in functions:
@@ -72,7 +72,7 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     compiled = statements_of([*asked], [*expanded.annotations, *copied, *probed], source)
     statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
     probes = [asked[name][1] for name in statements]
-    writes, writes_all = written_fields(own, functions, source)
+    writes, writes_all = memory_fields(own, functions, source)
     return Checkup(
         tuple(
             _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
@@ -110,7 +110,7 @@ def _key(rule: Rule, span: Span) -> str:
 _DEEPEST = 8
 
 
-def written_fields(
+def memory_fields(
     own: Mapping[str, Sequence[Rule]], functions: frozenset[str], source: Prepared
 ) -> tuple[list[Field], bool]:
     """Return the fields of `Robot`'s memory records, and whether there may be others."""
@@ -128,7 +128,7 @@ def written_fields(
                 for branch in value.branches:
                     look(branch.value, rule, depth)
                 look(value.otherwise, rule, depth)
-            case Variable() if (bound := _bound(value, rule)) is not None:
+            case Variable() if (bound := _binding(value, rule)) is not None:
                 look(bound, rule, depth)
             case Call(name=name) if name in functions and name in own and depth < _DEEPEST:
                 for inner in own[name]:
@@ -152,13 +152,13 @@ def texts_of(rules: Iterable[Rule], own: Container[str], source: Prepared) -> It
     """Yield the texts in some rules that are compared or passed to a predicate."""
     for rule in rules:
         for node in walk(rule):
-            for value in _meant_for_something(node, own, is_fact=not rule.body):
+            for value in _constants_in(node, own, is_fact=not rule.body):
                 name = text_of(value)
                 if name:
                     yield Field(name, span_of(value, source))
 
 
-def _meant_for_something(node: Node, own: Container[str], *, is_fact: bool) -> Sequence[Expression]:
+def _constants_in(node: Node, own: Container[str], *, is_fact: bool) -> Sequence[Expression]:
     """Return the values in a node that are compared with something, or are in a fact."""
     match node:
         case Call() | Atom() if node.name in COMPARISONS or node.name in own or node.name in INPUTS:
@@ -172,7 +172,7 @@ def _meant_for_something(node: Node, own: Container[str], *, is_fact: bool) -> S
     return ()
 
 
-def _bound(value: Variable, rule: Rule) -> Expression | None:
+def _binding(value: Variable, rule: Rule) -> Expression | None:
     for part in conjuncts(rule.body):
         if isinstance(part, Equation) and part.left == value:
             return part.right

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.explain.why.probing import Span  # noqa: TC001 - so it does here
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
-from logical_robots_tui.mind.compilation import compiled
+from logical_robots_tui.mind.compilation import compile_request
 from logical_robots_tui.mind.program import Program  # noqa: TC001 - `record` reads the hint
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def check_up(
     functions = [p.name for p in program.predicates if p.is_function]
     request = {"text": program.text, "checkup": functions}
     try:
-        found = compiled(request, Checkup, stop=stop, limits=limits)
+        found = compile_request(request, Checkup, stop=stop, limits=limits)
     except ProgramError as error:
         raise QueryError(f"The program can't be watched: {error}") from None
     asked = replace(found.program, memory=program.memory, sensor=program.sensor)

@@ -63,7 +63,7 @@ def rule_findings(tally: Tally, *, won: bool) -> list[Finding]:
     return list(_Reporter(tally, won=won).findings())
 
 
-def shortened(text: str) -> str:
+def shorten(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
@@ -139,8 +139,8 @@ class _Reporter:
             return None
         self._said.add(number)
         close = _alike(site.literal, count.left)
-        hint = f"Did you mean {_value(close)}?" if close else f"It was {_listed(count.left)}."
-        message = f'{shortened(site.other)} was never "{site.literal}"{_in(site)}.'
+        hint = f"Did you mean {_value(close)}?" if close else f"It was {_join(count.left)}."
+        message = f'{shorten(site.other)} was never "{site.literal}"{_in(site)}.'
         severity: Severity = "warning" if close else self._severity
         return self._finding("never true", severity, site, count, message, hint)
 
@@ -173,7 +173,7 @@ class _Reporter:
         count = self._tally.sites[number]
         if not is_always_true(site, count):
             return None
-        message = f"{_quoted(site)} was never false{_in(site)}."
+        message = f"{_quote(site)} was never false{_in(site)}."
         hint = "It never excluded anything; is it the right comparison?"
         return self._finding("never false", "note", site, count, message, hint)
 
@@ -193,18 +193,18 @@ class _Reporter:
         )
 
     def _why_not(self, site: Site, count: Count) -> str:
-        quoted, where = _quoted(site), _in(site)
+        quoted, where = _quote(site), _in(site)
         if site.kind == "part":
             return f"{quoted} had no rows{where}."
         if site.kind in TESTS and count.false is None and count.null is not None:
             return f"{quoted} was always null{where}."
         if count.left and count.right:
-            left, right = _listed(count.left), _listed(count.right)
+            left, right = _join(count.left), _join(count.right)
             return f"{quoted} was never true{where}: {left} on the left, {right} on the right."
         if count.left:
-            other = shortened(site.other)
-            return f"{quoted} was never true{where}: {other} was {_listed(count.left)}."
-        missed = _missed(site, count)
+            other = shorten(site.other)
+            return f"{quoted} was never true{where}: {other} was {_join(count.left)}."
+        missed = _closest_miss(site, count)
         return f"{quoted} was never true{where}{missed}."
 
     def _finding(
@@ -228,15 +228,15 @@ def _holds_in(whole: Span, part: Span) -> bool:
     )
 
 
-def _quoted(site: Site) -> str:
-    return f"`{shortened(site.span.text)}`"
+def _quote(site: Site) -> str:
+    return f"`{shorten(site.span.text)}`"
 
 
 def _in(site: Site) -> str:
     return f" in {site.within}" if site.within else ""
 
 
-def _missed(site: Site, count: Count) -> str:
+def _closest_miss(site: Site, count: Count) -> str:
     lacks = None
     if site.operator in ("<", "<="):
         lacks, what = count.least, "too much"
@@ -245,15 +245,15 @@ def _missed(site: Site, count: Count) -> str:
     if lacks is None:
         return ""
     if not lacks:
-        return f"; at best {shortened(site.other)} was exactly the limit"
-    return f"; at best {shortened(site.other)} was {abs(lacks):.4g} {what}"
+        return f"; at best {shorten(site.other)} was exactly the limit"
+    return f"; at best {shorten(site.other)} was {abs(lacks):.4g} {what}"
 
 
 def _value(value: Value) -> str:
     return f'"{value}"' if isinstance(value, str) else f"{value:.4g}"
 
 
-def _listed(values: Iterable[Value]) -> str:
+def _join(values: Iterable[Value]) -> str:
     known = sorted(values, key=str)
     more = len(known) - _MOST_LISTED
     listed = [_value(value) for value in known[:_MOST_LISTED]]

@@ -9,7 +9,7 @@ from logical_robots_tui.explain.clauses.bodies import (
     EVERY_COLUMN,
     Scope,
     as_expression,
-    compared,
+    comparison_of,
     in_order,
     outer_calls,
     parameters,
@@ -37,7 +37,7 @@ from logical_robots_tui.language.tree import (
     Variable,
     call,
     conjuncts,
-    equated,
+    equation_sides,
     operands,
     substitute,
     text_of,
@@ -114,7 +114,7 @@ class ValueTracing(Watching):
         """Watch a condition; return its column, or -1 if there are too many."""
         name = condition.name if isinstance(condition, Call) else ""
         given = operands(condition.arguments) if isinstance(condition, Call) else ()
-        found = compared(condition)
+        found = comparison_of(condition)
         whole = substitute(condition, at.given)
         asked: list[Expression] = [whole]
         how, literal, other, lacks = "truth", None, "", None
@@ -332,7 +332,7 @@ class Tracer(ValueTracing):
         if isinstance(part, Membership):
             self._value(part.collection, at)
             return
-        values = operands(part.arguments) if isinstance(part, Atom) else equated(part) or ()
+        values = operands(part.arguments) if isinstance(part, Atom) else equation_sides(part) or ()
         for value in values:
             if at.scope.mentioned(value) <= at.known:
                 self._value(value, at)
@@ -356,13 +356,13 @@ class Tracer(ValueTracing):
     def _is_condition(self, part: Proposition, known: frozenset[str]) -> bool:
         if self._relations(part):
             return False
-        pair = equated(part)
+        pair = equation_sides(part)
         if pair is not None:
             return variables(pair) <= known
         return isinstance(part, Atom) and part.name not in self._own and part.name not in INPUTS
 
     def _bound(self, part: Proposition, known: frozenset[str]) -> tuple[str, Expression] | None:
-        pair = equated(part)
+        pair = equation_sides(part)
         if pair is None:
             return None
         left, right = pair

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui.explain.clauses.bodies import as_part, count_rule, parameters, span_of
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
-from logical_robots_tui.language.definitions import called
+from logical_robots_tui.language.definitions import names_used
 from logical_robots_tui.language.tree import (
     Atom,
     Rule,
-    equated,
+    equation_sides,
     variable_of,
     variables,
     walk,
@@ -55,14 +55,14 @@ class Sources:
     def _next(
         self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
     ) -> Iterator[tuple[Node, Tree, Rule]]:
-        for name in dict.fromkeys(called(node)):
+        for name in dict.fromkeys(names_used(node)):
             yield from self._rules(name, seen)
         for variable in sorted(variables(node, inside=True)):
             if (id(rule), variable) in seen:
                 continue
             seen.add((id(rule), variable))
             for part in walk(rule.body) if rule.body else ():
-                pair = equated(part)
+                pair = equation_sides(part)
                 if pair is not None:
                     for side, value in (pair, pair[::-1]):
                         if variable_of(side) == variable:

@@ -9,7 +9,7 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, shown, value_of
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, value_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import ALIKE, same
@@ -72,7 +72,7 @@ class Derivations:
         Raises QueryError if there is none, and FailureError if a query failed.
         """
         probing = self.decompose(asked.predicate, asked.within)
-        given = checked(asked.given, probing)
+        given = check_given(asked.given, probing)
         self.prepare(probing)
         rows = self.rows(probing, given)
         if not rows:
@@ -144,11 +144,11 @@ class Derivations:
         return self._stages[key]
 
 
-def checked(given: Row, probing: Probing) -> Row:
+def check_given(given: Row, probing: Probing) -> Row:
     """Return the given values; QueryError for an unknown column or a missing argument."""
     if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
         given = {(VALUE if c == "value" else c): v for c, v in given.items()}
-    columns = ", ".join(map(shown, probing.columns))
+    columns = ", ".join(map(column_label, probing.columns))
     for column in given:
         if column not in probing.columns:
             raise QueryError(f"{probing.predicate} has no column {column}; it has {columns}.")
@@ -265,14 +265,14 @@ class Stages:
 
 def _key(row: Mapping[str, Value]) -> str:
     """Return a key that is equal for rows that differ only in last digits of numbers."""
-    return json.dumps(_rounded(dict(row)), sort_keys=True)
+    return json.dumps(_round(dict(row)), sort_keys=True)
 
 
-def _rounded(value: Value) -> Value:
+def _round(value: Value) -> Value:
     if isinstance(value, dict):
-        return {name: _rounded(each) for name, each in value.items()}
+        return {name: _round(each) for name, each in value.items()}
     if isinstance(value, list):
-        return [_rounded(each) for each in value]
+        return [_round(each) for each in value]
     if isinstance(value, bool | int | float):
         return f"{float(value):.11g}"
     return value

@@ -100,7 +100,7 @@ class Telling:
             inside: tuple[Node, ...] = ()
             if step.denied is not None:
                 inside = self.refuted(step.denied, way)
-            text, said = denied(text, holds=True)
+            text, said = negation(text, holds=True)
             yield Node("denial", text, said, True, span=span, children=inside)
 
     def refuted(self, body: Body, way: Way) -> tuple[Node, ...]:
@@ -169,9 +169,9 @@ class Telling:
         if not found:
             return (Node("note", "goes over nothing"),)
         operator = found[0][1].operator
-        number = counted(len(found), "row", is_all=is_all)
+        number = number_of(len(found), "row", is_all=is_all)
         if operator in DECIDED_BY_ONE:
-            best = decided(found, result)
+            best = winner(found, result)
             if best is not None:
                 clause, collected, way = best
                 children = self.derivation(clause, way)
@@ -191,14 +191,14 @@ class Telling:
     # -- inside ----------------------------------------------------------------------------------
 
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
-        label = shown(name)
+        title = column_label(name)
         if term.kind in ("literal", "variable"):
-            return Node("column", label, values=(value,))
+            return Node("column", title, values=(value,))
         if term.kind == "call":
             (node,) = self.term(term, way)
-            return replace(node, kind="column", text=f"{label}: {node.text}", values=(value,))
+            return replace(node, kind="column", text=f"{title}: {node.text}", values=(value,))
         children = tuple(self.reason(term, way))
-        text = f"{label}: {term.span.text}"
+        text = f"{title}: {term.span.text}"
         return Node("column", text, values=(value,), span=term.span, children=children)
 
     def _read(self, term: Term, way: Way) -> Iterator[Node]:
@@ -250,7 +250,7 @@ class Telling:
         return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
 
 
-def decided(
+def winner(
     found: Sequence[tuple[Clause, Collected, Way]], result: Value
 ) -> tuple[Clause, Collected, Way] | None:
     """Return the element that determines an aggregate's result."""
@@ -269,7 +269,7 @@ def value_of(way: Way, place: str) -> Value:
     return from_sql(way.get(place))
 
 
-def denied(text: str, *, holds: bool) -> tuple[str, str]:
+def negation(text: str, *, holds: bool) -> tuple[str, str]:
     """Return a denial as written, and the remark on it; ``a => b`` denies ``a`` without ``b``."""
     if text.startswith("~"):
         return text, "there is no such thing" if holds else "there is such a thing"
@@ -278,11 +278,11 @@ def denied(text: str, *, holds: bool) -> tuple[str, str]:
     return f"not: {text}", ""
 
 
-def shown(column: str) -> str:
+def column_label(column: str) -> str:
     return "value" if column == VALUE else column
 
 
-def counted(number: int, what: str, *, is_all: bool) -> str:
+def number_of(number: int, what: str, *, is_all: bool) -> str:
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
 

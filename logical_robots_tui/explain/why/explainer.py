@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.derivations import Derivations
-from logical_robots_tui.explain.why.deriving import shown, value_of
+from logical_robots_tui.explain.why.deriving import column_label, value_of
 from logical_robots_tui.explain.why.explanation import Ask
 from logical_robots_tui.explain.why.nearest import Nearest
 from logical_robots_tui.explain.why.probing import decompose
@@ -104,7 +104,9 @@ class Explainer:
             columns, found = _calls_of(function, callers, self._derivations, most + 1)
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
-        return Table(tuple(map(shown, columns)), tuple(found[:most]), truncated=len(found) > most)
+        return Table(
+            tuple(map(column_label, columns)), tuple(found[:most]), truncated=len(found) > most
+        )
 
     def source(self, path: Path) -> Made:
         """Return the origin of a part of the new memory, () for all; QueryError if unknown."""

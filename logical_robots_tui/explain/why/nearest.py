@@ -147,9 +147,9 @@ class Nearest:
         if left.kind == "literal":
             left, right = right, left
         for value in _examples(left, ways):
-            new = _written(value)
+            new = _spell(value)
             for other in _examples(right, ways):
-                was = _written(other)
+                was = _spell(other)
                 size = _unlikeness(other, value)
                 if not isinstance(other, str) or right.kind != "literal":
                     said = f"{left.span.text} is {new}, and {right.span.text} is {was}."
@@ -217,11 +217,11 @@ class Nearest:
             there = self._known(predicate, name)
             if value.startswith('"') and value.endswith('"'):
                 for other in there:
-                    new = _written(other)
+                    new = _spell(other)
                     said = f"{predicate} has {name} {new}, not {value}."
                     size = _unlikeness(value[1:-1], other)
                     yield size, Suggestion(said, argument, f"{name}: {new}")
-            listed = ", ".join(map(_written, there[:3]))
+            listed = ", ".join(map(_spell, there[:3]))
             has = f" It has {listed}." if listed else ""
             said = f"`{span.text}` fails in the column {name} alone.{has}"
             yield 4.0, Suggestion(said, argument, "")
@@ -264,7 +264,7 @@ class Nearest:
         return Span(start, stop, text.count("\n", 0, start) + 1, text[start:stop].strip())
 
 
-def _written(value: Value) -> str:
+def _spell(value: Value) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
-from logical_robots_tui.mind.compilation import compiled
+from logical_robots_tui.mind.compilation import compile_request
 
 if TYPE_CHECKING:
     import threading
@@ -240,6 +240,6 @@ def decompose(
         "with_rows": [p.name for p in program.predicates if p.kind == "program" and p.has_rows],
     }
     try:
-        return compiled(request, Probing, stop=stop, limits=limits)
+        return compile_request(request, Probing, stop=stop, limits=limits)
     except ProgramError as error:
         raise QueryError(f"{predicate} can't be explained: {error}") from None

@@ -6,8 +6,8 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.derivations import MOST_ROWS, checked, is_aggregated
-from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, counted, shown
+from logical_robots_tui.explain.why.derivations import MOST_ROWS, check_given, is_aggregated
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, number_of
 from logical_robots_tui.explain.why.explanation import Explanation, Node, Proof, RuleFound
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.language.diagnostics import QueryError
@@ -40,7 +40,7 @@ class Prover:
     def explain(self, asked: Ask) -> Explanation:
         """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
         probing = self.derivations.decompose(asked.predicate, asked.within)
-        given = checked(asked.given, probing)
+        given = check_given(asked.given, probing)
         try:
             rows = self.derivations.rows(probing, given)
             self.derivations.prepare(probing)
@@ -52,7 +52,7 @@ class Prover:
             if _is_over_nothing(probing, row):
                 rules = (_over_nothing(rules[0], row), *rules[1:])
             else:
-                rules = (*rules, _unexplained(rules[0], probing))
+                rules = (*rules, _note_unexplained(rules[0], probing))
         return Explanation(
             asked.predicate,
             self.derivations.robot,
@@ -89,7 +89,7 @@ class Prover:
                         rule.span, number, row, None, _heading(rule, said, True, nodes)
                     )
             if number:
-                said = f"gives {_counted(number)}, but not the first"
+                said = f"gives {_number_of_rows(number)}, but not the first"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
             others, stopped, children = refuting.rule(rule)
             if row is None and stopped is None and is_aggregated(rule):
@@ -173,10 +173,12 @@ class Prover:
             ]
             children = telling.contributors(found, row[column], is_all)
             operator = found[0][1].operator
-            said = f"{operator} over {counted(len(found), 'row', is_all=is_all)}"
+            said = f"{operator} over {number_of(len(found), 'row', is_all=is_all)}"
             if len(probing.rules) > 1:
                 said += " of this rule"
-            yield Node("aggregate", shown(column), said, values=(row[column],), children=children)
+            yield Node(
+                "aggregate", column_label(column), said, values=(row[column],), children=children
+            )
 
 
 def _keys(rule: RuleParts, row: Row) -> Row:
@@ -189,14 +191,14 @@ def _heading(
     return Node("rule", rule.span.text, said, holds, span=rule.span, children=children)
 
 
-def _counted(number: int) -> str:
-    return counted(number, "row", is_all=number < MOST_ROWS)
+def _number_of_rows(number: int) -> str:
+    return number_of(number, "row", is_all=number < MOST_ROWS)
 
 
 def _gives(number: int, of: int) -> str:
     if of <= 1:
         return "gives this row"
-    return f"gives {_counted(number)}; this is the first"
+    return f"gives {_number_of_rows(number)}; this is the first"
 
 
 def _is_over_nothing(probing: Probing, row: Row) -> bool:
@@ -206,14 +208,14 @@ def _is_over_nothing(probing: Probing, row: Row) -> bool:
 
 def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
     columns = tuple(
-        Node("column", shown(c), "goes over nothing", None, (v,)) for c, v in row.items()
+        Node("column", column_label(c), "goes over nothing", None, (v,)) for c, v in row.items()
     )
     children = (*columns, *found.node.children)
     node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
     return replace(found, rows=1, row=row, node=node)
 
 
-def _unexplained(like: RuleFound, probing: Probing) -> RuleFound:
+def _note_unexplained(like: RuleFound, probing: Probing) -> RuleFound:
     if probing.recursive:
         text = "This row is from a recursion that was cut off, or that goes through a sum."
     else:

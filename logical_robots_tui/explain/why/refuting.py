@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.deriving import Telling, counted, denied, value_of
+from logical_robots_tui.explain.why.deriving import Telling, negation, number_of, value_of
 from logical_robots_tui.explain.why.explanation import Node
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import same
@@ -58,8 +58,8 @@ class Refuting:
         if others:
             return others, None, tuple(Node("column", c, values=(v,)) for c, v in others.items())
         found = [self._clause(clause) for clause in rule.clauses]
-        nodes = _joined(rule.clauses, [nodes for _, nodes in found])
-        return {}, _stopped(found), nodes
+        nodes = _join(rule.clauses, [nodes for _, nodes in found])
+        return {}, _last_step(found), nodes
 
     def stop(self, rule: RuleParts) -> Stop | None:
         """Return what stops the clause that gets furthest, or None if nothing stops it."""
@@ -79,7 +79,7 @@ class Refuting:
             way = self._first(clause.query)
             if way is not None:
                 return self.telling.derivation(clause, way)
-        return _joined(clauses, [self._clause(clause)[1] for clause in clauses])
+        return _join(clauses, [self._clause(clause)[1] for clause in clauses])
 
     # -- inside ----------------------------------------------------------------------------------
 
@@ -118,7 +118,7 @@ class Refuting:
     def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
         nodes = self.telling.derivation(clause, way or {}, until)
         if ways > 1 and nodes:
-            said = f"one of {counted(ways, 'way', is_all=ways < _MOST_WAYS)}"
+            said = f"one of {number_of(ways, 'way', is_all=ways < _MOST_WAYS)}"
             nodes = (*nodes[:-1], replace(nodes[-1], said=said))
         return nodes
 
@@ -135,14 +135,14 @@ class Refuting:
         elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
         said = "in no way"
         if elsewhere:
-            number = counted(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
+            number = number_of(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
             said = f"not here, but in {number} elsewhere"
         children: tuple[Node, ...] = ()
         asked = None
         is_one = ways == 1
         if way is not None and step.denied is not None:
             children = self.telling.refuted(step.denied, way)
-            text, found = denied(text, holds=False)
+            text, found = negation(text, holds=False)
             said = said if elsewhere else found
         elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
             asked = self.telling.ask(step.call, way | self._known(clause))
@@ -224,7 +224,7 @@ def _flat(terms: Sequence[Term]) -> Iterator[Term]:
             yield from _flat(term.parts)
 
 
-def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
+def _join(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
     if len(clauses) == 1:
         return found[0]
     common = 0
@@ -248,6 +248,6 @@ def _joined(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tup
     return (*found[0][:common], *branches)
 
 
-def _stopped(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
+def _last_step(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
     _, nodes = max(found, key=lambda each: each[0])
     return nodes[-1] if nodes and nodes[-1].holds is False else None

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.explain.why.deriving import decided, value_of
+from logical_robots_tui.explain.why.deriving import value_of, winner
 from logical_robots_tui.explain.why.explanation import Ask
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
 from logical_robots_tui.language.diagnostics import QueryError
@@ -244,7 +244,7 @@ class _Sourcing:
         operator = found[0][1].operator
         chosen = None
         if operator in DECIDED_BY_ONE:
-            best = decided(found, value)
+            best = winner(found, value)
             chosen = next((n for n, each in enumerate(found) if each is best), None)
         elif path and isinstance(value, list) and isinstance(path[0], int):
             wanted = part_of(value, path[:1])

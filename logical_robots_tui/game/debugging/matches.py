@@ -192,7 +192,7 @@ async def search_ticks(
 
     problem, holds_here, is_outside, last = "", False, False, here
     try:
-        question = await thinker.do(partial(_compiled, game, program, query))
+        question = await thinker.do(partial(_compile, game, program, query))
         together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
         for at in range(0, len(ticks), together):
             numbers = ticks[at : at + together]
@@ -217,5 +217,5 @@ async def search_ticks(
     return SearchResult(None, last, holds_here, problem)
 
 
-def _compiled(game: Game, program: Program, query: str, stop: threading.Event) -> Question:
+def _compile(game: Game, program: Program, query: str, stop: threading.Event) -> Question:
     return program.question(query, stop=stop, limits=game.limits)

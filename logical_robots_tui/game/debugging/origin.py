@@ -183,7 +183,7 @@ async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
     until = tick
     while True:
         made, memories = await source(tick, robot, path)
-        kept = _kept(made, memories)
+        kept = _source_of(made, memories)
         if kept is None:
             return Link(robot, path, made.value, tick, until, made.span, made.rule, made.reads)
         robot, path = kept
@@ -192,7 +192,7 @@ async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
             return Link(robot, path, made.value, 0, until, None, None, ())
 
 
-def _kept(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
+def _source_of(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
     if not made.reads or any(read.what != "memory" for read in made.reads):
         return None
     robots = {read.robot for read in made.reads}

@@ -46,7 +46,7 @@ class Pin(NamedTuple):
             return self.predicate
         if not self.column:
             return f"{self.predicate}: rows"
-        return written_path(self.path, f"{self.predicate}.{self.column}")
+        return path_text(self.path, f"{self.predicate}.{self.column}")
 
     @property
     def words(self) -> str:
@@ -79,7 +79,7 @@ class Reading(NamedTuple):
         return number if math.isfinite(number) else None
 
 
-def written_path(path: Path, what: str = "memory") -> str:
+def path_text(path: Path, what: str = "memory") -> str:
     return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
 
 

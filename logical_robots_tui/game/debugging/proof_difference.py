@@ -138,10 +138,10 @@ def condition_of(
     differing: ProofDifference, here: Explanation | None, there: Explanation | None
 ) -> tuple[Node, Side] | None:
     """Return a condition that holds on one side only, and that side; None if it is unknown."""
-    stopped = _stopped(differing.there, here)
+    stopped = _stop_of(differing.there, here)
     if stopped is not None:
         return stopped, "there"
-    stopped = _stopped(differing.here, there)
+    stopped = _stop_of(differing.here, there)
     return None if stopped is None else (stopped, "here")
 
 
@@ -253,7 +253,7 @@ class _Walk:
         )
 
 
-def _stopped(rule: Node | None, explanation: Explanation | None) -> Node | None:
+def _stop_of(rule: Node | None, explanation: Explanation | None) -> Node | None:
     if rule is None or explanation is None:
         return None
     found = (each for each in explanation.rules if each.span.text == rule.text)

@@ -80,13 +80,13 @@ class Watch:
         before = self._rows(each, past, mind, stop)
         after = self._rows(each, frame, mind, stop)
         if each.event == "rows":
-            return "" if before or not after else _listed(after)
+            return "" if before or not after else _join(after)
         if each.event == "no rows":
-            return "" if after or not before else f"there was {_listed(before)}"
+            return "" if after or not before else f"there was {_join(before)}"
         gone, new = _without(before, after), _without(after, before)
         if not gone and not new:
             return ""
-        return " → ".join(_listed(rows) if rows else "nothing" for rows in (gone, new))
+        return " → ".join(_join(rows) if rows else "nothing" for rows in (gone, new))
 
     def _rows(self, each: Breakpoint, frame: Frame, mind: Mind, stop: threading.Event) -> _Rows:
         table = self._table(each.subject, frame, mind, stop)
@@ -158,13 +158,13 @@ def _without(rows: _Rows, others: _Rows) -> _Rows:
     return missing
 
 
-def _listed(rows: _Rows) -> str:
-    told = [", ".join(map(_told, row)) for row in rows[:_FEW]]
+def _join(rows: _Rows) -> str:
+    told = [", ".join(map(_describe, row)) for row in rows[:_FEW]]
     more = len(rows) - _FEW
     return "; ".join(told) + (f" and {more} more" if more > 0 else "")
 
 
-def _told(value: Value) -> str:
+def _describe(value: Value) -> str:
     text = to_json(value)
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
@@ -172,20 +172,20 @@ def _told(value: Value) -> str:
 def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
     match each.event:
         case "enters":
-            yield from _moved(each, past, frame, "is in")
+            yield from _moves(each, past, frame, "is in")
         case "leaves":
-            yield from _moved(each, frame, past, "was in")
+            yield from _moves(each, frame, past, "was in")
         case "blocked":
             for then, now in zip(past.after.robots, frame.after.robots, strict=True):
                 if now.blocked and not then.blocked and each.robot in ("", now.name):
                     yield f"{now.name} at {now.x:.1f}, {now.y:.1f}"
         case "loses sight":
-            yield from _lost(each, past, frame)
+            yield from _losses(each, past, frame)
         case _:
-            yield from _noticed(each, past, frame)
+            yield from _notices(each, past, frame)
 
 
-def _moved(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
+def _moves(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator[str]:
     for then, now in zip(before.after.areas, after.after.areas, strict=True):
         if each.subject in ("", now.name):
             for name in now.visitors:
@@ -193,17 +193,17 @@ def _moved(each: Breakpoint, before: Frame, after: Frame, verb: str) -> Iterator
                     yield f"{name} {verb} {now.name}"
 
 
-def _lost(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+def _losses(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
     for then, now in zip(past.sensors, frame.sensors, strict=True):
         name = now["robot_name"]
         if each.robot in ("", name):
-            still = _seen(now)
-            for label, distance in _seen(then).items():
+            still = _distances(now)
+            for label, distance in _distances(then).items():
                 if label not in still and each.subject in ("", label):
                     yield f"{name} saw {label} last at distance {distance:g}"
 
 
-def _seen(row: SensorRow) -> dict[str, float]:
+def _distances(row: SensorRow) -> dict[str, float]:
     return {
         ray["label"]: ray["distance"]
         for ray in row["sensor"]["radar"]
@@ -211,7 +211,7 @@ def _seen(row: SensorRow) -> dict[str, float]:
     }
 
 
-def _noticed(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
+def _notices(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
     known = {decision.robot_name: _kinds(decision) for decision in past.decisions}
     for decision in frame.decisions:
         if each.robot in ("", decision.robot_name):

@@ -9,7 +9,7 @@ from dataclasses import field as attribute
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Literal
 
-from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shortened
+from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
 from logical_robots_tui.game.history.rounds import last_rounds
 from logical_robots_tui.language.similar_names import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
@@ -97,7 +97,7 @@ async def observe(history: History, first: int, last: int) -> Observations:
                 begin, count, message = found.notices.get(key, (tick, 0, notice.message))
                 found.notices[key] = (begin, count + 1, message)
         if moment.memories != before:
-            _remembered(found, tick, before, moment.memories)
+            _remember(found, tick, before, moment.memories)
             before = dict(moment.memories)
         if not tick % _AT_ONCE:
             await asyncio.sleep(0)
@@ -112,7 +112,7 @@ async def observe(history: History, first: int, last: int) -> Observations:
     return found
 
 
-def _remembered(found: Observations, tick: int, before: Any, after: Any) -> None:
+def _remember(found: Observations, tick: int, before: Any, after: Any) -> None:
     for robot, memory in after.items():
         old = before.get(robot)
         if memory == old:
@@ -227,13 +227,13 @@ def _of_several(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         message = f"{first} They come from the rules in lines {lines}."
         others = (*bodies, *gave[:-1])
         return Finding("several rows", "warning", gave[-1], tick, message, hint, others, robot)
-    places = [place for number in given for place in _multiplied(tally, number, set())]
+    places = [place for number in given for place in _multipliers(tally, number, set())]
     span, others = _split([*places, *gave])
     hint = "Part of it holds in several ways; a predicate may have a surplus row."
     return Finding("several rows", "warning", span, tick, first, hint, others, robot)
 
 
-def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
+def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
     checkup = tally.checkup
     seen.add(rule)
     for number, site in enumerate(checkup.sites):
@@ -243,7 +243,7 @@ def _multiplied(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
         called = [n for n, r in enumerate(checkup.rules) if r.predicate == site.predicate]
         gave = [n for n in called if tally.rules[n].gave is not None and n not in seen]
         facts = [n for n in gave if checkup.rules[n].is_fact]
-        deeper = [] if facts or len(gave) != 1 else _multiplied(tally, gave[0], seen)
+        deeper = [] if facts or len(gave) != 1 else _multipliers(tally, gave[0], seen)
         alike = _alike_facts(checkup, facts) if facts else []
         rules = [checkup.rules[n].span for n in (alike or gave) if not facts or alike]
         return [*deeper, *reversed(rules), site.span]
@@ -263,7 +263,7 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
         if site.kind == "value" and tally.sites[number].true is not None
     ]
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
-    quoted = f" `{shortened(span.text)}` was null." if nulls and span else ""
+    quoted = f" `{shorten(span.text)}` was null." if nulls and span else ""
     hint = "Use Coalesce or `if` to handle a missing value."
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
@@ -347,7 +347,7 @@ def _of_movement(
             "warning" if is_doubtful else "note",
             span,
             stretch.first,
-            _moved(stretch, span),
+            _how_far(stretch, span),
             _HINTS[stretch.kind],
             others[:_MOST_PLACES],
             stretch.robot,
@@ -364,7 +364,7 @@ _HINTS = {
 }
 
 
-def _moved(stretch: Stretch, span: Span | None) -> str:
+def _how_far(stretch: Stretch, span: Span | None) -> str:
     ticks = f"from tick {stretch.first} to {stretch.last}"
     how = {
         "blocked": f"was blocked {ticks}",
@@ -372,7 +372,7 @@ def _moved(stretch: Stretch, span: Span | None) -> str:
         "unfinished": f"was still on its way {ticks}",
         "circle": f"goes round in a circle of {stretch.period} ticks {ticks}",
     }[stretch.kind]
-    doing = f", mostly with `{shortened(span.text)}`" if span is not None else ""
+    doing = f", mostly with `{shorten(span.text)}`" if span is not None else ""
     return f"{stretch.robot} {how}{doing}."
 
 

@@ -69,12 +69,12 @@ def _of_decisions(here: TickState, there: TickState) -> Iterator[Difference]:
     for mine in here.decisions:
         other = others.get(mine.robot_name)
         if other is not None and mine != other:
-            for matter, value in _said(mine).items():
-                if value != (that := _said(other)[matter]):
+            for matter, value in _matters(mine).items():
+                if value != (that := _matters(other)[matter]):
                     yield Difference(mine.robot_name, matter, value, that)
 
 
-def _said(decision: Decision) -> dict[Matter, object]:
+def _matters(decision: Decision) -> dict[Matter, object]:
     return {
         "desire": decision.desire,
         "memory": decision.memory,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import RecordedTick, Worlds, known_frame
+from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
 from logical_robots_tui.game.frame import NoSuchTickError
 from logical_robots_tui.game.history.course import Course, find_divergence
 
@@ -243,7 +243,7 @@ class Past:
         history = self._history
         before, known = history.replay(tick)
         if self._last is None or self._last.tick != tick or self._turns != history.turns:
-            self._last = known_frame(self.worlds, before, known)
+            self._last = frame_of(self.worlds, before, known)
             self._turns = history.turns
         return self._last
 

@@ -238,7 +238,7 @@ def _may_be_opened(text: str) -> bool:
 def _moment_of(piece: _Piece, at: int) -> TickState:
     """Return one of the moments of a piece, or raise DamagedError."""
     try:
-        return moment_in(_unpacked(piece), at)
+        return moment_in(_unpack(piece), at)
     except DamagedError:
         raise
     except (ValueError, TypeError, LookupError, StopIteration, RecursionError) as error:
@@ -246,7 +246,7 @@ def _moment_of(piece: _Piece, at: int) -> TickState:
 
 
 @lru_cache(maxsize=_KEPT_OPEN)
-def _unpacked(piece: _Piece) -> Any:
+def _unpack(piece: _Piece) -> Any:
     if _digest(piece.content) != piece.digest:
         raise DamagedError("the piece is damaged")
     unpacking = zlib.decompressobj()

@@ -166,22 +166,22 @@ def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int
     met = {frozenset(pair) for pairs in manifest.rounds for pair in pairs}
     ranked = sorted(range(len(players)), key=standing)
     if len(ranked) % 2 == 0:
-        return _paired(ranked, met)
+        return _pair(ranked, met)
     for index in reversed(ranked):
         rests = any(all(index not in pair for pair in pairs) for pairs in manifest.rounds)
-        if not rests and (found := _paired([i for i in ranked if i != index], met)) is not None:
+        if not rests and (found := _pair([i for i in ranked if i != index], met)) is not None:
             return found
     return None
 
 
-def _paired(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
+def _pair(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
     """Pair each with the next one it has not met, leaving none over; None if impossible."""
     if not ranked:
         return ()
     first, *others = ranked
     for other in others:
         if frozenset((first, other)) not in met:
-            rest = _paired([index for index in others if index != other], met)
+            rest = _pair([index for index in others if index != other], met)
             if rest is not None:
                 return (min(first, other), max(first, other)), *rest
     return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.lab.exporting import Table, csv_of, harmless_text
-from logical_robots_tui.lab.reporting import as_code, as_table, shaded
+from logical_robots_tui.lab.page import as_code, as_table, shade
 from logical_robots_tui.lab.tournament.ranking import ranking_of
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
 
 def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
     ranking = ranking_of(manifest, ledger)
-    lines = _aligned([_HEAD, *_rows(manifest, ranking)], left=(1, len(_HEAD) - 1))
+    lines = _align([_HEAD, *_rows(manifest, ranking)], left=(1, len(_HEAD) - 1))
     names = [each.player for each in ranking.standings]
     if len(names) <= _WIDEST:
         numbers = [str(n) for n in range(1, len(names) + 1)]
@@ -51,7 +51,7 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
         lines += [
             "",
             "The row's share of the points against the column:",
-            *_aligned(rows, left=(1,)),
+            *_align(rows, left=(1,)),
         ]
     for cycle in ranking.cycles[:_MOST_CYCLES]:
         lines.append(_cycle_text(cycle))
@@ -69,7 +69,7 @@ def _cycle_text(cycle: Sequence[str]) -> str:
     return "Cycle: " + " beats ".join(harmless_text(name) for name in (*cycle, cycle[0]))
 
 
-def _aligned(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
+def _align(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(
@@ -87,7 +87,7 @@ def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -
     rows: list[Sequence[Any]] = []
     for name in names:
         cells = [ranking.pairings.get((name, other)) for other in names]
-        rows.append((name, *(p and shaded(p.share, f"{100 * p.share:.0f}") for p in cells)))
+        rows.append((name, *(p and shade(p.share, f"{100 * p.share:.0f}") for p in cells)))
     said = "<p>The row's share of the points against the column, in percent.</p>"
     parts.append("<h2>Pairs</h2>" + said + as_table(("", *names), rows))
     if ranking.cycles:

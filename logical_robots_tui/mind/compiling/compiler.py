@@ -17,11 +17,11 @@ from logical_robots_tui.language.adapter import parse, to_package
 from logical_robots_tui.language.checks import IGNORED, check
 from logical_robots_tui.language.definitions import (
     MAIN,
-    called,
     definitions,
     lacking,
+    names_used,
     prelude,
-    reached,
+    reach,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.functors import expand_recursions
@@ -63,13 +63,13 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     found = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
     _refuse([*found, *invalid])
-    compiled = compiled_program(rest, source)
+    compiled = compile_statements(rest, source)
     statements, predicates, problems = _compile_predicates(
         compiled, rest, source, report or (lambda _done, _all: None)
     )
     _refuse([*found, *problems])
     uses = _uses(rest)
-    needed = _needed(uses, statements)
+    needed = _order_needed(uses, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
     program = Program(
         text,
@@ -96,7 +96,7 @@ def without_visibility(program: Sequence[Statement], text: str) -> list[Statemen
     return _take_visibility(program, text)[0]
 
 
-def compiled_program(program: Sequence[Statement], source: Prepared) -> RobotProgram:
+def compile_statements(program: Sequence[Statement], source: Prepared) -> RobotProgram:
     """Return the package's program for some statements and the prelude.
 
     Raises:
@@ -104,7 +104,7 @@ def compiled_program(program: Sequence[Statement], source: Prepared) -> RobotPro
     """
     try:
         expanded = expand_rows(expand_recursions([*program]))
-        spelled = spell_out(map(_computed_in_query, expanded), source.original)
+        spelled = spell_out(map(_compute_in_query, expanded), source.original)
         own = definitions(spelled)
         library = [rule for rule in prelude() if rule.name not in own]
         iterated, found = fixpoints([*spelled, *library])
@@ -125,7 +125,7 @@ def statements_of(
     Raises:
         ProgramError: The program can't be compiled.
     """
-    compiled = compiled_program(program, source)
+    compiled = compile_statements(program, source)
     found = {}
     for name in wanted:
         with suppress(*error_messages.COMPLAINTS):
@@ -204,7 +204,7 @@ def _endless(error: BaseException, program: Sequence[Statement], text: str) -> D
     if "nothing to start from" not in error_messages.plain_message(error):
         return None
     own = definitions(program)
-    culprit = next((name for name, rules in own.items() if name in reached(rules, own)), None)
+    culprit = next((name for name, rules in own.items() if name in reach(rules, own)), None)
     if culprit is None:
         return None
     message = f"the recursion of {culprit} has nothing to start from"
@@ -242,7 +242,7 @@ def _compile_predicates(
     return statements, predicates, problems if MAIN not in statements else []
 
 
-def _computed_in_query(statement: Statement) -> Statement:
+def _compute_in_query(statement: Statement) -> Statement:
     """Compute a grounded predicate once per query instead of in a table."""
     if isinstance(statement, Annotation) and statement.name == "@Ground":
         return replace(statement, name="@With", arguments=statement.arguments[:1])
@@ -277,7 +277,7 @@ def _lacks_arguments(error: BaseException, rules: Sequence[Rule | Functor]) -> b
     """Return whether a predicate can't be computed only because it is a function."""
     heads = [each.head if isinstance(each, Rule) else each for each in rules]
     return error_messages.is_function(error) and variables(heads, inside=True).issuperset(
-        error_messages.unassigned(error)
+        error_messages.unbound_variables(error)
     )
 
 
@@ -290,7 +290,7 @@ def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
             dict.fromkeys(
                 str(other)
                 for statement in mine
-                for other in called(statement)
+                for other in names_used(statement)
                 if other in known and not (isinstance(statement, Functor) and other == name)
             )
         )
@@ -298,7 +298,9 @@ def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _needed(uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]) -> tuple[str, ...]:
+def _order_needed(
+    uses: Mapping[str, tuple[str, ...]], statements: Mapping[str, str]
+) -> tuple[str, ...]:
     ordered: list[str] = []
     seen = set()
 

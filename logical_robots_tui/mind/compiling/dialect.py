@@ -110,10 +110,10 @@ def runs(name: str) -> bool:
         return False
     least, most = arity(name)
     counts = range(least, min(int(most), least + 2) + 1) if most < math.inf else range(2, 3)
-    return any(_compiles(_filled(template, count)) for count in counts)
+    return any(_compiles(_fill(template, count)) for count in counts)
 
 
-def _filled(template: str, count: int) -> str:
+def _fill(template: str, count: int) -> str:
     nulls = ["NULL"] * count
     try:
         return template % ", ".join(nulls) if "%s" in template else template.format(*nulls)

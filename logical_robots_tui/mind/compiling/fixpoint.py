@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.language.definitions import called, made_from_functors
+from logical_robots_tui.language.definitions import functor_names, names_used
 from logical_robots_tui.language.functors import rename
 from logical_robots_tui.language.tree import Annotation, Number, Rule
 from logical_robots_tui.mind.program import STEPS
@@ -64,8 +64,8 @@ def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpo
     for each in statements:
         if isinstance(each, Rule):
             own.setdefault(str(each.name), []).append(each)
-    uses = {name: {str(c) for c in called(mine) if c in own} for name, mine in own.items()}
-    made = made_from_functors(statements)
+    uses = {name: {str(c) for c in names_used(mine) if c in own} for name, mine in own.items()}
+    made = functor_names(statements)
     annotations = [each for each in statements if isinstance(each, Annotation)]
     ordered = {each.subject for each in annotations if each.name in _ABOUT_THE_WHOLE}
     times = Counter((each.name, each.subject) for each in annotations)
@@ -124,7 +124,7 @@ def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool
     while True:
         waiting = circle - begun
         found = {
-            name for name in waiting if any(not waiting & {*called(rule)} for rule in own[name])
+            name for name in waiting if any(not waiting & {*names_used(rule)} for rule in own[name])
         }
         if not found:
             return start in begun
@@ -149,14 +149,14 @@ def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:
     mentioned = {table.name for table in tree.find_all(exp.Table)}
     if not any(fixpoint.name in mentioned for fixpoint in steps):
         return statement
-    return f"{sql.written(_with_steps(tree, steps), pretty=True)};"
+    return f"{sql.render(_with_steps(tree, steps), pretty=True)};"
 
 
 def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, str]) -> str:
     """Return a query for 1 if the last step of a recursion still changed something, else 0."""
     last = f"step > {fixpoint.depth} AND found IS NOT before"
     query = f"SELECT EXISTS (SELECT 1 FROM {STEPS}{fixpoint.name} WHERE {last})"  # noqa: S608 - our own SQL
-    return sql.written(_with_steps(sql.parse(query), steps), pretty=True)
+    return sql.render(_with_steps(sql.parse(query), steps), pretty=True)
 
 
 def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, str]) -> exp.Query:
@@ -198,7 +198,7 @@ def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
       UNION ALL
       SELECT {name}.step + 1 AS step,
         (SELECT json_group_array(json_array({made}))
-         FROM (SELECT * FROM ({sql.written(step)}) AS step ORDER BY {order}) AS made) AS found,
+         FROM (SELECT * FROM ({sql.render(step)}) AS step ORDER BY {order}) AS made) AS found,
         {name}.found AS before
       FROM {name} WHERE ({name}.step <= {fixpoint.depth}) AND ({name}.found IS NOT {name}.before)),
     t_0_{fixpoint.name} AS ({_rows(columns, last)})
@@ -214,7 +214,7 @@ def _rows(columns: list[str], listed: str) -> str:
 def _columns(query: Any) -> list[str]:
     while isinstance(query, exp.Subquery | exp.SetOperation) or query.is_star:
         query = query.args["from_"].this if isinstance(query, exp.Select) else query.this
-    return [sql.written(item.args["alias"]) for item in query.expressions]
+    return [sql.render(item.args["alias"]) for item in query.expressions]
 
 
 _PIECE = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"|[()]|\bSELECT\b")

@@ -32,7 +32,7 @@ from logical_robots_tui.language.tree import (
     walk,
 )
 from logical_robots_tui.mind.compiling.compiler import (
-    compiled_program,
+    compile_statements,
     read_program,
     without_visibility,
 )
@@ -64,7 +64,7 @@ def compile_question(text: str, query: str) -> Question:
     before, after = "", ""
     gives: Gives = "rows"
     if source.ends or is_rule(source):
-        asked = _defined(source, own)
+        asked = _define(source, own)
     elif bare in own:
         asked, query = bare, ""
     else:
@@ -77,10 +77,10 @@ def compile_question(text: str, query: str) -> Question:
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        sql = _compiled(whole, asked, is_bare=not query)
+        sql = _compile(whole, asked, is_bare=not query)
         return Question(query or bare, sql, gives)
     except ProgramError as error:
-        raise ProgramError(tuple(_placed(d, first, query) for d in error.diagnostics)) from None
+        raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
 
 def _names() -> Iterator[str]:
@@ -88,7 +88,7 @@ def _names() -> Iterator[str]:
     yield from (f"Asked{number}" for number in itertools.count(2))
 
 
-def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
+def _compile(whole: str, asked: str, *, is_bare: bool) -> str:
     source = prepare(whole)
     parsed = parse(source)
     found = tuple(d for d in check(parsed, whole, runs) if d.severity == "error")
@@ -96,7 +96,7 @@ def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
         raise ProgramError(found)
     try:
         rest = without_visibility(parsed.statements, whole)
-        sql = compiled_program(rest, source).FormattedPredicateSql(asked)
+        sql = compile_statements(rest, source).FormattedPredicateSql(asked)
     except error_messages.COMPLAINTS as error:
         if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
@@ -107,7 +107,7 @@ def _compiled(whole: str, asked: str, *, is_bare: bool) -> str:
     return sql
 
 
-def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
+def _place(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
     """Move a diagnostic of the whole text into the query, to its start if it is outside."""
     line = diagnostic.line - first + 1
     if 1 <= line <= query.count("\n") + 1:
@@ -115,7 +115,7 @@ def _placed(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
     return replace(diagnostic, line=1, column=1, excerpt="")
 
 
-def _defined(source: Prepared, own: Own) -> str:
+def _define(source: Prepared, own: Own) -> str:
     """Return the last predicate that a query defines; it may not redefine the program's."""
     parsed = parse(source)
     if parsed.problems:
@@ -147,7 +147,7 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
         return _value_frame(name, left_open)
     if left_open:
         columns += {"robot_name"} - {*columns}
-        return f"{name}({_columns(columns)}) :- {_supplied(left_open)},", "", "rows"
+        return f"{name}({_columns(columns)}) :- {_supply(left_open)},", "", "rows"
     if not columns:
         denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
         return f'{name}(holds: "true") :-', denied, "truth"
@@ -157,7 +157,7 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
 def _value_frame(name: str, left_open: Sequence[str]) -> tuple[str, str, Gives]:
     if not left_open:
         return f"{name}(value:", ")", "value"
-    return f"{name}(value:", f", robot_name:) :- {_supplied(left_open)}", "value"
+    return f"{name}(value:", f", robot_name:) :- {_supply(left_open)}", "value"
 
 
 def _columns(variables: Iterable[str]) -> str:
@@ -176,7 +176,7 @@ def _open_inputs(asked: Expression | Proposition) -> list[str]:
     return [name for name in _in_text(asked) if name in columns and name not in given]
 
 
-def _supplied(left_open: Sequence[str]) -> str:
+def _supply(left_open: Sequence[str]) -> str:
     calls = [
         f"{name}({_columns(columns)})"
         for name, columns in INPUTS.items()

@@ -29,7 +29,7 @@ from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.tables import COLUMNS_LAYOUT, WHOLE_RAY
+from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
 from logical_robots_tui.processes.garbage import collect_seldom
 from logical_robots_tui.processes.helper import begin, limit
@@ -133,7 +133,7 @@ def answer(
             return job(request)
         program, trees = compiler.compile_text(request["text"], report)
         _try_out(program)
-        return {"program": asdict(_tuned(program, trees))}
+        return {"program": asdict(_tune_program(program, trees))}
     except ProgramError as error:
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
@@ -163,8 +163,8 @@ def _ask(request: dict[str, Any]) -> dict[str, object]:
     question = compile_question(request["text"], request["query"])
     with closing(Database()) as database:
         if not is_prepared_soon(database, question.sql):
-            raise _tangled()
-    return {"question": asdict(_tuned_question(question, request["columns"]))}
+            raise _too_large()
+    return {"question": asdict(_tune_question(question, request["columns"]))}
 
 
 _JOBS: Mapping[str, Job] = {"constants": _settle, "query": _ask}
@@ -177,7 +177,7 @@ def _try_out(program: Program) -> None:
     the process can be killed.
     """
     if sum(map(len, program.statements.values())) > _MOST_SQL:
-        raise _tangled()
+        raise _too_large()
     failed: dict[str, str] = {}
     with closing(Database()) as database:
         checks = [("", sql) for _, sql in program.recursions.values()]
@@ -188,7 +188,7 @@ def _try_out(program: Program) -> None:
             except (sqlite3.Error, sqlite3.Warning) as error:
                 failed[name] = in_plain_words(error)
             if process_time() - began > _PREPARE_SECONDS:
-                raise _tangled()
+                raise _too_large()
     # Errors in predicates that Robot does not use are reported when they are queried.
     culprit = next((name for name in program.needed if name in failed), None)
     for predicate in program.predicates if MAIN in failed else ():
@@ -198,24 +198,24 @@ def _try_out(program: Program) -> None:
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
 
 
-def _tuned(program: Program, trees: dict[str, exp.Query]) -> Program:
+def _tune_program(program: Program, trees: dict[str, exp.Query]) -> Program:
     order = sorted(program.statements, key=lambda name: name not in program.needed)
     statements = {
         "Robot": program.statements["Robot"],
         **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
         **{name: program.statements[name] for name in order},
     }
-    return replace(program, tuned=prepared(tune_all(statements, trees)))
+    return replace(program, tuned=keep_preparable(tune_all(statements, trees)))
 
 
-def _tuned_question(question: Question, columns: dict[str, Any]) -> Question:
+def _tune_question(question: Question, columns: dict[str, Any]) -> Question:
     """Add a tuned query for a table with the given columns, if SQLite can prepare it."""
     tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True)
-    found = {} if tuned is None else prepared({"": tuned})
+    found = {} if tuned is None else keep_preparable({"": tuned})
     return replace(question, tuned=found.get(""))
 
 
-def prepared(every: dict[str, Tuned]) -> dict[str, Tuned]:
+def keep_preparable(every: dict[str, Tuned]) -> dict[str, Tuned]:
     """Return the tuned queries that SQLite can prepare in reasonable time."""
     kept = {}
     with closing(Database(layout=COLUMNS_LAYOUT)) as database:
@@ -238,7 +238,7 @@ def is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
     return process_time() - began < _PREPARE_SECONDS
 
 
-def _tangled() -> ProgramError:
+def _too_large() -> ProgramError:
     return ProgramError(
         (
             Diagnostic(

@@ -198,7 +198,7 @@ def check_text(length: int) -> None:
         raise TooLargeError(f"a text of {length:,} characters")
 
 
-def charged(
+def charge(
     function: Callable[..., Any],
     work: Work,
     *,

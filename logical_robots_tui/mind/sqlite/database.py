@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charged
+from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charge
 from logical_robots_tui.mind.sqlite.functions import registry
+from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 from logical_robots_tui.mind.sqlite.moment import LONG, Within
-from logical_robots_tui.mind.sqlite.tables import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from logical_robots_tui.mind.sqlite.tables import Layout
+    from logical_robots_tui.mind.sqlite.layouts import Layout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
@@ -208,7 +208,7 @@ class Database:
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
         """Register a function for queries, once; its errors and steps count as the query's."""
         if name not in self._offered:
-            self._connection.create_function(name, arguments, charged(function, self._work))
+            self._connection.create_function(name, arguments, charge(function, self._work))
             self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:

@@ -8,8 +8,8 @@ from math import isfinite
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from logical_robots_tui.mind.sqlite.layouts import ITEMS, KINDS, MEMORY_FIELDS, RAYS
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
-from logical_robots_tui.mind.sqlite.tables import ITEMS, KINDS, MEMORY_FIELDS, RAYS
 from logical_robots_tui.schema import SELF, SENSOR
 
 if TYPE_CHECKING:

@@ -78,7 +78,7 @@ class Moment:
             if self._objects is None:
                 self._objects = [[*map(_OBJECT, row["sensor"]["radar"])] for row in self.sensors]
             found = self._rays_to[kind] = [
-                _picked(kind, objects, row) if kind in objects else ()
+                _pick(kind, objects, row) if kind in objects else ()
                 for objects, row in zip(self._objects, self.sensors, strict=True)
             ]
         return found
@@ -101,7 +101,7 @@ class Moment:
 _OBJECT = itemgetter("object")
 
 
-def _picked(
+def _pick(
     kind: str, objects: Sequence[Any], row: SensorRow
 ) -> Sequence[tuple[int, Mapping[str, Any]]]:
     radar = row["sensor"]["radar"]

@@ -77,14 +77,14 @@ def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
 
 def _from_json(text: str, deepest: int) -> Value:
     try:
-        parsed = _parsed(text)
+        parsed = _parse(text)
         if _is_shallow(text, deepest) and not _may_hide(text):
             return parsed  # type: ignore[no-any-return]  # there is nothing to unescape
     except RecursionError:
         raise _too_deep() from None
     except ValueError:
         return _whole(text)
-    return _unescaped(parsed, deepest)
+    return _unescape(parsed, deepest)
 
 
 def _is_shallow(text: str, deepest: int) -> bool:
@@ -97,7 +97,7 @@ def _may_hide(text: str) -> bool:
     return any(map(text.__contains__, _HIDING)) or _ENDLESS.search(text) is not None
 
 
-def _parsed(text: str) -> Any:
+def _parse(text: str) -> Any:
     try:
         return orjson.loads(text)
     except ValueError:
@@ -105,7 +105,7 @@ def _parsed(text: str) -> Any:
         return json.loads(_INFINITE.sub("Infinity", text))
 
 
-def _unescaped(value: Any, deepest: int) -> Value:
+def _unescape(value: Any, deepest: int) -> Value:
     """Parse records and lists in texts as well: SQLite forgets that a text is JSON.
 
     Other constants become null; lone surrogates and NUL become the replacement character.
@@ -113,11 +113,11 @@ def _unescaped(value: Any, deepest: int) -> Value:
     if isinstance(value, dict):
         if deepest <= 0:
             raise _too_deep()
-        return {_whole(k): _unescaped(v, deepest - 1) for k, v in value.items()}
+        return {_whole(k): _unescape(v, deepest - 1) for k, v in value.items()}
     if isinstance(value, list):
         if deepest <= 0:
             raise _too_deep()
-        return [_unescaped(v, deepest - 1) for v in value]
+        return [_unescape(v, deepest - 1) for v in value]
     if isinstance(value, str):
         if value[:1] in ("{", "["):
             return _from_json(value, deepest)

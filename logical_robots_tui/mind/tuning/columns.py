@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.filling import spell_item
-from logical_robots_tui.mind.sqlite.tables import (
+from logical_robots_tui.mind.sqlite.layouts import (
     ITEM_FIELDS,
     ITEMS,
     KINDS,

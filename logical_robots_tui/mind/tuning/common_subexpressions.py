@@ -155,13 +155,13 @@ def _share(tree: exp.Query, select: exp.Select, name: str) -> exp.Select | None:
     examination = _Examination(select)
     for expression in select.expressions:
         examination.visit(expression, [])
-    chosen = _chosen(examination)
+    chosen = _choose(examination)
     if not chosen or examination.strange:
         return None
     return _move(tree, select, name, chosen, examination)
 
 
-def _chosen(examination: _Examination) -> list[exp.Expr]:
+def _choose(examination: _Examination) -> list[exp.Expr]:
     found: list[exp.Expr] = []
 
     def look(node: exp.Expr) -> None:

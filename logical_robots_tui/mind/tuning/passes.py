@@ -13,7 +13,6 @@ from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.program import STEPS, Tuned
 from logical_robots_tui.mind.tuning import (
-    aggregates,
     columns,
     common_subexpressions,
     json,
@@ -22,7 +21,14 @@ from logical_robots_tui.mind.tuning import (
 )
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.columns import MemoryColumns
-from logical_robots_tui.mind.tuning.records import pairs_as_columns, records_as_columns
+from logical_robots_tui.mind.tuning.records import (
+    native_arg_min,
+    native_choice,
+    native_division,
+    pairs_as_columns,
+    records_as_columns,
+    untie_aggregates,
+)
 from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
@@ -122,16 +128,16 @@ PASSES = (
     Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
     Pass("memory-columns", _memory_columns),
     Pass("item-rows", _item_rows),
-    Pass("untangled-aggregates", _on_tree(aggregates.untie_aggregates)),
-    Pass("arg-min", _on_tree(aggregates.native_arg_min)),
+    Pass("untangled-aggregates", _on_tree(untie_aggregates)),
+    Pass("arg-min", _on_tree(native_arg_min)),
     Pass("result-columns", _result_columns),
     Pass("common-subexpressions", _on_tree(common_subexpressions.share)),
     Pass("materialized", _on_tree(planning.materialize)),
-    Pass("division", _on_tree(aggregates.native_division)),
+    Pass("division", _on_tree(native_division)),
     Pass("numbers", _on_tree(json.native_numbers)),
     Pass("all-viewers", _all_viewers),
     Pass("materialized-by-robot", _materialized_by_robot),
-    Pass("choice", _on_each(aggregates.native_choice)),
+    Pass("choice", _on_each(native_choice)),
     Pass("late-rays", _on_each(columns.fetch_whole_rays)),
     Pass("lookups", _on_each(planning.index_lookups)),
     Pass("range-scans", _on_each(planning.scan_ranges)),
@@ -206,12 +212,12 @@ def tune(
         for each in PASSES:
             if each.required or each.name not in without:
                 each.apply(work)
-        return _tuned(work)
+        return _result_of(work)
     except (SqlglotError, ValueError, RecursionError):
         return None
 
 
-def _tuned(work: Rewriting) -> Tuned:
+def _result_of(work: Rewriting) -> Tuned:
     one = columns.read_by([work.tree])
     bounds = 4 if "Memory" in one else 2 if "Sensor" in one else 0
     read = columns.read_by(filter(None, work.queries))
@@ -227,7 +233,7 @@ def _tuned(work: Rewriting) -> Tuned:
 
 
 def _texts(queries: Iterable[exp.Query | None]) -> tuple[str, ...]:
-    return tuple("" if query is None else sql.written(query) for query in queries)
+    return tuple("" if query is None else sql.render(query) for query in queries)
 
 
 def _can_be_moved(tree: exp.Expr) -> bool:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.tables import KINDS
+from logical_robots_tui.mind.sqlite.layouts import KINDS
 from logical_robots_tui.mind.tuning import columns, common_subexpressions, sql
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def materialize(tree: exp.Query, *, by_robots: bool = False) -> None:
         tree: A query; changed in place.
         by_robots: Whether also of those that are asked for once for each robot that is seen.
     """
-    named = _named(tree)
+    named = _names(tree)
     for table in tree.find_all(exp.Table):
         query = named.get(table.name)
         if query is not None and _is_asked_often(table, named, by_robots=by_robots):
@@ -42,7 +42,7 @@ def materialized_queries(tree: exp.Query) -> frozenset[str]:
     """Return names of the named queries that `materialize` has found."""
     return frozenset(
         name
-        for name, query in _named(tree).items()
+        for name, query in _names(tree).items()
         if query.args.get("materialized") and not common_subexpressions.is_shared(name)
     )
 
@@ -53,7 +53,7 @@ def index_lookups(tree: exp.Query) -> None:
     SQLite estimates the cost of evaluating a subquery once. So an index seems to pay only if rows
     are looked up for those of another source: a table of a single 0.
     """
-    named, often = _named(tree), materialized_queries(tree)
+    named, often = _names(tree), materialized_queries(tree)
     for table in list(tree.find_all(exp.Table)):
         select = table.find_ancestor(exp.Select) if table.name in often else None
         if select is None or len(sql.sources(select)) > 1 or not _compares(select):
@@ -70,7 +70,7 @@ def _compares(select: exp.Select) -> bool:
     return any(source is not None and source[0] is select for source in found)
 
 
-def _named(tree: exp.Query) -> Mapping[str, exp.CTE]:
+def _names(tree: exp.Query) -> Mapping[str, exp.CTE]:
     named = tree.args.get("with_")
     return {query.alias: query for query in named.expressions} if named else {}
 

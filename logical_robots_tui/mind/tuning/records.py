@@ -180,7 +180,7 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
             result.append((item.alias, ()))
             columns.append(item)
         else:
-            result.append((item.alias, tuple(map(_marked, fields, fields.values()))))
+            result.append((item.alias, tuple(map(_mark, fields, fields.values()))))
             columns += [
                 exp.alias_(json.unwrap(value), f"{item.alias}_{number}")
                 for number, value in enumerate(fields.values())
@@ -191,7 +191,7 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
     return tuple(result)
 
 
-def _marked(name: str, value: exp.Expr) -> str:
+def _mark(name: str, value: exp.Expr) -> str:
     return f"{name}{TRUTH_MARK}" if json.truth_in(value) is not None else name
 
 

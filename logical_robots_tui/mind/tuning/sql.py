@@ -91,7 +91,7 @@ def drop_parentheses(tree: exp.Query) -> None:
             wrapped.replace(wrapped.this)
 
 
-def written(tree: exp.Expr, *, pretty: bool = False) -> str:
+def render(tree: exp.Expr, *, pretty: bool = False) -> str:
     """Return the text of a tree; `pretty` for people, with functions' case preserved."""
     functions = False if pretty else "upper"
     return _DIALECT.generate(tree, copy=False, pretty=pretty, normalize_functions=functions)

@@ -24,4 +24,4 @@ def as_on_duckdb(statement: str) -> tuple[str, exp.Query | None]:
         sql.drop_parentheses(tree)
     except (SqlglotError, ValueError, RecursionError):
         return statement, None
-    return statement if tree == before else f"{sql.written(tree, pretty=True)};", tree
+    return statement if tree == before else f"{sql.render(tree, pretty=True)};", tree

@@ -228,7 +228,7 @@ def _text(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     return found
 
 
-def _rounded(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+def _round(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     digits = made.expressions[1].unnest() if len(kinds) > 1 else exp.Literal.number(0)
     if not isinstance(digits, exp.Literal):
         made.set("this", "round_to")
@@ -245,7 +245,7 @@ def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     if found is Plain.REAL and is_whole(kinds[0]):
         made.replace(cast(made, "REAL"))
         return found
-    return _rounded(made, kinds, found)
+    return _round(made, kinds, found)
 
 
 def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
@@ -289,7 +289,7 @@ _CHANGES = {
     "least": _choice,
     "max": _extreme,
     "min": _extreme,
-    "round": _rounded,
+    "round": _round,
     "sum": _total,
     "to_text": _text,
     "try_cast_like": _cast_as_example,

@@ -100,21 +100,21 @@ def _total(kinds: Sequence[Kind]) -> Kind:
     return Plain.LARGE if is_whole(kind) else kind
 
 
-def _rounded(kinds: Sequence[Kind]) -> Kind:
+def _type_of_round(kinds: Sequence[Kind]) -> Kind:
     kind = kinds[0]
     return Decimal(0, digits(kind)) if isinstance(kind, Decimal) else sum_of(kinds[:1])
 
 
 def _cut(kinds: Sequence[Kind]) -> Kind:
     """Return the type of a floor or ceiling; DuckDB's of a whole number is real."""
-    return Plain.REAL if is_whole(kinds[0]) else _rounded(kinds)
+    return Plain.REAL if is_whole(kinds[0]) else _type_of_round(kinds)
 
 
-def _collected_values(kinds: Sequence[Kind]) -> Kind:
+def _type_of_array(kinds: Sequence[Kind]) -> Kind:
     return ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY
 
 
-def _concatenated(kinds: Sequence[Kind]) -> Kind:
+def _type_of_concat(kinds: Sequence[Kind]) -> Kind:
     if all(isinstance(kind, ListOf) for kind in kinds):
         return common(kinds)
     return Plain.TEXT if Plain.TEXT in kinds else Plain.ANY
@@ -126,9 +126,9 @@ _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     "arg_max_k_of_nested": lambda kinds: ListOf(kinds[0]),
     "arg_min_k": lambda kinds: ListOf(kinds[0]),
     "arg_min_k_of_nested": lambda kinds: ListOf(kinds[0]),
-    "array_by": _collected_values,
+    "array_by": _type_of_array,
     "concat_lists": lambda kinds: kinds[0],
-    "concatenate": _concatenated,
+    "concatenate": _type_of_concat,
     "if": lambda kinds: common(kinds[1:]),
     "iif": lambda kinds: common(kinds[1:]),
     "json_group_array": lambda kinds: ListOf(kinds[0]),
@@ -137,8 +137,8 @@ _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     "min": common,
     "modulo": sum_of,
     "number_range": lambda _: ListOf(Plain.WHOLE),
-    "round": _rounded,
-    "round_to": _rounded,
+    "round": _type_of_round,
+    "round_to": _type_of_round,
     "split_text": lambda _: ListOf(Plain.TEXT),
     "sum": _total,
 }

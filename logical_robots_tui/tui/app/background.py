@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from textual.css.query import NoMatches
 
 from logical_robots_tui.tui.app.ui import Ui
-from logical_robots_tui.tui.terminal.direct_paint import is_being_removed
+from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.terminal.direct_paint import handle_exception
+from logical_robots_tui.tui.terminal.textual_internals import handle_exception
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -150,7 +150,7 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
         keys = []
         for text in value if isinstance(value, list) else [value]:
             try:
-                keys.append(_taken(text, _CHANGEABLE[name], owners))
+                keys.append(_take(text, _CHANGEABLE[name], owners))
             except ValueError as error:
                 complain(f"keys.{name}", f"keys.{name}: {error}")
         if keys or value == []:
@@ -161,7 +161,7 @@ def _keys(found: object, complain: Complain) -> dict[str, tuple[str, ...]]:
     return chosen
 
 
-def _taken(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> str:
+def _take(text: object, entry: Command, owners: dict[tuple[str, str], str]) -> str:
     is_free = entry.scope == "level" and isinstance(text, str) and text in _ONLY_EDITING
     key = str(text) if is_free else key_from(text)
     other = owners.setdefault((entry.scope, key), entry.id)

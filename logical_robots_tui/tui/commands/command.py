@@ -6,7 +6,7 @@ from functools import partial
 from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
 
-from logical_robots_tui.tui.terminal.direct_paint import characters_by_key
+from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
 if TYPE_CHECKING:
     from collections.abc import Callable

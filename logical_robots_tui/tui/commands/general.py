@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.commands.command import Group
-from logical_robots_tui.tui.terminal.direct_paint import rendered_lines
+from logical_robots_tui.tui.terminal.textual_internals import rendered_lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -100,7 +100,7 @@ def key_from(text: object) -> str:
     """
     if not isinstance(text, str) or not text:
         raise ValueError(f"{text!r} is not a key; write it as a string")
-    wanted = _named(text)
+    wanted = _name_of(text)
     reason = _OTHERS.get(wanted, _MOVES if wanted in _MOVING else "")
     if not reason and "+" in wanted and not wanted.startswith("ctrl+"):
         reason = "many terminals can't tell it from the key without Shift or Alt"
@@ -116,7 +116,7 @@ def key_from(text: object) -> str:
     raise ValueError(f'there is no key "{text}"; write n, ?, F5, ^R or space')
 
 
-def _named(text: str) -> str:
+def _name_of(text: str) -> str:
     """Convert a key to Textual's name; return anything else unchanged."""
     if len(text) == 1:
         return _NAMES.get(text, _KEYS.get(text, text))

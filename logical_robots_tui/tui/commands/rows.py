@@ -186,12 +186,12 @@ def transpose(screen: MainScreen) -> None:
 def copy_rows(screen: MainScreen) -> None:
     """Copy the rows as CSV, to the terminal's clipboard and into a file."""
     from logical_robots_tui.tui.inspector.widgets.table import as_csv
-    from logical_robots_tui.wording import counted
+    from logical_robots_tui.wording import count_of
 
     if (table := _table(screen)) is not None:
         text, count = as_csv(table.shown), len(table.shown.rows)
         screen.app.copy_to_clipboard(text)
-        screen.tell(f"{counted(count, 'row')} copied{_but(table)}.")
+        screen.tell(f"{count_of(count, 'row')} copied{_but(table)}.")
         screen.program_controller.keep_copy(text)
 
 

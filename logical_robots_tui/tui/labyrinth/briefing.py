@@ -17,7 +17,7 @@ from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class VictoryBanner(Overlay):
 
     def celebrate(self, ticks: int, who: str, recorder: ProgressRecorder) -> None:
         self._seed, self._offers = ticks, _OFFERS
-        self._said = f"★ {clip(who, 50)} — {counted(ticks, 'tick')} ★"
+        self._said = f"★ {clip(who, 50)} — {count_of(ticks, 'tick')} ★"
         self._show(recorder)
 
     def toggle(self, recorder: ProgressRecorder) -> None:

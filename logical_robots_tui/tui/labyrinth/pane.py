@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.inspector.widgets.plots import written
+from logical_robots_tui.tui.inspector.widgets.plots import format_number
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
@@ -154,17 +154,19 @@ def _content(
         Content.assemble(
             ("● ", colour), (clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"), "  "
         ).append(_trouble(robot, state, decision)),
-        _labelled("engines", _engines(state, decision)),
-        _labelled("battery", _battery(robot, state)),
-        _labelled(
+        _label("engines", _engines(state, decision)),
+        _label("battery", _battery(robot, state)),
+        _label(
             "memory",
-            Content.styled(written(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text),
+            Content.styled(
+                format_number(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text
+            ),
         ),
     ]
     return Content("\n").join(lines)
 
 
-def _labelled(label: str, content: Content) -> Content:
+def _label(label: str, content: Content) -> Content:
     return Content.styled(f"{label:<8}", INK.dim).append(content)
 
 

@@ -12,7 +12,7 @@ from logical_robots_tui.game.history.rounds import ROUNDS
 from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
@@ -81,9 +81,9 @@ def _scale(title: str, known: list[int], mine: int | None) -> Content:
         marks[places[mine]] = _MINE
     line = Content.styled(f"{title:<{_LABEL}}", INK.dim)
     for place in range(_SCALE):
-        line = line.append(_inked(marks.get(place, "─")))
+        line = line.append(_ink(marks.get(place, "─")))
     for value in values:
-        line = line.append(_inked(f"  {value}{_MINE * (value == mine)}"))
+        line = line.append(_ink(f"  {value}{_MINE * (value == mine)}"))
     return line
 
 
@@ -98,7 +98,7 @@ def goal_lines(goals: Iterable[SecondGoal], reached: Collection[str]) -> Iterato
         yield Content.styled(f"{'goals':<{_LABEL}}", INK.dim).append(Content("   ").join(told))
 
 
-def _inked(text: str) -> Content:
+def _ink(text: str) -> Content:
     if _MINE in text:
         return Content.styled(text, f"bold {INK.key}")
     return Content.styled(text, INK.faint if text == "─" else INK.text)
@@ -107,7 +107,7 @@ def _inked(text: str) -> Content:
 def brief(bests: Bests, width: int) -> str:
     if bests.ticks is None or bests.rules is None or bests.distance is None:
         return ""
-    parts = [counted(bests.ticks, "tick"), counted(bests.rules, "rule")]
+    parts = [count_of(bests.ticks, "tick"), count_of(bests.rules, "rule")]
     parts.append(f"{bests.distance:.0f} driven")
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")

@@ -60,7 +60,7 @@ class LearningController:
             self._ui.tell("This level has no lesson.")
 
     async def solution(self) -> None:
-        from logical_robots_tui.tui.learning.reader import Reader, coloured
+        from logical_robots_tui.tui.learning.reader import Reader, colour_code
 
         level = self._session.level
         if not level.solution:
@@ -84,7 +84,7 @@ class LearningController:
             self._ui.warn(str(error))
             return
         text = "\n\n".join(source.text for source in sources)
-        self._ui.show(Reader(f"References · {level.title}", coloured(text)))
+        self._ui.show(Reader(f"References · {level.title}", colour_code(text)))
 
     async def choose_version(self) -> None:
         from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf

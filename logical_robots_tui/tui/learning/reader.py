@@ -65,7 +65,7 @@ def markdown(text: str) -> Markdown:
     return Markdown(lines, open_links=False)
 
 
-def coloured(text: str) -> Static:
+def colour_code(text: str) -> Static:
     lines = [visible(line) for line in text.splitlines()]
     states, told = LineStates(), []
     for number, line in enumerate(lines):

@@ -10,7 +10,7 @@ from logical_robots_tui.editing import things
 from logical_robots_tui.editing.level_text import KINDS, Thing
 from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
 from logical_robots_tui.editing.things import Poses, Ref, as_it_stands
-from logical_robots_tui.tui.level_editor.mode import PLACING, Settings, Tool
+from logical_robots_tui.tui.level_editor.tools import PLACING, Settings, Tool
 from logical_robots_tui.world import Area, Beacon, LevelError, Robot
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 

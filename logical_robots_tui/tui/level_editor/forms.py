@@ -256,7 +256,7 @@ class FindingList(Dialog[LevelFinding]):
 
     def content_widgets(self) -> ComposeResult:
         yield Listing(
-            *(Option(_told(finding)) for finding in self._findings), markup=False, compact=True
+            *(Option(_describe(finding)) for finding in self._findings), markup=False, compact=True
         )
 
     @on(OptionList.OptionSelected)
@@ -264,7 +264,7 @@ class FindingList(Dialog[LevelFinding]):
         self.dismiss(self._findings[event.option_index])
 
 
-def _told(finding: LevelFinding) -> Content:
+def _describe(finding: LevelFinding) -> Content:
     style = INK.bad if finding.forbids else INK.warn
     place = ""
     if finding.x is not None and finding.y is not None:

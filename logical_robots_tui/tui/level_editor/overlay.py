@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, packed, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.level_editor.editor import handle_of, reach_of
-from logical_robots_tui.tui.level_editor.mode import PAINTING, Tool
+from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +41,7 @@ def mark(
     for finding in findings:
         if finding.x is not None and finding.y is not None:
             _put(cells, view, finding.x, finding.y, "!", _WARN)
-    covered = _covered(view, editor)
+    covered = _cover(view, editor)
     if covered is not None:
         colour = _ACCENT if editor.settings.paints_wall else _WIPE
         _tint(cells, covered, colour)
@@ -70,7 +70,7 @@ def _dot_grid(cells: Cells, view: Viewport, editor: LevelEditor, dot: str, look:
     dotted = np.zeros(cells.text.shape, np.bool_)
     dotted[where] = is_plain
     cells.text[dotted] = text_id(dot)
-    cells.style[dotted] = packed(look.palette.rim) << 24 | cells.tone[dotted]
+    cells.style[dotted] = rgb_number(look.palette.rim) << 24 | cells.tone[dotted]
 
 
 def _cells_of(
@@ -81,7 +81,7 @@ def _cells_of(
     return np.unique(found[(found >= 0) & (found < count)])
 
 
-def _covered(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
+def _cover(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
     settings, stroke = editor.settings, editor.stroke
     if settings.tool not in PAINTING:
         return None
@@ -162,10 +162,10 @@ def _put_cursor(cells: Cells, view: Viewport, editor: LevelEditor) -> None:
     place = view.cell(*editor.cursor)
     if place is not None:
         row, column = place
-        paper = packed(_ACCENT if editor.settings.paints_wall else _WIPE)
+        paper = rgb_number(_ACCENT if editor.settings.paints_wall else _WIPE)
         cells.put(row, column, "+", 0, paper, bold=True)
 
 
 def _put(cells: Cells, view: Viewport, x: float, y: float, text: str, ink: RGB) -> None:
     if math.isfinite(x + y) and (place := view.cell(x, y)) is not None:
-        cells.put(*place, text, packed(ink), bold=True)
+        cells.put(*place, text, rgb_number(ink), bold=True)

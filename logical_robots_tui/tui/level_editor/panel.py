@@ -11,11 +11,12 @@ from textual.widget import Widget
 from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.layout.command_bar import Labels
-from logical_robots_tui.tui.level_editor.mode import PAINTING, EditView, Tool
+from logical_robots_tui.tui.level_editor.mode import EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
+from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Area, Beacon, Robot
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class ToolLine(Labels):
         found = [(tool.value, self._tool(tool)) for tool in Tool]
         if settings.tool in PAINTING:
             width = settings.width * settings.grid
-            found.append(("wider_brush", _setting("[ ]", f"{counted(width, 'unit')} wide")))
+            found.append(("wider_brush", _setting("[ ]", f"{count_of(width, 'unit')} wide")))
         if settings.tool in (Tool.LINE, Tool.RECTANGLE, Tool.FILL):
             found.append(("ink", _setting(_key("ink"), "wall" if settings.is_wall else "floor")))
         if settings.tool is Tool.RECTANGLE:
@@ -115,10 +116,10 @@ class InfoLine(Widget):
             told.append(Content.styled("● not saved", INK.title))
         if findings:
             style = f"bold {INK.bad}" if forbidden else INK.warn
-            told.append(Content.styled(f"! {counted(findings, 'finding')}", style))
+            told.append(Content.styled(f"! {count_of(findings, 'finding')}", style))
         elif findings == 0:
             told.append(Content.styled("✓ no problems", INK.good))
-        told.append(Content.styled(described(thing), INK.text if thing else INK.dim))
+        told.append(Content.styled(describe(thing), INK.text if thing else INK.dim))
         line = Content(" ").append(Content("   ").join(told))
         if line.markup != self._line.markup:
             self._line = line
@@ -128,7 +129,7 @@ class InfoLine(Widget):
         return self._line
 
 
-def described(thing: Thing | None) -> str:
+def describe(thing: Thing | None) -> str:
     if thing is None:
         return "nothing selected"
     name = clip(one_line(thing.name), 24)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from textual.widgets import Input, Static
 
-from logical_robots_tui.editing.level_text import save_level
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.editing.things import set_words
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import target

@@ -21,7 +21,7 @@ from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -252,9 +252,9 @@ def _verdict(version: Version) -> str:
     lines = version.text.count("\n") + 1
     measures = version.measures
     if measures is None:
-        return "★ won" if version.won else counted(lines, "line")
+        return "★ won" if version.won else count_of(lines, "line")
     robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
-    return f"★ {counted(measures.ticks, 'tick')}{robust}"
+    return f"★ {count_of(measures.ticks, 'tick')}{robust}"
 
 
 def _first_comment(source: Source) -> str:

@@ -22,7 +22,7 @@ from logical_robots_tui.tui.library.cards import LevelCard, LevelCards, miniatur
 from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level, list_arenas, list_shipped, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 
@@ -198,7 +198,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             told = Content.styled("Nothing has this name.", INK.dim)
         else:
             count = len(card.level.robots) if card.level else 0
-            robots = f"{counted(count, 'robot')} · " if count else ""
+            robots = f"{count_of(count, 'robot')} · " if count else ""
             told = Content.assemble((robots, INK.dim), (card.idea, INK.text))
             if card.level is not None:
                 bests = card.record.bests

@@ -78,7 +78,7 @@ def definitions(text: str) -> Mapping[str, tuple[Place, str]]:
     return found
 
 
-def begun(before: str) -> str:
+def word_before(before: str) -> str:
     """Return the unfinished word at the end of a text, which a completion replaces."""
     return _word_before(before)["begun"]
 

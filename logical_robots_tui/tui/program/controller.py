@@ -19,7 +19,7 @@ from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.program.editor import find_after, is_predicate_name, rename
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class ProgramController:
         count = self._pane.text.count(wish.wanted)
         if count:
             self._pane.put(self._pane.text.replace(wish.wanted, wish.instead))
-            self._ui.tell(f"Replaced in {counted(count, 'place')}.")
+            self._ui.tell(f"Replaced in {count_of(count, 'place')}.")
         elif find_after(self._pane.text, wish.wanted, (0, 0)) is not None:
             self._ui.tell("Nothing was replaced: it only occurs with different case.")
         else:
@@ -120,7 +120,7 @@ class ProgramController:
             return
         text, count = rename(self._pane.text, old, new)
         self._pane.put(text)
-        self._ui.tell(f"Renamed in {counted(count, 'place')}.")
+        self._ui.tell(f"Renamed in {count_of(count, 'place')}.")
 
     def edit_elsewhere(self) -> None:
         if not self._permissions().programs:
@@ -129,7 +129,7 @@ class ProgramController:
         self._session.pause()
         try:
             with self._suspend():
-                text = edited(self._pane.text, os.environ)
+                text = edit_outside(self._pane.text, os.environ)
         except SuspendNotSupported:
             self._ui.warn("This terminal can't be handed to another program.")
         except (OSError, ValueError, subprocess.CalledProcessError) as error:
@@ -146,7 +146,7 @@ class ProgramController:
         return f"{clip(one_line(self._wanted), _LONGEST)} is not in this program."
 
 
-def edited(text: str, environ: Mapping[str, str]) -> str:
+def edit_outside(text: str, environ: Mapping[str, str]) -> str:
     """Return a text edited with ``VISUAL`` or ``EDITOR``, by default vi, even if that fails.
 
     Raises:

@@ -16,12 +16,12 @@ from textual.widgets.text_area import Selection, TextAreaTheme
 from logical_robots_tui.tui.program.completion import (
     Completion,
     Place,
-    begun,
     word_around,
+    word_before,
     words_for,
 )
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
-from logical_robots_tui.tui.program.mistakes import marked
+from logical_robots_tui.tui.program.mistakes import mark
 from logical_robots_tui.tui.theme.safe_text import visible
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 
@@ -35,7 +35,9 @@ if TYPE_CHECKING:
     from textual.widgets.text_area import Edit, EditResult
 
 
-def followed(rows: Sequence[int], before: Sequence[str], after: Sequence[str]) -> list[int | None]:
+def follow_rows(
+    rows: Sequence[int], before: Sequence[str], after: Sequence[str]
+) -> list[int | None]:
     """Return new line numbers after a change, all from 0, or None for lines that are gone.
 
     A changed line keeps its number, unless lines were added or removed at the same place.
@@ -78,7 +80,7 @@ def indentation_after(before: str) -> str:
     return given + " " * WIDTH if written.endswith(_OPENS) else given
 
 
-def shifted(lines: list[str], *, back: bool) -> list[str]:
+def shift_lines(lines: list[str], *, back: bool) -> list[str]:
     if not back:
         return [" " * WIDTH + line if line.strip() else line for line in lines]
     return [re.sub(f"^(\t| {{1,{WIDTH}}})", "", line) for line in lines]
@@ -314,7 +316,7 @@ class Editor(TextArea):
         self.completion.close()
         if chosen is not None:
             row, column = self.cursor_location
-            start = row, column - len(begun(self.before_cursor))
+            start = row, column - len(word_before(self.before_cursor))
             self.replace(chosen.name, start, (row, column), maintain_selection_offset=False)
 
     def action_copy(self) -> None:
@@ -339,13 +341,13 @@ class Editor(TextArea):
     def action_indent(self) -> None:
         start, end = self.selection
         if start[0] != end[0]:
-            self._change_lines(shifted(self._chosen_lines(), back=False))
+            self._change_lines(shift_lines(self._chosen_lines(), back=False))
         else:
             spaces = " " * (WIDTH - min(start, end)[1] % WIDTH)
             self.replace(spaces, start, end, maintain_selection_offset=False)
 
     def action_dedent(self) -> None:
-        self._change_lines(shifted(self._chosen_lines(), back=True))
+        self._change_lines(shift_lines(self._chosen_lines(), back=True))
 
     def action_go_to_start(self) -> None:
         self.move_cursor(self.document.start)
@@ -410,7 +412,7 @@ class Editor(TextArea):
             return strip
         begins = None if column else row
         is_wrong = self._marks[row]
-        return marked(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
+        return mark(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
 
 
 def _without_comment(line: str) -> str:

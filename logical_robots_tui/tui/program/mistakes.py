@@ -47,7 +47,7 @@ class MistakeStrip(Static):
         self._shown = mistakes
         self.display = bool(mistakes)
         self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
-        lines = [_described(mistake) for mistake in mistakes[:_MOST_SHOWN]]
+        lines = [_describe(mistake) for mistake in mistakes[:_MOST_SHOWN]]
         if len(mistakes) > _MOST_SHOWN:
             lines.append(Content.styled(f"and {len(mistakes) - _MOST_SHOWN} more", INK.dim))
         self.update(Content("\n").join(lines))
@@ -56,7 +56,7 @@ class MistakeStrip(Static):
         self.post_message(self.Chosen())
 
 
-def _described(mistake: Diagnostic) -> Content:
+def _describe(mistake: Diagnostic) -> Content:
     sign, ink = ("✗", INK.bad) if mistake.severity == "error" else ("!", INK.warn)
     place = f"{sign} line {mistake.line}, column {mistake.column}"
     content = Content.assemble(
@@ -69,7 +69,7 @@ def _described(mistake: Diagnostic) -> Content:
     return content
 
 
-def marked(
+def mark(
     strip: Strip, row: int | None, gutter: int, styles: Mapping[str, Style], *, is_wrong: bool
 ) -> Strip:
     """Mark a line in its gutter, and an error's ground; row None continues a wrapped line."""

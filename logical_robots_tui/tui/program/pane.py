@@ -13,11 +13,11 @@ from textual.widgets import Static, TextArea
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.layout.command_bar import Labels
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
-from logical_robots_tui.tui.program.editor import Editor, followed
+from logical_robots_tui.tui.program.editor import Editor, follow_rows
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -169,7 +169,7 @@ class ProgramPane(Pane):
             self._mistakes = {found: found for found in state.mistakes}
         else:
             now = self._mistakes.values()
-            rows = followed([mistake.line - 1 for mistake in now], self._lines, lines)
+            rows = follow_rows([mistake.line - 1 for mistake in now], self._lines, lines)
             self._mistakes = {
                 found: replace(found, line=row + 1)
                 for found, row in zip(self._mistakes, rows, strict=True)
@@ -242,9 +242,9 @@ class ProgramPane(Pane):
             return f"compiling… {done} of {of_all}" if of_all else "compiling…"
         text = self.text
         if state.phase == "mistake" and text == state.tried:
-            found = counted(len(state.mistakes), "mistake")
+            found = count_of(len(state.mistakes), "mistake")
             return found if state.applied is None else f"{found}, the old version runs on"
         if text != state.applied:
             return "not applied"
         warnings = len(state.mistakes)
-        return f"applied, {counted(warnings, 'warning')}" if warnings else "applied"
+        return f"applied, {count_of(warnings, 'warning')}" if warnings else "applied"

@@ -198,7 +198,7 @@ class _Looks(dict[int, Look]):
 
 
 def _codes_of(color: Color, colours: ColorSystem, *, is_ink: bool) -> str:
-    return ";".join(reduced(color, colours).get_ansi_codes(foreground=is_ink))
+    return ";".join(reduce_colour(color, colours).get_ansi_codes(foreground=is_ink))
 
 
 def _is_second_half(cell: Cell | None) -> bool:
@@ -283,7 +283,7 @@ _GREYS = tuple(8 + 10 * step for step in range(24))
 
 
 @lru_cache(maxsize=40_000)
-def reduced(color: Color, colours: ColorSystem) -> Color:
+def reduce_colour(color: Color, colours: ColorSystem) -> Color:
     """Return the terminal's nearest colour.
 
     With 256 colours by sight: the grey ramp counts, because the cube's only dark colour is

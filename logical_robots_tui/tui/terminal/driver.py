@@ -20,7 +20,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 from textual.keys import Keys
 
-from logical_robots_tui.tui.terminal.direct_paint import handle_exception
+from logical_robots_tui.tui.terminal.textual_internals import handle_exception
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -167,15 +167,15 @@ class TolerantParser(XTermParser):
         try:
             found = [*super()._sequence_to_key_events(sequence, alt)]
         except (ValueError, OverflowError):
-            return [_ignored(sequence)]
+            return [_ignore(sequence)]
         if found or not _SEQUENCE.match(sequence) or sequence in _beginnings():
             return found
         mouse = re.match(r"\x1b\[(<?[-\d;]+[mM]|M)", sequence)
         is_report = re.match(r"\x1b\[\?\d+;\d+\$y", sequence)
-        return [] if mouse or is_report else [_ignored(sequence)]
+        return [] if mouse or is_report else [_ignore(sequence)]
 
 
-def _ignored(sequence: str) -> events.Key:
+def _ignore(sequence: str) -> events.Key:
     return events.Key(Keys.Ignore, sequence)
 
 
@@ -257,7 +257,7 @@ class ListeningDriver(LinuxDriver):
     def process_message(self, message: Message) -> None:
         """Forward a message; limits the terminal's size."""
         if isinstance(message, events.Resize):
-            message = events.Resize(_bounded(message.size), _bounded(message.size))
+            message = events.Resize(_bound(message.size), _bound(message.size))
         super().process_message(message)
 
     def send_message(self, message: Message) -> None:
@@ -279,7 +279,7 @@ class ListeningDriver(LinuxDriver):
             self._loop.call_soon_threadsafe(handle_exception, self._app, error)
 
     def _get_terminal_size(self) -> tuple[int, int]:
-        return tuple(_bounded(Size(*super()._get_terminal_size())))  # type: ignore[return-value]  # a pair
+        return tuple(_bound(Size(*super()._get_terminal_size())))  # type: ignore[return-value]  # a pair
 
     def _listen(self) -> None:
         parser = TolerantParser(self._debug)
@@ -351,5 +351,5 @@ class BacklogApp(Protocol):
         """Drop the waiting keys."""
 
 
-def _bounded(size: Size) -> Size:
+def _bound(size: Size) -> Size:
     return Size(*(max(1, min(most, side)) for most, side in zip(LARGEST, size, strict=True)))

@@ -16,7 +16,7 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
     mix,
     parse,
 )
-from logical_robots_tui.tui.terminal.direct_paint import has_active_app
+from logical_robots_tui.tui.terminal.textual_internals import has_active_app
 
 if TYPE_CHECKING:
     from rich.style import Style as RichStyle
@@ -273,7 +273,7 @@ def palette_of(theme: Theme) -> Palette:
     if theme.name == NIGHT.name or theme.ansi:
         return palette
     if theme.name not in _PALETTES:
-        _PALETTES[theme.name] = _tinted(palette, theme)
+        _PALETTES[theme.name] = _tint(palette, theme)
     return _PALETTES[theme.name]
 
 
@@ -281,7 +281,7 @@ _PALETTES: dict[str, Palette] = {}
 """What `palette_of` has returned, because it takes 0.7 ms and is asked in every picture."""
 
 
-def _tinted(palette: Palette, theme: Theme) -> Palette:
+def _tint(palette: Palette, theme: Theme) -> Palette:
     tone = parse(theme.to_color_system().generate()["background"])
     return palette._replace(
         void=mix(palette.void, tone, _TONE),

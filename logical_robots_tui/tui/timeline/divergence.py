@@ -13,7 +13,7 @@ from logical_robots_tui.game.debugging.proof_difference import compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
-from logical_robots_tui.tui.inspector.widgets.plots import written
+from logical_robots_tui.tui.inspector.widgets.plots import format_number
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
@@ -37,7 +37,7 @@ class DivergencePage(Reader):
 
     def __init__(self, game: Game, divergence: Divergence) -> None:
         self._game, self._divergence = game, divergence
-        self._differences = told(divergence)
+        self._differences = describe_divergence(divergence)
         self._text_shown = Static(self._differences)
         self._waiting = BackgroundQuery(game.clock)
         super().__init__(f"The two futures part in tick {divergence.tick}", self._text_shown)
@@ -70,7 +70,7 @@ def derivation(comparison: Comparison) -> Content:
         return Content(f"The proofs of {robot}'s decision are equal as far as they go.")
     given = ", ".join(
         f"{'' if name.startswith('col') and name[3:].isdigit() else f'{name}: '}"
-        f"{written(value, _LONGEST_ARGUMENT)}"
+        f"{format_number(value, _LONGEST_ARGUMENT)}"
         for name, value in found.asked.given.items()
     )
     what = one_line(f"{found.asked.predicate}({given})")
@@ -91,14 +91,14 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
     line = f"line {node.span.line}  " if node.span is not None else ""
     text = Content.assemble((line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text))
     if kind == "value" or node.kind == "column":
-        values = " or ".join(written(value, _LONGEST_TEXT) for value in node.values)
+        values = " or ".join(format_number(value, _LONGEST_TEXT) for value in node.values)
         return text.append(Content.styled(f" = {values}" if values else "", INK.number))
     if node.holds is False:
         return text.append(Content.styled("  does not hold", INK.bad))
     return text
 
 
-def told(divergence: Divergence) -> Content:
+def describe_divergence(divergence: Divergence) -> Content:
     return Content("\n").join(list(_lines(divergence)))
 
 
@@ -111,20 +111,30 @@ def _lines(divergence: Divergence) -> Iterator[Content]:
         for each in divergence.differences:
             if each.robot_name == robot:
                 yield Content.styled(f"  {each.matter}", INK.key)
-                for where, told in zip(("here ", "there"), _sides(each), strict=True):
-                    yield Content.assemble((f"    {where}  ", INK.dim), (told, INK.text))
+                for where, describe_divergence in zip(
+                    ("here ", "there"), _sides(each), strict=True
+                ):
+                    yield Content.assemble(
+                        (f"    {where}  ", INK.dim), (describe_divergence, INK.text)
+                    )
         yield Content("")
 
 
 def _sides(each: Difference) -> tuple[str, str]:
     """Return both values, with enough digits to see the difference."""
-    here, there = _told(each.matter, each.here, 6), _told(each.matter, each.there, 6)
+    here, there = (
+        _describe_matter(each.matter, each.here, 6),
+        _describe_matter(each.matter, each.there, 6),
+    )
     if here == there:
-        here, there = _told(each.matter, each.here, 17), _told(each.matter, each.there, 17)
+        here, there = (
+            _describe_matter(each.matter, each.here, 17),
+            _describe_matter(each.matter, each.there, 17),
+        )
     return here, there
 
 
-def _told(matter: Matter, value: Any, digits: int) -> str:
+def _describe_matter(matter: Matter, value: Any, digits: int) -> str:
     if isinstance(value, Desire):
         return f"left {value.left_engine:.{digits}g}, right {value.right_engine:.{digits}g}"
     match matter:
@@ -135,4 +145,4 @@ def _told(matter: Matter, value: Any, digits: int) -> str:
             return visible(" ".join(value)) or "none"
         case "desire":
             return "none"
-    return written(value, _LONGEST)
+    return format_number(value, _LONGEST)

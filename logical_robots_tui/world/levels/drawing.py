@@ -185,10 +185,10 @@ def _fresh(cells: NDArray[np.bool_], *, short: bool) -> Iterator[str]:
     changes = np.flatnonzero((cells[1:] != cells[:-1]).any(axis=1)) + 1
     bounds = [0, *changes.tolist(), len(cells)]
     for start, stop in pairwise(bounds):
-        yield (f"{stop - start}* " if stop - start > 1 else "") + _shortened(cells[start])
+        yield (f"{stop - start}* " if stop - start > 1 else "") + _shorten(cells[start])
 
 
-def _shortened(row: NDArray[np.bool_]) -> str:
+def _shorten(row: NDArray[np.bool_]) -> str:
     bounds = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1).tolist(), len(row)]
     walls, free = _runs()
     kinds = (walls, free) if row[0] else (free, walls)

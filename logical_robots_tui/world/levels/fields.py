@@ -135,7 +135,7 @@ class Fields(NamedTuple):
         for key in self.record:
             if key not in known:
                 hint = did_you_mean(key, known) or f"Known keys: {', '.join(known)}."
-                raise self.error(_shown(key), f'"{_shown(key)}" is not a known key.', hint)
+                raise self.error(_show(key), f'"{_show(key)}" is not a known key.', hint)
 
     def has(self, key: str) -> bool:
         """Return whether a key is present and not null."""
@@ -293,7 +293,7 @@ def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
             )
 
 
-def _shown(key: str) -> str:
+def _show(key: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in key)[:LONGEST_NAME]
 
 

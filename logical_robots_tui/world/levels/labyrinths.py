@@ -103,7 +103,7 @@ def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[
         if not free:
             way.pop()
             continue
-        chosen = _drawn(free, random)
+        chosen = _draw(free, random)
         doors.append((min(way[-1], chosen), max(way[-1], chosen)))
         seen.add(chosen)
         way.append(chosen)
@@ -115,13 +115,13 @@ def _doors(columns: int, rows: int, loops: float, random: Random) -> list[tuple[
         if other[0] < columns and other[1] < rows and (cell, other) not in known
     ]
     for _ in range(round(loops * len(closed))):
-        door = _drawn(closed, random)
+        door = _draw(closed, random)
         closed.remove(door)
         doors.append(door)
     return doors
 
 
-def _drawn(lots: Sequence[_T], random: Random) -> _T:
+def _draw(lots: Sequence[_T], random: Random) -> _T:
     """Choose at random; only ``random()`` gives the same numbers in every version of Python."""
     return lots[int(random.random() * len(lots))]
 

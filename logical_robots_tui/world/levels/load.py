@@ -53,7 +53,7 @@ def load_level(path_or_name: str | Path) -> Level:
     if isinstance(path_or_name, str) and _is_name(path_or_name):
         if (daily := _daily(path_or_name)) is not None:
             return daily
-        path = _shipped(path_or_name)
+        path = _shipped_path(path_or_name)
     else:
         path = Path(path_or_name)
     text = read_text(path)
@@ -84,7 +84,7 @@ def _daily(name: str) -> Level | None:
     return daily and daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
 
 
-def _shipped(name: str) -> Path:
+def _shipped_path(name: str) -> Path:
     folder, known = shipped_folder("levels"), list_shipped()
     for path in (
         *(folder / f"{name}{suffix}" for suffix in SUFFIXES),

@@ -71,7 +71,7 @@ _AREA_KEYS = (
 def read_native(text: str, name: str, source: str) -> Level:
     """Read a level of this game; raise LevelError for anything that looks like a mistake."""
     text = text.replace("\r\n", "\n")
-    top = Fields(_parsed(text, source), source)
+    top = Fields(_parse(text, source), source)
     top.refuse_unknown(_TOP_KEYS)
     words = read_words(top)
     walls = read_drawing(top, text)
@@ -214,7 +214,7 @@ MOST_SCORED = 60
 """Beacons; a tally has a bit for each of them."""
 
 
-def _parsed(text: str, source: str) -> dict[str, object]:
+def _parse(text: str, source: str) -> dict[str, object]:
     hint = "A level of this game is a TOML file."
     if found := excess_of_toml(text):
         raise LevelError(f"The file has {found}.", place=source, hint=hint)

@@ -36,7 +36,7 @@ def read_web(text: str, name: str, source: str) -> Level:
     Visibility is ``all`` for both, as there. Robots may be outside the map, and areas may name
     unknown robots and beacons. Raises LevelError.
     """
-    top = Fields(_parsed(text, source), source)
+    top = Fields(_parse(text, source), source)
     width, height = top.whole("width", least=1), top.whole("height", least=1)
     top.check_size("width", width, height)
     walls = _walls(top, width, height)
@@ -56,7 +56,7 @@ def read_web(text: str, name: str, source: str) -> Level:
     )
 
 
-def _parsed(text: str, source: str) -> dict[str, object]:
+def _parse(text: str, source: str) -> dict[str, object]:
     hint = "A level of the web platform is a JSON file."
     if found := excess_of_json(text):
         raise LevelError(f"The file has {found}.", place=source, hint=hint)

@@ -16,7 +16,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Limits, Mind, Program
-from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charged
+from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charge
 from logical_robots_tui.mind.sqlite.functions import registry
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
@@ -133,7 +133,7 @@ def test_half_a_character_ends_no_game(memory: str) -> None:
 def test_a_function_of_another_kind_is_charged_for_as_well() -> None:
     work = Work(lambda: None)
     before = work.steps
-    charged(lambda text: text * 2, work)("abcde")
+    charge(lambda text: text * 2, work)("abcde")
     assert before - work.steps >= 15
 
 

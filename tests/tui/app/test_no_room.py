@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from benchmarks.halls import halls
-from logical_robots_tui.editing.level_text import save_level
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.world.levels.fields import MOST_OF_A_KIND, MOST_SIDE
 from tests.game.test_memory import HUNGRY
 from tests.mind.rows import ROBOT

@@ -15,7 +15,8 @@ from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.app.ui import Ui
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
-from logical_robots_tui.tui.level_editor.mode import EditView, Tool
+from logical_robots_tui.tui.level_editor.mode import EditView
+from logical_robots_tui.tui.level_editor.tools import Tool
 from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike

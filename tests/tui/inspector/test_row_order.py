@@ -13,7 +13,7 @@ from logical_robots_tui.tui.inspector.widgets.table import (
     RowOrder,
     Rows,
     ValueTable,
-    arranged,
+    arrange,
     as_csv,
     as_json,
     changed_cells,
@@ -34,25 +34,25 @@ ROWS = Rows(
 
 
 def test_rows_of_one_robot() -> None:
-    found = arranged(ROWS, RowOrder(robot="Bo"))
+    found = arrange(ROWS, RowOrder(robot="Bo"))
     assert found.rows == (ROWS.rows[1],)
     assert found.changed == {(0, 1)}
 
 
 @pytest.mark.parametrize(("descending", "order"), [(False, [None, 1, 2]), (True, [2, 1, None])])
 def test_sorted_by_a_column_of_mixed_values(descending: bool, order: list[object]) -> None:
-    found = arranged(ROWS, RowOrder(sort="n", descending=descending))
+    found = arrange(ROWS, RowOrder(sort="n", descending=descending))
     assert [row[1] for row in found.rows] == order
     assert found.changed == {(1, 1)}
 
 
 def test_searched_in_every_value_whatever_the_case() -> None:
-    assert arranged(ROWS, RowOrder(search="zED")).rows == (ROWS.rows[2],)
-    assert arranged(ROWS, RowOrder(search="a: [1")).rows == (ROWS.rows[0],)
+    assert arrange(ROWS, RowOrder(search="zED")).rows == (ROWS.rows[2],)
+    assert arrange(ROWS, RowOrder(search="a: [1")).rows == (ROWS.rows[0],)
 
 
 def test_turned_on_its_side() -> None:
-    found = arranged(ROWS, RowOrder(sideways=True))
+    found = arrange(ROWS, RowOrder(sideways=True))
     assert found.columns == ("", "1", "2", "3")
     assert found.rows[1] == ("n", 2, 1, None)
     assert found.changed == {(1, 2)}

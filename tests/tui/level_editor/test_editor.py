@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.editing.checks import refusals
 from logical_robots_tui.editing.edits import Edits
-from logical_robots_tui.editing.level_text import save_level
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
-from logical_robots_tui.tui.level_editor.mode import GRIDS, WIDTHS, Tool
+from logical_robots_tui.tui.level_editor.tools import GRIDS, WIDTHS, Tool
 from logical_robots_tui.world import Beacon, World, load_level
-from logical_robots_tui.world.changing import changed_state
+from logical_robots_tui.world.changing import change_state
 from logical_robots_tui.world.level import alike
 from tests.editing.making import room
 
@@ -107,7 +107,7 @@ def test_a_level_that_grows_on_all_sides_takes_robots_under_way_along() -> None:
     editor.change_level("level", replace(level, robots=moved))
     poses = editor.poses.between(level, editor.level)
     assert poses == {"Ann": (70.0, state.robots[0].y, 1.0)}
-    after = changed_state(state, level, editor.level, poses)
+    after = change_state(state, level, editor.level, poses)
     assert after.robots[0].x == 70.0
 
 

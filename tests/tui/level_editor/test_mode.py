@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from textual.widgets import Input, Select
 
-from logical_robots_tui.editing.level_text import save_level
+from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game.victory import is_by_the_book
 from logical_robots_tui.tui.level_editor.forms import FindingList
 from logical_robots_tui.tui.library.level_screen import LevelScreen

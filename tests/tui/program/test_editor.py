@@ -13,14 +13,14 @@ from hypothesis import strategies as st
 from logical_robots_tui.tui.app.settings import Settings
 from logical_robots_tui.tui.program.completion import (
     Place,
-    begun,
     call_before,
     definitions,
     help_on,
     word_around,
+    word_before,
     words_for,
 )
-from logical_robots_tui.tui.program.controller import edited
+from logical_robots_tui.tui.program.controller import edit_outside
 from logical_robots_tui.tui.program.editor import find_after, rename
 from tests.mind.hostile.bounds import bounded_work
 from tests.terminal import Terminal
@@ -41,7 +41,7 @@ def test_predicates_and_functions_that_fit_are_offered() -> None:
     assert "FreedomMotion" in names(PAPER, "  x = Fr")
     assert "Sqrt" in names(PAPER, "  x = Sq")
     assert "Sensor" in names("", "Se")
-    assert begun("  x = Fr") == "Fr"
+    assert word_before("  x = Fr") == "Fr"
 
 
 def test_after_a_dot_fields_are_offered() -> None:
@@ -102,7 +102,7 @@ def test_the_call_is_the_innermost_that_is_open(before: str, name: str) -> None:
 def test_the_longest_line_is_looked_at_in_time(text: str) -> None:
     with bounded_work(2.0):
         call_before(text)
-        begun(text)
+        word_before(text)
         words_for(text, Place(0, len(text)))
         word_around(text, len(text))
 
@@ -382,7 +382,7 @@ def test_the_player_s_own_editor_gets_the_terminal_and_gives_it_back(tmp_path: P
 )
 def test_an_editor_that_fails_says_how(editor: str, error: type[Exception]) -> None:
     with pytest.raises(error):
-        edited("text", {"EDITOR": editor})
+        edit_outside("text", {"EDITOR": editor})
 
 
 @pytest.mark.parametrize(
@@ -395,4 +395,4 @@ def test_an_editor_that_fails_says_how(editor: str, error: type[Exception]) -> N
     ids=["ended badly", "killed", "no UTF-8"],
 )
 def test_what_an_editor_has_written_is_taken_however_it_ends(editor: str, left: str) -> None:
-    assert edited("text", {"EDITOR": editor}) == left
+    assert edit_outside("text", {"EDITOR": editor}) == left

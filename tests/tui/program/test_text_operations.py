@@ -9,8 +9,8 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
-from logical_robots_tui.tui.program.editor import followed, indentation_after, shifted
-from logical_robots_tui.tui.program.mistakes import marked
+from logical_robots_tui.tui.program.editor import follow_rows, indentation_after, shift_lines
+from logical_robots_tui.tui.program.mistakes import mark
 from tests.mind.hostile.bounds import bounded_work
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)
@@ -41,9 +41,9 @@ def test_a_line_of_spaces_is_looked_at_in_time() -> None:
 
 def test_lines_go_a_step_to_the_right_and_back_as_far_as_they_can() -> None:
     lines = ["a", "", "  b", " c", "\td"]
-    assert shifted(lines, back=False) == ["  a", "", "    b", "   c", "  \td"]
-    assert shifted(lines, back=True) == ["a", "", "b", "c", "d"]
-    assert shifted(shifted(lines, back=False), back=True) == lines
+    assert shift_lines(lines, back=False) == ["  a", "", "    b", "   c", "  \td"]
+    assert shift_lines(lines, back=True) == ["a", "", "b", "c", "d"]
+    assert shift_lines(shift_lines(lines, back=False), back=True) == lines
 
 
 @pytest.mark.parametrize(
@@ -60,18 +60,18 @@ def test_lines_go_a_step_to_the_right_and_back_as_far_as_they_can() -> None:
     ],
 )
 def test_lines_are_found_again_after_a_change(after: str, rows: list[int | None]) -> None:
-    assert followed(range(3), ["a", "b", "c"], after.split()) == rows
+    assert follow_rows(range(3), ["a", "b", "c"], after.split()) == rows
 
 
 @given(LINES, LINES)
 def test_a_line_that_stands_beside_what_changed_is_found_as_it_was(
     before: list[str], after: list[str]
 ) -> None:
-    rows = followed(range(len(before)), before, after)
+    rows = follow_rows(range(len(before)), before, after)
     assert all(row is None or 0 <= row < len(after) for row in rows)
     known = [row for row in rows if row is not None]
     assert known == sorted(known)
-    assert followed(range(len(before)), before, [*before, *after])[: len(before)] == list(
+    assert follow_rows(range(len(before)), before, [*before, *after])[: len(before)] == list(
         range(len(before))
     )
 
@@ -80,6 +80,6 @@ def test_a_line_that_stands_beside_what_changed_is_found_as_it_was(
 def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told: str) -> None:
     line = Strip([Segment("12  "), Segment("A(x)")])
     styles = dict.fromkeys(("mistake", "mistake-gutter"), Style())
-    found = marked(line, row, 4, styles, is_wrong=True)
+    found = mark(line, row, 4, styles, is_wrong=True)
     assert found.text == told
     assert found.cell_length == line.cell_length

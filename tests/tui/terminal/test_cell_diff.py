@@ -17,7 +17,7 @@ from rich.style import Style
 from textual.geometry import Region
 from textual.strip import Strip
 
-from logical_robots_tui.tui.terminal.cell_diff import Difference, reduced
+from logical_robots_tui.tui.terminal.cell_diff import Difference, reduce_colour
 from tests.terminal import looks
 
 if TYPE_CHECKING:
@@ -181,14 +181,14 @@ def test_without_colours_none_are_sent() -> None:
     ("colour", "is_blue"), [("#1e4068", True), ("#10161e", False), ("#1b2e4b", True)]
 )
 def test_a_dark_blue_stays_blue_in_256_colours(colour: str, is_blue: bool) -> None:
-    triplet = reduced(Color.parse(colour), ColorSystem.EIGHT_BIT).get_truecolor()
+    triplet = reduce_colour(Color.parse(colour), ColorSystem.EIGHT_BIT).get_truecolor()
     assert (triplet.blue > triplet.red) == is_blue
     assert max(triplet) < 130
 
 
 @given(st.tuples(*[st.integers(0, 255)] * 3))
 def test_a_colour_among_256_is_near(rgb: tuple[int, int, int]) -> None:
-    found = reduced(Color.from_rgb(*rgb), ColorSystem.EIGHT_BIT).get_truecolor()
+    found = reduce_colour(Color.from_rgb(*rgb), ColorSystem.EIGHT_BIT).get_truecolor()
     assert max(abs(a - b) for a, b in zip(found, rgb, strict=True)) <= 60
 
 

@@ -15,7 +15,7 @@ from textual.widget import Widget
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from logical_robots_tui.tui.terminal import direct_paint
+from logical_robots_tui.tui.terminal import textual_internals
 
 METHODS = [
     (App, "_handle_exception", ["self", "error"]),
@@ -64,6 +64,6 @@ async def test_private_modules_hold_what_the_terminal_needs() -> None:
 
 
 def test_characters_have_the_names_that_textual_gives_to_keys() -> None:
-    names = direct_paint.characters_by_key()
+    names = textual_internals.characters_by_key()
     assert names["full_stop"] == "."
     assert names["left_curly_bracket"] == "{"

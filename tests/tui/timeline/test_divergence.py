@@ -6,7 +6,7 @@ from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game import Difference, Divergence
 from logical_robots_tui.game.debugging.proof_difference import Comparison, ProofDifference
-from logical_robots_tui.tui.timeline.divergence import derivation, told
+from logical_robots_tui.tui.timeline.divergence import derivation, describe_divergence
 from logical_robots_tui.values import Desire
 
 
@@ -20,7 +20,7 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
             Difference("Bo", "notices", (), ("Robot has no row for Bo.",)),
         ),
     )
-    assert told(divergence).plain.splitlines() == [
+    assert describe_divergence(divergence).plain.splitlines() == [
         "Ada",
         "  desire",
         "    here   left 0.5, right 1",
@@ -40,7 +40,7 @@ def test_each_difference_is_told_with_as_many_digits_as_it_needs() -> None:
 
 
 def test_where_only_an_area_differs_that_is_said() -> None:
-    assert "an area" in told(Divergence(3, ())).plain
+    assert "an area" in describe_divergence(Divergence(3, ())).plain
 
 
 def test_the_first_derivation_that_differs_is_told_with_lines_and_condition() -> None:

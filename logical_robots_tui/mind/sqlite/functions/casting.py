@@ -24,7 +24,7 @@ ENDLESS = "9.0e+999"
 """Infinity in JSON."""
 
 
-def bounded(text: str) -> str:
+def bound_value(text: str) -> str:
     """Return the text if a function may parse it; else raise TooLargeError."""
     if len(text) > MAX_ITEMS:
         check_long(text)
@@ -33,7 +33,7 @@ def bounded(text: str) -> str:
 
 def list_in(text: Scalar) -> list[Any]:
     """Return the list in a value, or raise TypeError."""
-    value = json.loads(bounded(text)) if isinstance(text, str) else None
+    value = json.loads(bound_value(text)) if isinstance(text, str) else None
     if not isinstance(value, list):
         raise TypeError(f"not a list: {text!r}"[:200])
     return value
@@ -42,7 +42,7 @@ def list_in(text: Scalar) -> list[Any]:
 def element(value: Scalar) -> Any:
     if isinstance(value, str) and value[:1] in ("{", "["):
         try:
-            return json.loads(bounded(value))
+            return json.loads(bound_value(value))
         except ValueError:
             return value
     return value
@@ -68,7 +68,7 @@ def value_as_json(value: Any) -> str | None:
     return None if value is None else str(value)
 
 
-def compared(left: Scalar, right: Scalar) -> int:
+def compare(left: Scalar, right: Scalar) -> int:
     """Return -1, 0 or 1; fields in the left record's order, nested nulls are equal and last."""
     return in_json(element(left), element(right))
 
@@ -128,8 +128,8 @@ _LARGEST = 2**63  # above all of SQLite's integers
 
 def to_text(value: Any) -> str:
     """Return a value as `ToString` writes it: ``1.0``, ``{'a': 1}``, ``[a, b]``."""
-    parsed = _parsed(value)
-    return _written(value if parsed is None else parsed, inside=False)
+    parsed = _parse(value)
+    return _spell(value if parsed is None else parsed, inside=False)
 
 
 def try_cast(value: Any, type_json: str) -> Any:
@@ -152,7 +152,7 @@ _type = lru_cache(maxsize=64)(json.loads)
 
 
 def try_cast_like(value: Any, example: Any) -> Any:
-    cast = _cast(value, _type_of(_parsed(example) or example))
+    cast = _cast(value, _type_of(_parse(example) or example))
     return to_json(cast) if isinstance(cast, dict | list) else cast
 
 
@@ -171,17 +171,17 @@ def _cast(value: Any, wanted: Any) -> Any:
     if value is None:
         return None
     if isinstance(wanted, dict):
-        record = _parsed(value)
+        record = _parse(value)
         if not isinstance(record, dict):
             return None
         return {field: _cast(record.get(field), wanted[field]) for field in wanted}
     if isinstance(wanted, list):
-        items = _parsed(value)
+        items = _parse(value)
         return [_cast(i, wanted[0]) for i in items] if isinstance(items, list) else None
     return _CASTS[wanted](value)
 
 
-def _parsed(value: Any) -> Any:
+def _parse(value: Any) -> Any:
     if isinstance(value, dict | list):
         return value
     if isinstance(value, str) and value.lstrip()[:1] in ("{", "["):
@@ -224,16 +224,16 @@ _CASTS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def _written(value: Any, *, inside: bool) -> str:
+def _spell(value: Any, *, inside: bool) -> str:
     if value is None:
         return "NULL"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
-        fields = (f"'{k}': {_written(v, inside=True)}" for k, v in value.items())
+        fields = (f"'{k}': {_spell(v, inside=True)}" for k, v in value.items())
         return "{" + ", ".join(fields) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(_written(v, inside=True) for v in value) + "]"
+        return "[" + ", ".join(_spell(v, inside=True) for v in value) + "]"
     if isinstance(value, float):
         return _float(value)
     text = str(value)

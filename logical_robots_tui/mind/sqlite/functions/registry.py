@@ -16,7 +16,7 @@ from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
     ChargedAggregate,
     Work,
-    charged,
+    charge,
     check_items,
     check_text,
 )
@@ -24,7 +24,7 @@ from logical_robots_tui.mind.sqlite.functions import texts
 from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
 from logical_robots_tui.mind.sqlite.functions.casting import (
     Scalar,
-    compared,
+    compare,
     element,
     in_json,
     in_order,
@@ -152,11 +152,11 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "record_as_json": (1, lambda record: to_json(element(record))),
     "assemble_record": (1, _assemble),
     "disassemble_record": (1, _disassemble),
-    "compare_values": (2, compared),
+    "compare_values": (2, compare),
     "concatenate": (2, _concatenate),
     "decimal_to_text": (2, texts.decimal_to_text),
     "divide": (2, _divide),
-    "formatted": (-1, texts.formatted),
+    "formatted": (-1, texts.format_text),
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
     "modulo": (2, _modulo),
     "reverse": (1, lambda text: text[::-1]),
@@ -242,7 +242,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
         name: str, arity: int, function: Callable[..., Any], *, null_safe: bool = True
     ) -> None:
         extra = _EXTRA.get(name)
-        safe = charged(function, work, null_safe=null_safe, checks=True, extra=extra)
+        safe = charge(function, work, null_safe=null_safe, checks=True, extra=extra)
         connection.create_function(name, arity, safe, deterministic=True)
 
     for name, (arity, function) in functions.items():

@@ -30,7 +30,7 @@ def decimal_to_text(value: float, scale: int) -> str:
     return f"{value + 0.0 if value else 0.0:.{scale}f}"
 
 
-def formatted(template: str, *values: Any) -> str:
+def format_text(template: str, *values: Any) -> str:
     """Format as C's printf does; ValueError for an unknown directive or a missing value."""
     waiting = list(values)
     length = 0
@@ -104,13 +104,13 @@ def _like(pattern: Any, text: Any, escape: str = "") -> int:
         raise TooLargeError(f"a pattern of {len(pattern):,} characters")
     first, *rest = _pieces(pattern, escape)
     if not rest:
-        return int(len(text) == len(first) and _found(first, text, 0, len(text)) == 0)
+        return int(len(text) == len(first) and _find(first, text, 0, len(text)) == 0)
     last = rest.pop()
     start, end = len(first), len(text) - len(last)
-    if start > end or _found(first, text, 0, start) != 0 or _found(last, text, end, len(text)) < 0:
+    if start > end or _find(first, text, 0, start) != 0 or _find(last, text, end, len(text)) < 0:
         return 0
     for piece in rest:
-        at = _found(piece, text, start, end)
+        at = _find(piece, text, start, end)
         if at < 0:
             return 0
         start = at + len(piece)
@@ -130,7 +130,7 @@ def _pieces(pattern: str, escape: str) -> list[list[str]]:
     return pieces
 
 
-def _found(piece: list[str], text: str, start: int, end: int) -> int:
+def _find(piece: list[str], text: str, start: int, end: int) -> int:
     if "" not in piece:
         return text.find("".join(piece), start, end)
     if (end - start) * len(piece) > _MOST_COMPARISONS and end - start > len(piece):

@@ -12,7 +12,7 @@ from textual.content import Content
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import cell, radar_plot, written
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, radar_plot
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -163,5 +163,5 @@ def _named(name: str, text: str) -> Content:
 def _valued(name: str, value: Value, *, changed: bool = False) -> Content:
     mark = ("• ", INK.key) if changed else ("  ", INK.dim)
     return Content.assemble(
-        mark, (f"{one_line(name)}  ", INK.dim), (written(value, _LONGEST), INK.record)
+        mark, (f"{one_line(name)}  ", INK.dim), (format_number(value, _LONGEST), INK.record)
     )

@@ -71,7 +71,7 @@ class DiagnosisPage(Page):
         offer = "Stop looking" if self.is_diagnosing else f"Look through the run up to tick {last}"
         options = [Option(Content.styled(offer, f"bold {INK.key}"), id=_START)]
         findings = self.found.findings if self.found is not None else ()
-        options += [Option(_described(each), id=str(n)) for n, each in enumerate(findings)]
+        options += [Option(_describe(each), id=str(n)) for n, each in enumerate(findings)]
         self.view.add_options(options)
         self.view.highlighted = min(at or 0, len(options) - 1)
         if not self.is_diagnosing:
@@ -133,7 +133,7 @@ class DiagnosisPage(Page):
         return self.found.findings[int(option)]
 
 
-def _described(finding: Finding) -> Content:
+def _describe(finding: Finding) -> Content:
     line = f"line {finding.span.line}" if finding.span is not None else "the run"
     ink = INK.warn if finding.severity == "warning" else INK.dim
     see = ", ".join(dict.fromkeys(str(span.line) for span in finding.others))

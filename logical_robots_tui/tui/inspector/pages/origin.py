@@ -8,7 +8,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.game import Superseded, origin_in_game
-from logical_robots_tui.game.debugging.pins import written_path
+from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.background import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
@@ -20,7 +20,7 @@ from logical_robots_tui.tui.inspector.widgets.plots import cell
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -129,7 +129,7 @@ class OriginPage(Page):
     def _trace(self, asked: MemoryPart) -> None:
         self.asked = asked
         self._course = self._current_course()
-        name = one_line(f"{asked.robot}'s {written_path(asked.path)}")
+        name = one_line(f"{asked.robot}'s {path_text(asked.path)}")
         self._of.update(
             Content.assemble((name, INK.title), f" after tick {asked.tick} comes from"),
             layout=False,
@@ -149,7 +149,7 @@ class OriginPage(Page):
 
         def report() -> None:
             back = asked.tick - at
-            words = f"at tick {at}, {counted(back, 'tick')} back"
+            words = f"at tick {at}, {count_of(back, 'tick')} back"
             self._say_instead(progress(words, self._query.seconds))
 
         try:
@@ -197,7 +197,7 @@ class OriginPage(Page):
 
 
 def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
-    name = one_line(f"{number + 1}. {link.robot}'s {written_path(link.path)}")
+    name = one_line(f"{number + 1}. {link.robot}'s {path_text(link.path)}")
     text, colour = cell(link.value, width)
     yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
     yield _cut(_when(link), width)
@@ -225,9 +225,9 @@ def _when(link: Link) -> Content:
 
 def _read(read: Read) -> Content:
     path = read.path
-    name = written_path(path, read.what)
+    name = path_text(path, read.what)
     if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:
-        name = f"ray {path[1]}{written_path(path[2:], '')}"
+        name = f"ray {path[1]}{path_text(path[2:], '')}"
     text, colour = cell(read.value, _LONGEST)
     words = one_line(f"from {read.robot}'s {name}")
     return Content.assemble(_INDENT, (words, INK.dim), (" = ", INK.dim), (text, colour))

@@ -12,7 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
-from logical_robots_tui.tui.inspector.widgets.plots import written
+from logical_robots_tui.tui.inspector.widgets.plots import format_number
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -86,7 +86,9 @@ class PredicatePage(Page):
         pointed = self.view.pointed
         self._value_box.display = self.view.display and pointed is not None
         if pointed is not None:
-            shown = Content.assemble((f"{one_line(pointed[0])} = ", INK.dim), written(pointed[1]))
+            shown = Content.assemble(
+                (f"{one_line(pointed[0])} = ", INK.dim), format_number(pointed[1])
+            )
             if shown != self._value_shown:
                 self._value_shown = shown
                 self._value.update(shown)

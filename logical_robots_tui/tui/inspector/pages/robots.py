@@ -14,7 +14,7 @@ from textual.message import Message
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.page import Page
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, written
+from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_number
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
@@ -125,8 +125,7 @@ def _robot_lines(
     lines = []
     for robot in _robots(level, frame, palette):
         line = Content("").join(
-            _aligned(column.cell(robot), column.width, column.right).append(" ")
-            for column in columns
+            _align(column.cell(robot), column.width, column.right).append(" ") for column in columns
         )
         lines.append(line.stylize_before(_CHOSEN) if robot.name == chosen else line)
     return lines
@@ -136,7 +135,7 @@ def _column_titles(level: Level, width: int) -> Content:
     cells = []
     for column in _columns(level, width):
         title = column.title if column.right else clip(column.title, column.width)
-        cell = _aligned(Content.styled(title, INK.dim), column.width, column.right)
+        cell = _align(Content.styled(title, INK.dim), column.width, column.right)
         cells.append(cell.append(" "))
     return Content("").join(cells)
 
@@ -158,7 +157,7 @@ def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
         found.append(
             Content.assemble(
                 (f"{one_line(chosen or '')} remembers ", INK.dim),
-                (written(frame.memories.get(chosen or ""), 4000), INK.text),
+                (format_number(frame.memories.get(chosen or ""), 4000), INK.text),
             )
         )
     return found
@@ -266,14 +265,14 @@ def _charge(robot: _Robot) -> Content:
 
 
 def _memory(robot: _Robot, width: int) -> Content:
-    return Content.styled(f" {written(robot.memory, width - 1)}", INK.dim)
+    return Content.styled(f" {format_number(robot.memory, width - 1)}", INK.dim)
 
 
 def _number(value: float) -> Content:
     return Content.styled(f"{value:.0f}", INK.text)
 
 
-def _aligned(content: Content, width: int, right: bool = False) -> Content:
+def _align(content: Content, width: int, right: bool = False) -> Content:
     missing = " " * max(width - content.cell_length, 0)
     padded = Content(missing).append(content) if right else content.append(missing)
     return padded if padded.cell_length <= width else padded.truncate(width)

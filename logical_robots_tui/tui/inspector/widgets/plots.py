@@ -33,10 +33,10 @@ def cell(value: Value, limit: int = 120) -> tuple[str, str]:
     """A value's text and colour, by kind; text without quotes where that is clear."""
     if isinstance(value, str) and not _could_be_taken_for_another(value):
         return clip(visible(value[: limit + 1]), limit), INK.string
-    return written(value, limit), _colour(value)
+    return format_number(value, limit), _colour(value)
 
 
-def written(value: Value, limit: int = FULL) -> str:
+def format_number(value: Value, limit: int = FULL) -> str:
     """Return a value in program syntax, in at most `limit` characters."""
     parts: list[str] = []
     _write(value, parts, [limit])

@@ -19,11 +19,11 @@ from textual.strip import Strip
 
 from logical_robots_tui.game import MIND, ROBOT_COLUMNS
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.widgets.plots import cell, is_number, written
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, is_number
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
-from logical_robots_tui.wording import counted
+from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,7 +71,7 @@ class Rows:
     left_out: int = 0
 
 
-def arranged(rows: Rows, how: RowOrder) -> Rows:
+def arrange(rows: Rows, how: RowOrder) -> Rows:
     columns = rows.columns
     kept = list(range(len(rows.rows)))
     place = next((columns.index(name) for name in ROBOT_COLUMNS if name in columns), None)
@@ -82,7 +82,7 @@ def arranged(rows: Rows, how: RowOrder) -> Rows:
         kept = [
             number
             for number in kept
-            if any(wanted in written(value).casefold() for value in rows.rows[number])
+            if any(wanted in format_number(value).casefold() for value in rows.rows[number])
         ]
     if how.sort in columns:
         by = columns.index(how.sort)
@@ -90,7 +90,7 @@ def arranged(rows: Rows, how: RowOrder) -> Rows:
     places = {number: at for at, number in enumerate(kept)}
     changed = frozenset((places[row], column) for row, column in rows.changed if row in places)
     found = Rows(columns, tuple(rows.rows[number] for number in kept), changed)
-    return _transposed(found) if how.sideways else found
+    return _transpose(found) if how.sideways else found
 
 
 def changed_cells(rows: Sequence[Row], before: Sequence[Row]) -> frozenset[tuple[int, int]]:
@@ -124,7 +124,7 @@ def as_json(rows: Rows) -> str:
     return json.dumps(records, ensure_ascii=False, indent=1) + "\n"
 
 
-def _transposed(rows: Rows) -> Rows:
+def _transpose(rows: Rows) -> Rows:
     """Turn each column into a line, with the first rows side by side."""
     shown = rows.rows[:_SIDEWAYS]
     lines = tuple((name, *(row[at] for row in shown)) for at, name in enumerate(rows.columns))
@@ -139,7 +139,7 @@ def _rank(value: Value) -> tuple[int, Any]:
         return 0, 0
     if isinstance(value, bool | int | float):
         return 1, value
-    return (2, value) if isinstance(value, str) else (3, written(value))
+    return (2, value) if isinstance(value, str) else (3, format_number(value))
 
 
 def _plain(value: Value) -> Any:
@@ -234,7 +234,7 @@ class ValueTable(ScrollView, can_focus=True):
         self._arrange()
 
     def _arrange(self) -> None:
-        self.shown = arranged(self.all, self.how)
+        self.shown = arrange(self.all, self.how)
         self._measure()
         self.action_go(0, 0)
         self.refresh()
@@ -360,4 +360,4 @@ def row_count(table: Table, what: str = "row", more: str = "") -> str:
     count = len(table.rows)
     if table.truncated:
         return with_keys(f"first {count:,} {what}s{more}, there are more: {{ask}} narrows down")
-    return counted(count, what) + more
+    return count_of(count, what) + more

@@ -118,7 +118,7 @@ def mix(one: RGB, other: RGB, share: float) -> RGB:
     )
 
 
-def packed(colour: RGB) -> int:
+def rgb_number(colour: RGB) -> int:
     """Return a colour as 0xRRGGBB."""
     red, green, blue = colour
     return red << 16 | green << 8 | blue
@@ -256,13 +256,13 @@ class Cells:
 class _Styles(dict[int, Style]):
     """Cache of styles by packed style."""
 
-    def __missing__(self, packed: int) -> Style:
+    def __missing__(self, number: int) -> Style:
         if len(self) > 20_000:
             self.clear()
-        style = Style.from_color(colour_of(packed >> 24 & PAPER), colour_of(packed & PAPER))
-        if packed & BOLD:
+        style = Style.from_color(colour_of(number >> 24 & PAPER), colour_of(number & PAPER))
+        if number & BOLD:
             style += Style(bold=True)
-        self[packed] = style
+        self[number] = style
         return style
 
 
@@ -270,5 +270,5 @@ _STYLES = _Styles()
 
 
 @lru_cache(maxsize=8192)
-def colour_of(packed: int) -> RichColor:
-    return RichColor.from_rgb(packed >> 16, packed >> 8 & 0xFF, packed & 0xFF)
+def colour_of(number: int) -> RichColor:
+    return RichColor.from_rgb(number >> 16, number >> 8 & 0xFF, number & 0xFF)

@@ -107,7 +107,7 @@ _BLOCK_IDS = {
 }
 
 
-def fitted(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
+def fit_dots(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
     """Return the cells that approximate dots, (cells, dots of a cell, 3), best."""
     cells = Cells.blank(rows, columns)
     refit(cells, dots, np.arange(len(dots)))

@@ -15,8 +15,8 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
     Cells,
     Palette,
     mix,
-    packed,
     parse,
+    rgb_number,
     text_id,
 )
 from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
@@ -187,7 +187,9 @@ class StaticLabels:
         self._texts = np.array([text_id(glyph) for _, _, glyph, _ in shining], np.int64)
         towards = palette.bright, palette.floor
         self._inks = [
-            np.array([packed(mix(c, towards[far < 0], abs(far))) for *_, c in shining], np.int64)
+            np.array(
+                [rgb_number(mix(c, towards[far < 0], abs(far))) for *_, c in shining], np.int64
+            )
             for far in _PULSE
         ]
 
@@ -199,7 +201,7 @@ class StaticLabels:
             place = room.place(plate) if plate.cells else None
             if place:
                 paper = self._paper(plate, place, ground, look)
-                self.plates.append((plate, packed(colour) << 24 | packed(paper), place))
+                self.plates.append((plate, rgb_number(colour) << 24 | rgb_number(paper), place))
 
     def light(self, cells: Cells, pulse: int) -> None:
         inks = self._inks[pulse % len(_PULSE)]
@@ -212,7 +214,7 @@ class StaticLabels:
         for i, (plate, style, (row, column)) in enumerate(self.plates):
             if first <= row <= last and column <= right and left < column + len(plate.cells):
                 paper = self._paper(plate, (row, column), ground, look)
-                self.plates[i] = plate, style >> 24 << 24 | packed(paper), (row, column)
+                self.plates[i] = plate, style >> 24 << 24 | rgb_number(paper), (row, column)
 
     @staticmethod
     def _paper(plate: Label, place: tuple[int, int], ground: Floats, look: Look) -> RGB:
@@ -299,9 +301,9 @@ def _put_robot(
         if not robot.dead:
             colour = palette.alarm
     elif robot.name != look.selected if plain else sign and not robot.dead:
-        cells.put(*cell, glyph, packed(colour), packed(palette.floor), bold=True)
+        cells.put(*cell, glyph, rgb_number(colour), rgb_number(palette.floor), bold=True)
         return
-    cells.put(*cell, glyph, packed(text_on(colour)), packed(colour), bold=True)
+    cells.put(*cell, glyph, rgb_number(text_on(colour)), rgb_number(colour), bold=True)
 
 
 def _put_robot_name(
@@ -329,10 +331,10 @@ def _put_robot_name(
         ink, paper = text_on(colour), colour
     else:
         ink, paper = palette.strong(colour), mix(palette.plate, colour, 0.2)
-    write(cells, *place, plate.cells, BOLD | packed(ink) << 24 | packed(paper))
+    write(cells, *place, plate.cells, BOLD | rgb_number(ink) << 24 | rgb_number(paper))
     if told and robot.name != look.selected:
         row, column = place[0], place[1] + len(name) - 1
-        cells.put(row, column, name[-1], packed(palette.alarm), packed(paper), bold=True)
+        cells.put(row, column, name[-1], rgb_number(palette.alarm), rgb_number(paper), bold=True)
 
 
 def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:

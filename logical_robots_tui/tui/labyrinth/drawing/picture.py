@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, Palette, packed, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, Palette, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import pack, paint_robot, refit, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.ground import (
@@ -257,5 +257,5 @@ def _ascii_cells(ground: Ground, image: Floats, lit: NDArray[np.bool_], palette:
     apart = image - floor
     apart *= 150 / np.maximum(np.abs(apart).max(axis=2, keepdims=True), 1)
     ink = pack(np.clip(floor + apart, 0, 252))
-    paper = np.full(text.shape, packed(palette.floor), np.int64)
+    paper = np.full(text.shape, rgb_number(palette.floor), np.int64)
     return Cells(text, ink << 24 | paper, paper)

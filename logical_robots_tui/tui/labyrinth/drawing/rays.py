@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, packed, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import shows_body
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
@@ -196,7 +196,7 @@ def mark_ends(
     glyphs, palette = look.drawing.glyphs, look.palette
     at_wall = glyphs.hit_wall_near if shows_body(viewport) else glyphs.hit_wall
     texts = [text_id(text) for text in (at_wall, glyphs.hit_beacon, glyphs.hit_robot)]
-    inks = [packed(ink) for ink in (palette.hit_wall, palette.hit_beacon, palette.hit_robot)]
+    inks = [rgb_number(ink) for ink in (palette.hit_wall, palette.hit_beacon, palette.hit_robot)]
     rows, columns = np.nonzero(most)
     kinds = most[rows, columns] - 1
     bold = np.where(kinds, BOLD, 0)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, mix, packed
-from logical_robots_tui.tui.labyrinth.drawing.discs import blend, fitted, split
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, mix, rgb_number
+from logical_robots_tui.tui.labyrinth.drawing.discs import blend, fit_dots, split
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_into, robot_colour, write
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
@@ -50,8 +50,8 @@ def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
 def draw_senses(level: Level, frame: Frame, columns: int, rows: int, look: Look) -> Cells:
     """Draw what robots sense, the selected one in any case."""
     cells = Cells.blank(rows, columns)
-    cells.style[:] = packed(look.palette.void)
-    cells.tone[:] = packed(look.palette.void)
+    cells.style[:] = rgb_number(look.palette.void)
+    cells.tone[:] = rgb_number(look.palette.void)
     seen = fans(frame)
     if not seen or columns < 3 or rows < 3:
         return cells
@@ -98,15 +98,15 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     image[walls] = palette.rim
     if look.drawing is Drawing.ASCII:
         cells = Cells.blank(rows - 1, columns)
-        cells.tone[:] = packed(palette.floor)
-        cells.style[:] = packed(palette.dead) << 24 | packed(palette.floor)
+        cells.tone[:] = rgb_number(palette.floor)
+        cells.style[:] = rgb_number(palette.dead) << 24 | rgb_number(palette.floor)
         for row, column in zip(*np.nonzero(lit), strict=True):
-            cells.put(int(row), int(column), ".", packed(colour))
+            cells.put(int(row), int(column), ".", rgb_number(colour))
         for row, column in zip(*np.nonzero(walls), strict=True):
-            cells.put(int(row), int(column), "#", packed(palette.rim))
+            cells.put(int(row), int(column), "#", rgb_number(palette.rim))
     else:
         coarse = np.clip(image, 0, 255).astype(np.uint8) & np.uint8(0xFC)
-        cells = fitted(split(coarse, raster.across, raster.down), rows - 1, columns)
+        cells = fit_dots(split(coarse, raster.across, raster.down), rows - 1, columns)
     _put_ends(cells, own, view, look)
     if look.highlight is not None and look.highlight.robot == fan.name:
         if look.highlight.ray is not None:
@@ -115,8 +115,8 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
             draw_ring(cells, 0.0, 0.0, view, look)
     cell = view.cell(0.0, 0.0)
     if cell is not None:
-        cells.put(*cell, glyphs.heading(-math.pi / 2), packed(colour), bold=True)
-    return _titled(cells, fan.name, colour, look)
+        cells.put(*cell, glyphs.heading(-math.pi / 2), rgb_number(colour), bold=True)
+    return _title(cells, fan.name, colour, look)
 
 
 def _view(columns: int, rows: int) -> Viewport:
@@ -156,7 +156,7 @@ def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
         cell = view.cell(x, y)
         if cell is not None and kind in signs:
             sign, ink = signs[kind]
-            cells.put(*cell, sign, packed(ink), bold=True)
+            cells.put(*cell, sign, rgb_number(ink), bold=True)
     for x, y, kind, label in fan.sighted():
         cell = view.cell(x, y)
         if cell is None or not look.names:
@@ -164,16 +164,16 @@ def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
         name = fit_into(label, view.columns // 2, look.drawing)
         row, first = cell[0] - 1, min(max(cell[1] - len(name) // 2, 0), view.columns - len(name))
         if row >= 0:
-            style = packed(signs[kind][1]) << 24 | packed(palette.plate)
+            style = rgb_number(signs[kind][1]) << 24 | rgb_number(palette.plate)
             write(cells, row, first, name, style)
 
 
-def _titled(cells: Cells, name: str, colour: RGB, look: Look) -> Cells:
+def _title(cells: Cells, name: str, colour: RGB, look: Look) -> Cells:
     rows, columns = cells.text.shape
     titled = Cells.blank(rows + 1, columns)
-    paper = packed(mix(look.palette.plate, colour, 0.2))
+    paper = rgb_number(mix(look.palette.plate, colour, 0.2))
     titled.style[0], titled.tone[0] = paper, paper
     titled.text[1:], titled.style[1:], titled.tone[1:] = cells.text, cells.style, cells.tone
     text = fit_into(name, columns - 2, look.drawing)
-    write(titled, 0, 1, text, BOLD | packed(look.palette.strong(colour)) << 24 | paper)
+    write(titled, 0, 1, text, BOLD | rgb_number(look.palette.strong(colour)) << 24 | paper)
     return titled

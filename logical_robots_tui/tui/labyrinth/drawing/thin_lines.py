@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, mix, packed, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, mix, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
@@ -54,7 +54,7 @@ def draw_trails(
     inks = np.array(
         [
             [
-                packed(mix(look.palette.floor, colour, _FAINTEST + step * _FADE))
+                rgb_number(mix(look.palette.floor, colour, _FAINTEST + step * _FADE))
                 for step in range(_FADES)
             ]
             for colour in colours
@@ -82,20 +82,20 @@ def draw_rays(cells: Cells, fan: Fan, colour: RGB, viewport: Viewport, look: Loo
         x.append(fan.x + along * np.cos(heading))
         y.append(fan.y + along * np.sin(heading))
     every_x, every_y = np.concatenate(x), np.concatenate(y)
-    ink = packed(mix(colour, look.palette.bright, 0.3))
+    ink = rgb_number(mix(colour, look.palette.bright, 0.3))
     _draw(cells, every_x, every_y, np.full(len(every_x), ink), viewport, look)
 
 
 def draw_ring(cells: Cells, x: float, y: float, viewport: Viewport, look: Look) -> None:
     radius = max(_RING * ROBOT_RADIUS, _LEAST_RING * viewport.units)
     turn = np.linspace(0, 2 * np.pi, 120)
-    ink = np.full(len(turn), packed(look.palette.bright))
+    ink = np.full(len(turn), rgb_number(look.palette.bright))
     _draw(cells, x + radius * np.cos(turn), y + radius * np.sin(turn), ink, viewport, look)
 
 
 def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look) -> None:
     """Draw a highlighted ray by the program's angle, in radians, with a mark at its end."""
-    ink = packed(look.palette.bright)
+    ink = rgb_number(look.palette.bright)
     number = fan.nearest(ray)
     heading, distance = float(fan.headings[number]), float(fan.distances[number])
     # The robot's own cell stays as it is.
@@ -113,7 +113,7 @@ def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look)
             "robot": (glyphs.hit_robot, palette.hit_robot),
         }
         sign, paper = signs.get(fan.objects[number], (glyphs.thread, palette.dead))
-        cells.put(*end, sign, packed(palette.plate), packed(paper), bold=True)
+        cells.put(*end, sign, rgb_number(palette.plate), rgb_number(paper), bold=True)
 
 
 def _draw(
