@@ -30,7 +30,7 @@ from benchmarks.whole_game import whole_game
 from benchmarks.with_screen import traffic, with_screen
 from benchmarks.world import crowds
 from logical_robots_tui.caching import FOLDER_VARIABLE
-from logical_robots_tui.processes.garbage import collect_seldom
+from logical_robots_tui.processes.helper import collect_seldom
 
 SUITE = Suite(
     {

@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, settings
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.game import measuring
 from logical_robots_tui.mind import Decision, Notice
-from logical_robots_tui.processes.garbage import collect_seldom
+from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.progress import store
 from tests.installed import Installed, build, install
 

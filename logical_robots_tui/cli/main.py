@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui import __version__
 from logical_robots_tui.cli import failure
 from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.processes.garbage import collect_seldom
+from logical_robots_tui.processes.helper import collect_seldom
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

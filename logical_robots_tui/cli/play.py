@@ -21,7 +21,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_folder
-from logical_robots_tui.processes.garbage import collect_later
+from logical_robots_tui.processes.helper import collect_later
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision
     from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level, WorldState
-    from logical_robots_tui.world.state import AreaState, RobotState
+    from logical_robots_tui.world.dynamics import AreaState, RobotState
 
 
 @dataclass(frozen=True, slots=True)

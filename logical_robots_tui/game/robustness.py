@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import play_tick
 from logical_robots_tui.game.frame import driven
-from logical_robots_tui.game.thinker import mind_for
+from logical_robots_tui.game.minds import mind_for
 from logical_robots_tui.world import World
 
 if TYPE_CHECKING:

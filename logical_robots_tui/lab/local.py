@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, execute
-from logical_robots_tui.processes.garbage import collect_seldom
+from logical_robots_tui.processes.helper import collect_seldom
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,6 +7,7 @@ it does not need, has a bound of processor time, and ends with the game in any c
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import resource
 import signal
@@ -15,6 +16,22 @@ import sys
 from pathlib import Path
 
 from logical_robots_tui.processes.lifeline import signal_when_closed
+
+
+def collect_seldom() -> None:
+    """Run the cycle collector a thirtieth as often as by default.
+
+    Looking for cycles took a tenth of the time, although reference counting frees nearly
+    everything. Only commands call this, because they own their process.
+    """
+    gc.set_threshold(20_000, 20, 20)
+    gc.enable()
+
+
+def collect_later() -> None:
+    """Disable the collector until ``collect_seldom``: objects loaded at the start stay alive."""
+    gc.disable()
+
 
 _MODULES = ("logical_robots_tui.game.measuring", "logical_robots_tui.explain.worker")
 _FLAGS = ("-I", "-S", "-B", "-X", "utf8")

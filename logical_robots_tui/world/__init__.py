@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from logical_robots_tui.world.dynamics import AreaState, RobotState, WorldState
 from logical_robots_tui.world.level import (
     Area,
     Beacon,
@@ -13,7 +14,6 @@ from logical_robots_tui.world.level import (
     Visibility,
 )
 from logical_robots_tui.world.levels.load import list_arenas, list_levels, list_shipped, load_level
-from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 from logical_robots_tui.world.world import World
 
 __all__ = [

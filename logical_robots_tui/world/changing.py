@@ -6,9 +6,14 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui.world.dynamics import is_inside, starts_active
+from logical_robots_tui.world.dynamics import (
+    AreaState,
+    RobotState,
+    WorldState,
+    is_inside,
+    starts_active,
+)
 from logical_robots_tui.world.scoring import tallies_at_start
-from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -13,7 +13,44 @@ if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
 
     from logical_robots_tui.world.level import Area, Level, Robot
-    from logical_robots_tui.world.state import AreaState, RobotState
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """One robot at the end of a tick, in map units from the top left.
+
+    `angle` is in radians, clockwise as seen on the screen, in [0, 2π) after the first tick;
+    engines are in [-1, 1]. `battery_level` is meaningless without a battery.
+    """
+
+    name: str
+    x: float
+    y: float
+    angle: float
+    battery_level: float
+    left_engine: float = 0.0
+    right_engine: float = 0.0
+    blocked: bool = False
+    dead: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class AreaState:
+    name: str
+    active: bool
+    visitors: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WorldState:
+    """A whole world at a tick's end, to continue from; tallies as of `scoring.tallied`."""
+
+    tick: int
+    robots: tuple[RobotState, ...]
+    areas: tuple[AreaState, ...]
+    won_at: int | None = None
+    tallies: tuple[tuple[int, ...], ...] = ()
+
 
 WHEEL_BASE = 20
 """Map units between the wheels; engines that differ by 1 turn a robot by 1/20 radian a tick."""

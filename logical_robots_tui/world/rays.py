@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.state import RobotState
+    from logical_robots_tui.world.dynamics import RobotState
 
 
 RADAR_SPAN = RADAR_DEGREES * math.pi / 180

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from logical_robots_tui.values import SensorRow
+    from logical_robots_tui.world.dynamics import AreaState, RobotState, WorldState
     from logical_robots_tui.world.level import Area, Level, Score
-    from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
 _PER_UNIT = 1000
 """A tally of distance counts thousandths of map units."""

@@ -10,7 +10,10 @@ from logical_robots_tui.confinement import check_room
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.world.changing import start_state
 from logical_robots_tui.world.dynamics import (
+    AreaState,
     Mover,
+    RobotState,
+    WorldState,
     charging_sources,
     drive,
     is_dead,
@@ -23,7 +26,6 @@ from logical_robots_tui.world.dynamics import (
 )
 from logical_robots_tui.world.scoring import tally_tick
 from logical_robots_tui.world.sensing import Senses
-from logical_robots_tui.world.state import AreaState, RobotState, WorldState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui import Level
     from logical_robots_tui.mind.table import Table
-    from logical_robots_tui.world.state import WorldState
+    from logical_robots_tui.world.dynamics import WorldState
 
 STEPS = Path(__file__).with_name("steps")
 each_level = pytest.mark.parametrize("name", LEVELS)

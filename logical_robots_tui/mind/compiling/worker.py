@@ -31,8 +31,7 @@ from logical_robots_tui.mind.failures import in_plain_words
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
-from logical_robots_tui.processes.garbage import collect_seldom
-from logical_robots_tui.processes.helper import begin, limit
+from logical_robots_tui.processes.helper import begin, collect_seldom, limit
 
 if TYPE_CHECKING:
     from sqlglot import exp

@@ -13,9 +13,8 @@ from textual.widgets import Input, Static, TextArea
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import level_key
 from logical_robots_tui.game.drafts import Drafts
-from logical_robots_tui.processes.garbage import collect_seldom
-from logical_robots_tui.tui.app.background import ScreenUi
-from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
+from logical_robots_tui.processes.helper import collect_seldom
+from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler, ScreenUi
 from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.app.ui import Permissions

@@ -11,16 +11,9 @@ from textual.containers import Horizontal
 from textual.widgets import OptionList
 
 from logical_robots_tui.game import Superseded
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, definition
-from logical_robots_tui.tui.inspector.pages.ask import AskPage
-from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
-from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
-from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
-from logical_robots_tui.tui.inspector.pages.watch import WatchPage
-from logical_robots_tui.tui.inspector.pages.why import WhyPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,
     DECISION,
@@ -40,31 +33,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.page import Survey
+    from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable
-
-
-class Pages:
-    """The pages by name, except predicates, from left to right."""
-
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self.decision = DecisionPage(session, questions)
-        self.why = WhyPage(session, questions)
-        self.ask = AskPage(session, questions)
-        self.watch = WatchPage(session, questions)
-        self.diagnosis = DiagnosisPage(session, questions)
-        self.origin = OriginPage(session, questions)
-        self.predicate = PredicatePage(session, questions)
-        self.table, self.pins = self.predicate.view, self.watch.view
-        self.by_name: dict[str, Page] = {
-            WHY: self.why,
-            ASK: self.ask,
-            WATCH: self.watch,
-            DIAGNOSIS: self.diagnosis,
-            ORIGIN: self.origin,
-            DECISION: self.decision,
-        }
-
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
@@ -103,7 +74,7 @@ class InspectorPane(Pane):
     @property
     def pages(self) -> Pages:
         if self._pages is None:
-            from logical_robots_tui.tui.inspector.pane import Pages
+            from logical_robots_tui.tui.inspector.page_loader import Pages
 
             self._pages = Pages(self._session, self.questions)
             others = (self._pages.predicate, *self._pages.by_name.values())
@@ -159,7 +130,7 @@ class InspectorPane(Pane):
 
     async def _load_pages(self) -> None:
         await asyncio.sleep(_LOADING_DELAY)
-        await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.pane")
+        await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.page_loader")
         if self._row.is_attached and self.pages:  # the player may have quit meanwhile
             self.follow()
 

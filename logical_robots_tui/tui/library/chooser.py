@@ -17,7 +17,7 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.paths import typed_path
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
 from logical_robots_tui.tui.theme.themes import INK

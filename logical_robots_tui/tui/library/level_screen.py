@@ -15,7 +15,7 @@ from textual.widgets import Input, Static
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import is_file, typed_path
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.cards import LevelCard, LevelCards, miniature, shipped_level

@@ -19,7 +19,7 @@ from logical_robots_tui.game import (
     mistake_in_question,
     subjects,
 )
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing, Prompt
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK

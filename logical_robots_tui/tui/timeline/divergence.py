@@ -11,7 +11,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import compare_proofs
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
 from logical_robots_tui.tui.inspector.widgets.plots import format_number
 from logical_robots_tui.tui.learning.reader import Reader

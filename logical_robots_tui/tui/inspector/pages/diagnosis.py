@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Placed
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.safe_text import one_line

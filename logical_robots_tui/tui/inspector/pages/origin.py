@@ -10,7 +10,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import Superseded, origin_in_game
 from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, Cancelled, Page, Placed, progress
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView

@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.message import Message
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView

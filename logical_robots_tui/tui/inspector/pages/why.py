@@ -12,7 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.explain import Ask, Node
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.background import in_background
+from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
     BackgroundQuery,

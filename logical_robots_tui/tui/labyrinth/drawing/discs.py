@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Palette
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
+    from logical_robots_tui.world.dynamics import RobotState
     from logical_robots_tui.world.level import Area
-    from logical_robots_tui.world.state import RobotState
 
 
 def _sextant(pattern: int) -> str:

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
+    from logical_robots_tui.world.dynamics import RobotState
     from logical_robots_tui.world.level import Level
-    from logical_robots_tui.world.state import RobotState
 
 
 def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight, Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
+    from logical_robots_tui.world.dynamics import RobotState
     from logical_robots_tui.world.level import Level
-    from logical_robots_tui.world.state import RobotState
 
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""

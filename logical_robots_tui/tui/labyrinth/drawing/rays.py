@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
-    from logical_robots_tui.world.state import RobotState
+    from logical_robots_tui.world.dynamics import RobotState
 
 _FINE = 16
 """Steps between two rays in which the shape of a fan is tabulated."""
