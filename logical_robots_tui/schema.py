@@ -6,6 +6,7 @@ by, completion and the documentation are made from it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from math import radians
@@ -153,6 +154,17 @@ DESIRE = Record(
 
 RECORDS = (SENSOR, RAY, SELF, DESIRE)
 """In the order in which the documentation explains them."""
+
+
+_RAY_FIELDS = frozenset(RAY.names)
+
+
+def ray_angle(value: object) -> float | None:
+    """Return where a value points, in radians, if it is a ray; else None."""
+    if not isinstance(value, Mapping) or value.keys() != _RAY_FIELDS:
+        return None
+    angle = value["angle"]
+    return float(angle) if isinstance(angle, int | float) else None
 
 
 def tables() -> Iterator[str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
+from logical_robots_tui.schema import ray_angle
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
@@ -72,11 +74,7 @@ class Node:
     @property
     def ray(self) -> float | None:
         """The angle of the ray that is its first value, or None."""
-        value = self.values[0] if self.values else None
-        if isinstance(value, dict) and {"angle", "distance"} <= value.keys():
-            angle = value["angle"]
-            return float(angle) if isinstance(angle, int | float) else None
-        return None
+        return ray_angle(self.values[0]) if self.values else None
 
     def walk(self, depth: int = 0) -> Iterator[tuple[int, Node]]:
         waiting = [(depth, self)]

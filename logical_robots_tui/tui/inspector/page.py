@@ -312,25 +312,19 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
     """The robot or ray that a proof's node is about; of equal rays, that of `robot`."""
     if node.robot:
         return Highlight(node.robot)
-    if node.ray is not None and len(node.values) == 1:
-        rows = sorted(frame.sensors, key=lambda row: row["robot_name"] != robot)
-        for row in rows:
-            for ray in row["sensor"]["radar"]:
-                if _is_same(node, ray):
-                    return Highlight(row["robot_name"], ray["angle"])
-    return None
-
-
-def _is_same(node: Node, ray: Mapping[str, Any]) -> bool:
-    """Return whether a node's value is a ray; SQLite may change its angle's last digits."""
+    if node.ray is None or len(node.values) > 1:
+        return None
     value = node.values[0]
-    return (
-        isinstance(value, Mapping)
-        and node.ray is not None
-        and value.keys() == ray.keys()
-        and isclose(node.ray, ray["angle"], abs_tol=1e-9)
-        and all(value[name] == ray[name] for name in ray if name != "angle")
-    )
+    assert isinstance(value, Mapping)
+    for row in sorted(frame.sensors, key=lambda row: row["robot_name"] != robot):
+        for ray in row["sensor"]["radar"]:
+            # SQLite may change the last digits of an angle.
+            if isclose(node.ray, ray["angle"], abs_tol=1e-9) and value == {
+                **ray,
+                "angle": node.ray,
+            }:
+                return Highlight(row["robot_name"], ray["angle"])
+    return None
 
 
 def definition(program: Program | None, name: str) -> Placed | None:

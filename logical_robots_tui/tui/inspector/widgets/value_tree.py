@@ -12,6 +12,7 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Static, Tree
 
+from logical_robots_tui.schema import ray_angle
 from logical_robots_tui.tui.inspector.widgets.plots import cell, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -180,13 +181,4 @@ def _items(value: Value) -> Iterator[tuple[str | int, Value]]:
 def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:
     if not isinstance(value, list | tuple) or not value:
         return None
-    is_radar = all(_is_ray(each) for each in value)
-    return value if is_radar else None
-
-
-def _is_ray(value: Value) -> bool:
-    return (
-        isinstance(value, Mapping)
-        and isinstance(value.get("object"), str)
-        and all(isinstance(value.get(name), int | float) for name in ("distance", "angle"))
-    )
+    return None if any(ray_angle(each) is None for each in value) else value
