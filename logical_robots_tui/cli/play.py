@@ -173,7 +173,7 @@ def _prepare_screen() -> None:
 
 def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int:
     from logical_robots_tui.tui.app.app import play
-    from logical_robots_tui.tui.app.ui import Permissions
+    from logical_robots_tui.tui.app.session_state import Permissions
 
     free = not options.restricted
     permissions = Permissions(
@@ -196,7 +196,7 @@ def play_replay(options: argparse.Namespace, replay: Replay) -> int:
     """Open a replay on the screen; raise InputError if there is no terminal."""
     _prepare_screen()
     from logical_robots_tui.tui.app.app import play
-    from logical_robots_tui.tui.app.ui import Permissions
+    from logical_robots_tui.tui.app.session_state import Permissions
 
     permissions = Permissions(solutions=not options.no_solutions)
     return play(None, (), folder_of(options.data_dir), permissions, replay=replay)

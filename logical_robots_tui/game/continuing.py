@@ -13,8 +13,7 @@ from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import programs_for, shipped_texts
 from logical_robots_tui.game.victory import level_key
-from logical_robots_tui.older import texts_of
-from logical_robots_tui.records import record
+from logical_robots_tui.records import record, texts_of
 from logical_robots_tui.world import LevelError, list_levels, load_level
 
 if TYPE_CHECKING:

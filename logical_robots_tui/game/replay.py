@@ -25,8 +25,8 @@ from logical_robots_tui.game.advancing import is_thought_alike
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.packing import is_state
 from logical_robots_tui.mind.limits import weight_of_text
-from logical_robots_tui.older import texts_of
 from logical_robots_tui.paths import read_ordinary
+from logical_robots_tui.records import texts_of
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import LevelError, World, WorldState
 from logical_robots_tui.world.levels.native import read_native

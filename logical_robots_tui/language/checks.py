@@ -20,6 +20,7 @@ from logical_robots_tui.language.definitions import (
     prelude,
     rules_of,
 )
+from logical_robots_tui.language.diagnostics import closest, distance
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.signatures import (
     collisions,
@@ -27,7 +28,6 @@ from logical_robots_tui.language.signatures import (
     signatures,
     wrong_calls,
 )
-from logical_robots_tui.language.similar_names import closest, distance
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.spelling import TYPES
 from logical_robots_tui.language.tree import (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from logica.compiler import functors, rule_translate
 from logica.parser_py import parse
 
-from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
-from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import REST, Name
 from logical_robots_tui.language.types import (

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.diagnostics import closest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,7 +16,7 @@ from logical_robots_tui.language.definitions import (
     reach,
     rules_of,
 )
-from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.language.tree import (
     REST,

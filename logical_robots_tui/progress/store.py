@@ -14,8 +14,8 @@ import threading
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, TypeVar
 
-from logical_robots_tui.older import texts_of
 from logical_robots_tui.paths import is_there
+from logical_robots_tui.records import texts_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game.history.rounds import ROUNDS, Rounds
+from logical_robots_tui.game.history.marks import ROUNDS, Rounds
 from logical_robots_tui.world import World, load_level
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui import load_level
-from logical_robots_tui.game.history.rounds import Rounds
+from logical_robots_tui.game.history.marks import Rounds
 from logical_robots_tui.game.measuring import MOST_TICKS, patience_for
 from logical_robots_tui.game.robustness import (
     STARTS,

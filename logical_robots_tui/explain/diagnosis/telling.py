@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.explain.diagnosis.counting import is_always_true
 from logical_robots_tui.explain.diagnosis.sites import TESTS
-from logical_robots_tui.language.similar_names import closest, distance
+from logical_robots_tui.language.diagnostics import closest, distance
 from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:

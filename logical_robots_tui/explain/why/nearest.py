@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.explain.why.deriving import value_of
 from logical_robots_tui.explain.why.probing import ORDERING, Span
 from logical_robots_tui.explain.why.refuting import Refuting
-from logical_robots_tui.language.diagnostics import ProgramError, QueryError
-from logical_robots_tui.language.similar_names import closest, distance
+from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest, distance
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.sqlite.stored import to_sql
 

@@ -10,8 +10,8 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Literal
 
 from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
-from logical_robots_tui.game.history.rounds import last_rounds
-from logical_robots_tui.language.similar_names import closest
+from logical_robots_tui.game.history.marks import last_rounds
+from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
 
 if TYPE_CHECKING:

@@ -11,9 +11,8 @@ import numpy as np
 
 from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.frame import driven
-from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, marks_of
+from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Packed, TickState
-from logical_robots_tui.game.history.rounds import Rounds
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:

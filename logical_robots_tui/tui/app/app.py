@@ -18,8 +18,8 @@ from logical_robots_tui.game.source import hide_solutions
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
+from logical_robots_tui.tui.app.session_state import Permissions
 from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
-from logical_robots_tui.tui.app.ui import Permissions
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.library.progress_recorder import THEME, TOUR, ProgressRecorder
@@ -27,7 +27,7 @@ from logical_robots_tui.tui.terminal.capabilities import drawing_for, may_use_mo
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
-from logical_robots_tui.tui.terminal.key_queue import KeyQueue
+from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import load_level

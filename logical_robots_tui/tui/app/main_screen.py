@@ -16,8 +16,7 @@ from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler, ScreenUi
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_state import SessionListener
-from logical_robots_tui.tui.app.ui import Permissions
+from logical_robots_tui.tui.app.session_state import Permissions, SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView

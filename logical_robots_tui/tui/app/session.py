@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.tui.app.session_state import SessionListener
-    from logical_robots_tui.tui.app.ui import Spawn, Work
+    from logical_robots_tui.tui.app.session_state import SessionListener, Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 

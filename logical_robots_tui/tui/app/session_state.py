@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Coroutine, Mapping
+
+    from textual.screen import Screen
 
     from logical_robots_tui.game import Frame, Hit, Source
     from logical_robots_tui.game.victory import Victory
@@ -200,3 +202,46 @@ class ProgramText(Protocol):
 
     def put(self, text: str) -> None:
         """Replace the text of the same program; undo restores the old one."""
+
+
+Result = TypeVar("Result")
+
+Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
+"""A function and not a coroutine, because one that is cancelled early would never be awaited."""
+
+
+class Spawn(Protocol):
+    def __call__(self, work: Work, group: str, *, exclusive: bool) -> None:
+        """Run `work`; an exclusive one cancels the other work of its group."""
+
+
+class Ui(Protocol):
+    """Messages, dialogs and work for a controller."""
+
+    def tell(self, message: str) -> None:
+        """Show a message."""
+
+    def warn(self, message: str) -> None:
+        """Show a warning."""
+
+    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
+        """Start background work; exclusive work cancels the other work of its group."""
+
+    def show(
+        self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
+    ) -> None:
+        """Show a dialog, and call `closed` with its result."""
+
+    async def ask(self, dialog: Screen[Result]) -> Result | None:
+        """Show a dialog and return its result; only for background work."""
+
+
+class Permissions(NamedTuple):
+    """Everything on one's own machine; less on a shared or public one, or in a class.
+
+    `programs` are an editor, or the shell after suspending.
+    """
+
+    programs: bool = True
+    clipboard: bool = True
+    solutions: bool = True

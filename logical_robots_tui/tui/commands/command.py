@@ -11,7 +11,7 @@ from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.tui.app.ui import Spawn
+    from logical_robots_tui.tui.app.session_state import Spawn
 
     Act = TypeVar("Act", bound=Callable[[Any], object])
 

@@ -32,7 +32,7 @@ editing = Group("In the level editor", "level")
 
 
 def _take(tool: str, mode: EditMode) -> None:
-    from logical_robots_tui.tui.level_editor.tools import Tool
+    from logical_robots_tui.tui.level_editor.editor import Tool
 
     mode.editor.configure(tool=Tool(tool))
 

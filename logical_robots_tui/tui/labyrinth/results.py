@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from logical_robots_tui.game.frame import is_match_over, standing_words
-from logical_robots_tui.game.history.marks import STUCK_AFTER, MarkKind
-from logical_robots_tui.game.history.rounds import ROUNDS
+from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER, MarkKind
 from logical_robots_tui.tui.app.session_state import SessionListener
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK

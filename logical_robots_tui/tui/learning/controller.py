@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import ProgramText
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import ProgramText, Ui
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 

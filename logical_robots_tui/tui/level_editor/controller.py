@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.drafts import Draft, Drafts
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from textual.app import ComposeResult
 
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.tui.level_editor.form import Field
     from logical_robots_tui.world.changing import Pose

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Spawn, Ui
+    from logical_robots_tui.tui.app.session_state import Spawn, Ui
     from logical_robots_tui.world import Level
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk

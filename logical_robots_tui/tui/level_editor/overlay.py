@@ -10,8 +10,7 @@ import numpy as np
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
-from logical_robots_tui.tui.level_editor.editor import handle_of, reach_of
-from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
+from logical_robots_tui.tui.level_editor.editor import PAINTING, Tool, handle_of, reach_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

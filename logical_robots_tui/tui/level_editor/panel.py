@@ -11,9 +11,9 @@ from textual.widget import Widget
 from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.tui.layout.command_bar import Labels
+from logical_robots_tui.tui.level_editor.editor import PAINTING, Tool
 from logical_robots_tui.tui.level_editor.mode import EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
-from logical_robots_tui.tui.level_editor.tools import PAINTING, Tool
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import count_of

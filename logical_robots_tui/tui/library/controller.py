@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.drafts import Draft, Drafts, Key
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import ProgramText
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import ProgramText, Ui
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText

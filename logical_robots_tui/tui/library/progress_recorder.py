@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Program
     from logical_robots_tui.progress import Bests, LevelRecord, Measures, Version
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.level import SecondGoal
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Permissions, Ui
+    from logical_robots_tui.tui.app.session_state import Permissions, Ui
     from logical_robots_tui.tui.program.pane import ProgramPane
 
 _LONGEST = 30

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Source
     from logical_robots_tui.game.drafts import Drafts, Key
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import Ui
 
 State = TypeVar("State")
 

@@ -5,9 +5,12 @@ If a release moves them, `test_textual_internals.py` names which.
 
 from __future__ import annotations
 
+import asyncio
 import string
-from typing import TYPE_CHECKING
+from collections import deque
+from typing import TYPE_CHECKING, Any
 
+from textual import events
 from textual._context import active_app
 from textual.keys import _character_to_key
 
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
     from textual.app import App
     from textual.dom import DOMNode
     from textual.geometry import Region
+    from textual.message_pump import MessagePump
     from textual.screen import Screen
     from textual.strip import Strip
     from textual.widget import Widget
@@ -48,3 +52,95 @@ def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
 def handle_exception(app: App[object], error: Exception) -> None:
     """End an app with an error, as if a message handler had raised it."""
     app._handle_exception(error)
+
+
+_LONGEST = 0.5  # seconds that a key may delay the next ones
+_ROUNDS = 3  # rounds of the event loop after which a worker has opened its dialog
+
+
+class KeyQueue:
+    """Holds keys back while an earlier one is being handled.
+
+    Textual sends fast keys to the current focus, so those for a dialog would reach the screen
+    below.
+    """
+
+    def __init__(self, app: App[None]) -> None:
+        self._app = app
+        self._waiting: deque[events.Key | events.Paste] = deque()
+        self._number = 0  # of the key being handled
+        self._answering = False
+        self._typed_into: Widget | None = None  # has perhaps not taken its text yet
+
+    @property
+    def waiting(self) -> int:
+        return len(self._waiting)
+
+    def forget(self) -> None:
+        self._waiting.clear()
+
+    def must_wait(self, event: events.Key | events.Paste) -> bool:
+        """Return whether an event is held back; if so, it is sent again in its turn."""
+        if self._answering:
+            self._waiting.append(event)
+            return True
+        before = self._typed_into
+        if before is None or self._is_text(event) or not self._has_priority(event):
+            return False
+        # It would come before the text that was typed for the focused widget.
+        self._typed_into = None
+        self._waiting.appendleft(event)
+        self._hold()
+        before.call_later(self._later, self._end, self._number)
+        return True
+
+    def begin(self, event: events.Key | events.Paste) -> None:
+        """Hold back events until the one just sent to the focus has been handled."""
+        focused = self._app.focused
+        if self._is_text(event):
+            self._typed_into = focused
+            return  # text never opens a dialog
+        screen = self._app.screen
+        self._hold()
+        self._follow(focused or screen, screen, self._number)
+
+    def _is_text(self, event: events.Key | events.Paste) -> bool:
+        focused = self._app.focused
+        return isinstance(event, events.Paste) or (
+            focused is not None and focused.check_consume_key(event.key, event.character)
+        )
+
+    def _has_priority(self, event: events.Key | events.Paste) -> bool:
+        assert isinstance(event, events.Key)
+        active = self._app.screen.active_bindings.get(event.key)
+        return active is not None and active.binding.priority
+
+    def _hold(self) -> None:
+        self._answering = True
+        self._number += 1
+        asyncio.get_running_loop().call_later(_LONGEST, self._later, self._end, self._number)
+
+    def _later(self, *what: Any) -> None:
+        self._app.call_later(*what)
+
+    def _follow(self, node: MessagePump | None, screen: Screen[Any], number: int) -> None:
+        """Wait while the key bubbles from the focus up to the app."""
+        if node is None or node is self._app:
+            self._later(self._arrive, screen, number)
+        elif not node.call_later(self._follow, node._parent, screen, number):
+            self._follow(node._parent, screen, number)
+
+    async def _arrive(self, screen: Screen[Any], number: int) -> None:
+        """Wait until a dialog opened by the key has the focus."""
+        for _ in range(_ROUNDS):
+            await asyncio.sleep(0)
+        now = self._app.screen
+        if now is screen or not now.call_after_refresh(self._later, self._end, number):
+            await self._end(number)
+
+    async def _end(self, number: int) -> None:
+        if number != self._number:
+            return
+        self._answering = False
+        while self._waiting and not self._answering:
+            await self._app.on_event(self._waiting.popleft())

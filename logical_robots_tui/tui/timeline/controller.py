@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Game, Hit, MarkKind, SearchResult
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import Ui
 
 _SOUGHT: tuple[MarkKind, ...] = (
     "victory",

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.ui import Ui
+    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.world import Level
 
 

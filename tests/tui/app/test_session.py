@@ -12,11 +12,10 @@ from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_state import SessionListener
-from logical_robots_tui.tui.app.ui import Ui
+from logical_robots_tui.tui.app.session_state import SessionListener, Ui
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
+from logical_robots_tui.tui.level_editor.editor import Tool
 from logical_robots_tui.tui.level_editor.mode import EditView
-from logical_robots_tui.tui.level_editor.tools import Tool
 from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.tui.app.ui import Work
+    from logical_robots_tui.tui.app.session_state import Work
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.world import Level
 

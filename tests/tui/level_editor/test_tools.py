@@ -10,8 +10,8 @@ import pytest
 
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.tui.layout.command_bar import CommandBar
+from logical_robots_tui.tui.level_editor.editor import Tool
 from logical_robots_tui.tui.level_editor.panel import InfoLine, ToolLine
-from logical_robots_tui.tui.level_editor.tools import Tool
 from tests.tui.level_editor.conftest import studio
 
 if TYPE_CHECKING:
