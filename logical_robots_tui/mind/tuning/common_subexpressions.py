@@ -7,6 +7,8 @@ query of their own that SQLite keeps::
     WITH t_0_shared AS MATERIALIZED (SELECT s.id AS c0, (SELECT ...) AS c1 FROM Sensor AS s)
     SELECT ... t_0_shared.c1 ... t_0_shared.c1 ... FROM t_0_shared
 
+SQLite need not even keep the rows that the result alone reads, but passes them on as they come.
+
 A record or list that passes through such a query loses SQLite's mark that it is JSON; the mark is
 restored where it matters.
 """
@@ -43,6 +45,25 @@ def share(tree: exp.Query) -> None:
         while (added := _share(tree, current, f"{_NAME}_{number}")) is not None:
             number += 1
             current = added
+
+
+def stream(tree: exp.Query) -> None:
+    """Stream shared expressions into the result instead of materialising them.
+
+    A limit in the one query and a condition in the other keep SQLite from merging them again.
+    """
+    named = tree.args.get("with_")
+    queries = {query.alias: query for query in named.expressions} if named else {}
+    select: exp.Expr = tree
+    while isinstance(select, exp.Select) and len(names := [*sql.sources(select)]) == 1:
+        query = queries.get(names[0])
+        if query is None or not is_shared(query.alias):
+            return
+        query.set("materialized", False)
+        query.this.set("limit", exp.Limit(expression=exp.Neg(this=exp.Literal.number(1))))
+        if not select.args.get("where"):
+            select.set("where", exp.Where(this=exp.Literal.number(1)))
+        select = query.this
 
 
 def is_shared(name: str) -> bool:

@@ -227,6 +227,8 @@ def _result_of(work: Rewriting) -> Tuned:
         read["Memory"] = columns.name_fields(read["Memory"], work.known.fields)
     if work.items:
         read["Item"] = work.items
+    for query in filter(None, (*work.queries, *work.crowd)):
+        common_subexpressions.stream(query)
     few, crowd = _texts(work.queries), _texts(work.crowd)
     others = crowd if crowd != few else ()
     return Tuned(few[0], bounds, read, work.result, few[1], few[2], others)
