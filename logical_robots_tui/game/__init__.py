@@ -6,7 +6,7 @@ from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import start_frame
-    from logical_robots_tui.game.continuing import Pace, Place, place_of
+    from logical_robots_tui.game.continuing import Place, place_of
     from logical_robots_tui.game.debugging.breakpoints import (
         EVENTS,
         Breakpoint,
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.course import Difference, Divergence
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.history.marks import MARK_KINDS, Mark, MarkKind
+    from logical_robots_tui.game.pace import Pace
     from logical_robots_tui.game.run import Run, run_key
     from logical_robots_tui.game.source import (
         Source,
@@ -66,7 +67,8 @@ _NAMES = {
     "debugging.origin": "Link Origin origin_in_game origin_in_run read_path",
     "history.course": "Difference Divergence",
     "debugging.pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
-    "continuing": "Pace Place place_of",
+    "continuing": "Place place_of",
+    "pace": "Pace",
     "victory": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
     "source": "Source compile_program list_programs load_program mistake_in_question save_program",

@@ -15,11 +15,11 @@ from logical_robots_tui.game.advancing import (
     is_thought_alike,
     start_frame,
 )
-from logical_robots_tui.game.continuing import Pace
 from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, mistake_in
 from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
+from logical_robots_tui.game.pace import Pace
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, Stopped
 

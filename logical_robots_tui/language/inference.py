@@ -191,14 +191,6 @@ class Inference:
         match node:
             case tree.Variable():
                 return scope.get(node.name, Plain.ANY)
-            case tree.Number():
-                return Plain.REAL
-            case tree.Text():
-                return Plain.TEXT
-            case tree.Boolean():
-                return Plain.TRUTH
-            case tree.Null():
-                return Plain.NULL
             case tree.Record():
                 parts = {each.field: self._value(each, scope) for each in node.arguments}
                 if REST in parts:

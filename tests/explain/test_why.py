@@ -342,6 +342,6 @@ def test_an_unknown_robot_or_predicate_is_named() -> None:
 
 
 def test_a_predicate_that_fails_says_so() -> None:
-    text = f'Bad(x) :- x in [1], y == Upper("text"), y.field == 1; Bad(2);{REST}'
+    text = f'Bad(x) :- x in [1], y == "text", y.field == 1; Bad(2);{REST}'
     with pytest.raises(QueryError, match="neither a record nor a list"):
         why(text, "Bad")

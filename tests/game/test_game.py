@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Frame, Game, NoSuchTickError, Superseded
-from logical_robots_tui.game.continuing import FLAT_OUT, Pace
+from logical_robots_tui.game.pace import FLAT_OUT, Pace
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.mind.limits import Limits
 from tests.game.playing import COUNTER, SLOW, game, hall

@@ -23,7 +23,7 @@ from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-from logical_robots_tui.tui.labyrinth.results import VictoryAnnouncer
+from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
 from logical_robots_tui.tui.layout.arrangement import (
     LEAST_HEIGHT,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game.continuing import FLAT_OUT
+from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.paths import shipped_folder
 from tests.tui.conftest import opened

@@ -85,7 +85,7 @@ async def test_a_question_that_fails_says_so(data_dir: Path, short: Path) -> Non
     async with playing(data_dir, short) as game:
         await run_to(game, 12)
         await game.press("left_parenthesis")
-        await search(game, 'x in [Upper("a")], x.field == 2')
+        await search(game, 'x in ["a"], x.field == 2')
         said = "It failed in some: Tick 0: This failed:"
         # The toast wraps its text; the message does not.
         await game.until(lambda: any(said in each.message for each in game.app._notifications))
