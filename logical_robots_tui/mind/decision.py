@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of
+from logical_robots_tui.mind.sqlite.stored import size_of, to_json
+from logical_robots_tui.schema import DESIRE
+from logical_robots_tui.values import Desire, Value
+
 if TYPE_CHECKING:
-    from logical_robots_tui.values import Desire, Value
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from logical_robots_tui.mind.asking import Asking
+    from logical_robots_tui.mind.limits import Limits
+    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+    from logical_robots_tui.values import Value
+
 
 NoticeKind: TypeAlias = Literal[
     "no row",
@@ -55,3 +69,144 @@ class Decision:
     def is_reliable(self) -> bool:
         """Whether it is the same on any machine: no time limit or lack of memory affected it."""
         return not any(notice.kind in UNRELIABLE for notice in self.notices)
+
+
+def note_stranger(name: Value, notices: list[Notice]) -> None:
+    """Note, once, a row of `Robot` for a robot that is not in the level."""
+    if any(n.kind in ("null name", "unknown robot") for n in notices):
+        return
+    if name is None:
+        notices.append(Notice("null name", "Robot has a row whose robot_name is null."))
+    else:
+        notices.append(Notice("unknown robot", f"Robot has a row for {name!r}, who is not here."))
+
+
+def decide(
+    name: str,
+    rows: Sequence[Mapping[str, Value]],
+    memory: Value,
+    known: Sequence[Notice],
+    limits: Limits,
+    heaviest: int,
+) -> Decision:
+    """Return the decision from the rows of `Robot` for one robot; the last of several counts."""
+    notices = [*known]
+    if not rows:
+        if not any(n.kind in ("failed", "late") for n in notices):
+            notices.append(Notice("no row", f"Robot has no row for {name}: engines stop."))
+        return Decision(name, None, memory, tuple(notices))
+    if len(rows) > 1:
+        notices.append(
+            Notice("several rows", f"Robot has {len(rows)} rows for {name}: the last one counts.")
+        )
+    row = rows[-1]
+    if "memory" not in row:
+        notices.append(Notice("no memory", "Robot has no memory column: the memory is unchanged."))
+        return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
+    new = row["memory"]
+    size = size_of(new)
+    weight = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
+    if size > limits.memory_bytes:
+        too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
+    elif weight > heaviest and (weight := weight_of(new, heaviest)) > heaviest:
+        too_much = (
+            f"takes more than the {heaviest:,} bytes available to each robot, "
+            "counting its records and lists"
+        )
+    else:
+        return Decision(name, _desire(row.get("desire"), notices), new, tuple(notices), weight)
+    said = f"The new memory {too_much}: the memory is unchanged."
+    notices.append(Notice("no memory", said))
+    return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
+
+
+def _desire(value: Value, notices: list[Notice]) -> Desire | None:
+    if not isinstance(value, dict):
+        what = "null" if value is None else "not a record"
+        notices.append(Notice("bad engine", f"The desire is {what}: engines stop."))
+        return None
+    left, right = value.get("left_engine"), value.get("right_engine")
+    if left.__class__ is float and right.__class__ is float and math.isfinite(left + right):
+        return Desire(left, right)
+    engines = {}
+    for engine in DESIRE.names:
+        power = _power(value.get(engine))
+        if power is None:
+            what = _short(value[engine]) if engine in value else "missing"
+            notices.append(Notice("bad engine", f"{engine} is {what}: it stops."))
+        engines[engine] = power or 0.0
+    return Desire(**engines)
+
+
+_SPELLED = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", re.ASCII)
+
+
+def _power(value: Value) -> float | None:
+    """Return a power as a finite number, or None; numeric text counts, as in JavaScript."""
+    if not isinstance(value, (int, float)) and not (
+        isinstance(value, str) and _SPELLED.fullmatch(value)
+    ):
+        return None
+    try:
+        power = float(value)
+    except OverflowError:
+        return None
+    return power if math.isfinite(power) else None
+
+
+def _short(value: Value) -> str:
+    if isinstance(value, float) and math.isinf(value):
+        return "infinite"
+    text = "null" if value is None else to_json(value)
+    return text if len(text) <= 40 else text[:39] + "…"
+
+
+def blame(
+    failure: FailureError,
+    asking: Asking,
+    needed: Iterable[str],
+    moment: Moment,
+    view: View,
+    within: Within,
+) -> Notice:
+    """Find the predicate that failed first, and say so in a notice."""
+    whose = " and ".join(view.viewers[:3])
+    if len(view.viewers) > 3:
+        whose += " and others"
+    if failure.slow:
+        kind: NoticeKind = "late" if failure.late else "failed"
+        return Notice(kind, f"The thought about {whose} failed: {failure}.")
+    culprit, reason = "Robot", str(failure)
+    for predicate in needed:
+        try:
+            asking.rows(predicate, moment, view, within)
+        except FailureError as found:
+            if not found.slow:
+                culprit, reason = predicate, str(found)
+            break
+    alone = [
+        only.viewers[0]
+        for only in moment.one_by_one(view)
+        if _fails(culprit, asking, moment, only, within)
+    ]
+    if 0 < len(alone) <= 3:
+        whose = " and ".join(alone)
+    return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
+
+
+def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: Within) -> bool:
+    try:
+        asking.rows(predicate, moment, view, within)
+    except FailureError:
+        return True
+    return False
+
+
+def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
+    """Yield a notice for each recursion that still changed at its last step."""
+    for predicate, steps in asking.still_grew(moment, view, within):
+        yield Notice(
+            "recursion",
+            f"The recursion of {predicate} was still growing after {steps} steps; "
+            f"later rows are missing. @Recursive({predicate}, N) sets the number of steps.",
+        )

@@ -9,8 +9,14 @@ from typing import TYPE_CHECKING, Literal
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.asking import Asking
-from logical_robots_tui.mind.deciding import blame, cut_offs, decide, note_stranger
-from logical_robots_tui.mind.decision import Decision, Notice
+from logical_robots_tui.mind.decision import (
+    Decision,
+    Notice,
+    blame,
+    cut_offs,
+    decide,
+    note_stranger,
+)
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within

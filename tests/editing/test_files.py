@@ -29,8 +29,8 @@ from logical_robots_tui.world import (
     load_level,
 )
 from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
-from logical_robots_tui.world.levels.web import read_web
 from tests.editing.making import CONFORMANCE, EDITS, SHIPPED, Edit, room
 from tests.world.making import levels
 

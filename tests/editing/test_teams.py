@@ -14,8 +14,8 @@ from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, set_words
 from logical_robots_tui.world import Area, LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
-from logical_robots_tui.world.levels.web import read_web
 from tests.editing.test_files import read
 from tests.world.test_scoring import matches
 

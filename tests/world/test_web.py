@@ -19,8 +19,8 @@ from logical_robots_tui.world import (
     World,
     load_level,
 )
+from logical_robots_tui.world.levels.load import read_web
 from logical_robots_tui.world.levels.native import read_native
-from logical_robots_tui.world.levels.web import read_web
 
 from .records import LEVELS
 
