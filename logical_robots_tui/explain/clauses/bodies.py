@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import typing
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.explain.why import probing
 from logical_robots_tui.explain.why.probing import Span
@@ -43,7 +44,7 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.schema import VALUE
+from logical_robots_tui.schema import INPUTS, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
@@ -52,6 +53,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.language.source_text import Prepared
     from logical_robots_tui.language.tree import Node, Proposition, Tree
 
+
+PartKind: TypeAlias = typing.Literal["call", "condition", "value", "element", "denial"]
+"""The kinds of a body's parts: a condition only tests, a value is an equation."""
 
 _OPENS = {"(": ")", "[": "]", "{": "}"}
 _FALSE = Boolean("false")
@@ -154,6 +158,28 @@ def parameters(rule: Rule) -> list[tuple[str, str]] | None:
             return None
         found.append((each.column, variable))
     return found
+
+
+def part_kind(part: Proposition, own: Container[str]) -> PartKind:
+    """Return what a part of a body does; `own` holds the program's predicates."""
+    if isinstance(part, Membership):
+        return "element"
+    if equation_sides(part) is not None:
+        return "value"
+    name = part.name if isinstance(part, Atom) else ""
+    if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
+        return "denial"
+    return "call" if name in INPUTS or name in own else "condition"
+
+
+def binding(part: Proposition, known: Container[str]) -> tuple[str, Expression] | None:
+    """Return the variable that an equation binds, with its value, or None."""
+    sides = equation_sides(part)
+    for pattern, value in (sides, sides[::-1]) if sides else ():
+        name = variable_of(pattern)
+        if name and name not in known and all(each in known for each in variables(value)):
+            return name, value
+    return None
 
 
 def outer_calls(node: Tree, own: Container[str]) -> Iterator[Call | Atom]:
@@ -292,7 +318,7 @@ class Names:
         self.tables = tables
         self.origins = origins
 
-    def is_own(self, name: str) -> bool:
+    def __contains__(self, name: object) -> bool:
         return name in self.functions or name in self.tables
 
     def call(self, name: str, arguments: Mapping[str, str]) -> probing.Call:

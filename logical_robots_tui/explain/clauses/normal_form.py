@@ -7,7 +7,7 @@ separate part of the body, so that its value is computed once.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.explain.clauses.bodies import (
     Scope,
@@ -20,6 +20,7 @@ from logical_robots_tui.explain.clauses.bodies import (
     make_rule,
     names_of,
     outer_aggregates,
+    part_kind,
     parts_of,
     span_of,
     values_in,
@@ -192,7 +193,7 @@ class _ClauseBuilder:
             if is_aggregate(inner):
                 return inner
             inner = rebuild(inner, change)
-            if not isinstance(inner, Function) or not self._names.is_own(inner.name):
+            if not isinstance(inner, Function) or inner.name not in self._names:
                 return inner
             name = f"{_AUXILIARY}{len(self._calls)}"
             self._calls[name] = inner
@@ -210,32 +211,18 @@ class _ClauseBuilder:
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
         new = sorted(name for name in after - known if not name.startswith(_AUXILIARY))
         gives = {name: self._column(Variable(name)) for name in new}
-        kind = self._kind(part)
+        kind = part_kind(part, self._names)
         span = self._builder.span(part)
-        if isinstance(part, Atom) and kind in ("call", "function"):
+        if isinstance(part, Atom) and kind == "call":
             called, reads = self._call(part), self._reads(part)
-            value = next(values_in(part, VALUE), None)
-            if kind == "function" and value is not None:
-                span = self._builder.span(self._calls[variable_of(value)])
+            function = self._calls.get(variable_of(next(values_in(part, VALUE), None)))
+            if function is not None:
+                return Step("function", self._builder.span(function), "", gives, call=called)
             return Step(kind, span, "", gives, call=called, reads=reads)
         if kind == "denial":
             (denied,) = outer_aggregates(part)
             return Step(kind, span, "", gives, denied=self._inner(denied))
         return Step(kind, span, "", gives, tuple(map(self._term, self._shown(part))))
-
-    def _kind(
-        self, part: Proposition
-    ) -> Literal["call", "condition", "value", "element", "denial", "function"]:
-        if isinstance(part, Membership):
-            return "element"
-        if equation_sides(part) is not None:
-            return "value"
-        name = part.name if isinstance(part, Atom) else ""
-        if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
-            return "denial"
-        if name in INPUTS or self._names.is_own(name):
-            return "function" if self._is_call(next(values_in(part, VALUE), None)) else "call"
-        return "condition"
 
     @staticmethod
     def _shown(part: Proposition) -> Sequence[Expression]:

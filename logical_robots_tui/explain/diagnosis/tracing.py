@@ -9,10 +9,12 @@ from logical_robots_tui.explain.clauses.bodies import (
     EVERY_COLUMN,
     Scope,
     as_expression,
+    binding,
     comparison_of,
     in_order,
     outer_calls,
     parameters,
+    part_kind,
 )
 from logical_robots_tui.explain.diagnosis.sites import Field
 from logical_robots_tui.explain.diagnosis.watching import At, Segment, Stands, Trail, Watching
@@ -44,7 +46,7 @@ from logical_robots_tui.language.tree import (
     variable_of,
     variables,
 )
-from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.schema import VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -292,21 +294,24 @@ class Tracer(ValueTracing):
         return None if left else at
 
     def _part(self, part: Proposition, at: At, known: frozenset[str]) -> At:
-        name = part.name if isinstance(part, Atom) else ""
-        if self._is_condition(part, at.known):
+        kind, bound = part_kind(part, self._own), binding(part, at.known)
+        is_test = kind in ("condition", "denial") or (kind == "value" and bound is None)
+        if is_test and not self._relations(part) and variables(part) <= at.known:
             column = self._truth(
-                as_expression(part), at, "denial" if name == "IsNull" else "condition"
+                as_expression(part), at, "denial" if kind == "denial" else "condition"
             )
             if column < 0:
                 return self._next(at, -1, substitute(part, at.given))
             at.trail.filters = (*at.trail.filters, column)
             return replace(at.when(column, holds=True), known=known)
-        pair = self._bound(part, at.known)
-        if pair is not None and not self._relations(pair[1]):
-            self._value(pair[1], at, is_leaf=pair[0] in self._leaves)
-            self._remember(pair[0], pair[1], at)
+        if bound is not None and not self._relations(bound[1]):
+            name, value = bound
+            self._value(value, at, is_leaf=name in self._leaves)
+            if self._is_memory(value, at):
+                self._memories.add(self._called(name, at))
             at.trail.segment.body.append(substitute(part, at.given))
             return replace(at, known=known)
+        name = part.name if isinstance(part, Atom) else ""
         if isinstance(part, Atom) and (inner := self._condition_of(part, at)) is not None:
             rule, within = inner
             done = self._parts(conjuncts(rule.body), within)
@@ -352,29 +357,6 @@ class Tracer(ValueTracing):
             return None
         found = self._entered(rules[0], atom, at)
         return None if found is None else (rules[0], found)
-
-    def _is_condition(self, part: Proposition, known: frozenset[str]) -> bool:
-        if self._relations(part):
-            return False
-        pair = equation_sides(part)
-        if pair is not None:
-            return variables(pair) <= known
-        return isinstance(part, Atom) and part.name not in self._own and part.name not in INPUTS
-
-    def _bound(self, part: Proposition, known: frozenset[str]) -> tuple[str, Expression] | None:
-        pair = equation_sides(part)
-        if pair is None:
-            return None
-        left, right = pair
-        for pattern, value in ((left, right), (right, left)):
-            name = variable_of(pattern)
-            if name and name not in known and variables(value) <= known:
-                return name, value
-        return None
-
-    def _remember(self, name: str, value: Expression, at: At) -> None:
-        if self._is_memory(value, at):
-            self._memories.add(self._called(name, at))
 
     def _relations(self, node: Tree) -> list[Call | Atom]:
         """Return the calls in a tree of predicates that may have no row, outside aggregates."""
