@@ -12,6 +12,7 @@ from functools import cmp_to_key, lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, check_long
+from logical_robots_tui.mind.sqlite.functions import nested_texts
 from logical_robots_tui.mind.sqlite.stored import to_input, to_json
 
 if TYPE_CHECKING:
@@ -170,15 +171,31 @@ def _type_of(example: Any) -> Any:
 def _cast(value: Any, wanted: Any) -> Any:
     if value is None:
         return None
-    if isinstance(wanted, dict):
-        record = _parse(value)
-        if not isinstance(record, dict):
-            return None
-        return {field: _cast(record.get(field), wanted[field]) for field in wanted}
+    if not isinstance(wanted, dict | list):
+        return _CASTS[wanted](value)
+    parts = _parse(value)
+    if parts is None and isinstance(value, str):
+        return _cast_spelled(value, wanted)
+    if isinstance(wanted, dict) and isinstance(parts, dict):
+        return {field: _cast(parts.get(field), wanted[field]) for field in wanted}
+    if isinstance(wanted, list) and isinstance(parts, list):
+        return [_cast(part, wanted[0]) for part in parts]
+    return None
+
+
+def _cast_spelled(text: str, wanted: Any) -> Any:
+    """Convert a record or list as DuckDB spells it; its parts are texts, whatever they spell."""
+
+    def part(value: str | None, wanted: Any) -> Any:
+        return value if wanted in ("Str", "Any") else _cast(value, wanted)
+
     if isinstance(wanted, list):
-        items = _parse(value)
-        return [_cast(i, wanted[0]) for i in items] if isinstance(items, list) else None
-    return _CASTS[wanted](value)
+        items = nested_texts.read_list(text)
+        return None if items is None else [part(item, wanted[0]) for item in items]
+    fields = nested_texts.read_record(text)
+    if fields is None or not fields.keys() <= wanted.keys():
+        return None  # as on DuckDB
+    return {name: part(fields.get(name), of) for name, of in wanted.items()}
 
 
 def _parse(value: Any) -> Any:
@@ -211,9 +228,13 @@ def _whole(value: Any) -> int | None:
 def _truth(value: Any) -> bool | None:
     if isinstance(value, int | float):
         return bool(value)
-    spelled = value.lower() if isinstance(value, str) else ""
-    return {"true": True, "t": True, "1": True, "false": False, "f": False, "0": False}.get(spelled)
+    return _TRUTHS.get(value.lower()) if isinstance(value, str) else None
 
+
+_TRUTHS = {
+    **dict.fromkeys(("true", "t", "yes", "y", "1"), True),
+    **dict.fromkeys(("false", "f", "no", "n", "0"), False),
+}
 
 _CASTS: dict[str, Callable[[Any], Any]] = {
     "Any": lambda value: value,
@@ -230,14 +251,14 @@ def _spell(value: Any, *, inside: bool) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
-        fields = (f"'{k}': {_spell(v, inside=True)}" for k, v in value.items())
+        fields = (f"{nested_texts.quote(k)}: {_spell(v, inside=True)}" for k, v in value.items())
         return "{" + ", ".join(fields) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_spell(v, inside=True) for v in value) + "]"
     if isinstance(value, float):
         return _float(value)
     text = str(value)
-    return f"'{text}'" if inside and (not text or text != text.strip()) else text
+    return nested_texts.write(text) if inside else text
 
 
 def _float(value: float) -> str:
