@@ -14,7 +14,7 @@ from logica.parser_py import parse as parser
 
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.package_patches import deep_copy
-from logical_robots_tui.language.source_text import INNER_QUOTE, statements
+from logical_robots_tui.language.source_text import statements, text_meant
 from logical_robots_tui.language.tree import Name, Span
 from logical_robots_tui.schema import VALUE
 
@@ -227,7 +227,7 @@ class _Reader:
         if key == "the_predicate":
             return tree.PredicateName(self._name(inner["predicate_name"]), span=span)
         within, kind = _LITERALS[key]
-        return kind(str(inner[within]).replace(INNER_QUOTE, '"'), span=span)
+        return kind(text_meant(str(inner[within])), span=span)
 
     def _arguments(self, record: Raw) -> tuple[tree.Argument, ...]:
         return tuple(map(self._argument, record["field_value"]))

@@ -29,7 +29,7 @@ from logical_robots_tui.language.signatures import (
     wrong_calls,
 )
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-from logical_robots_tui.language.spelling import TYPES
+from logical_robots_tui.language.spelling import TYPES, written_type
 from logical_robots_tui.language.tree import (
     REST,
     Annotation,
@@ -221,7 +221,7 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
 
 def _types(program: Sequence[Statement]) -> Iterator[str]:
     for call in calls(program):
-        if call.name in ("TryCast", "~"):
+        if call.name in ("Cast", "TryCast", "~"):
             for name in names_used(call.arguments[1:]):
                 if call.name == "~" or name.upper() in TYPES:
                     yield name
@@ -386,10 +386,8 @@ def _missing(robot: str, column: str, others: list[str], text: str) -> Diagnosti
 
 # -- text that the compiler inserts into SQL unchanged ------------------------------------------
 
-_CAST_TYPES = (
-    *("BIGINT", "BOOL", "BOOLEAN", "DOUBLE", "FLOAT", "FLOAT64", "INT", "INT64", "INTEGER"),
-    *("NUMERIC", "REAL", "STRING", "TEXT", "VARCHAR"),
-)
+_TIMES = frozenset({"DATE", "DATETIME", "INTERVAL", "TIME", "TIMESTAMP", "TIMESTAMPTZ"})
+_TYPES_HINT = 'Write Num, Int, Str, Bool, [Num], {count: Num}, or one in quotes: "INTEGER".'
 _PLAIN = re.compile(r"[^'\"`$\\\n]*")  # can't end an SQL text
 _ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IGNORECASE)
 
@@ -398,13 +396,10 @@ def verbatim(
     program: Sequence[Statement], known: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
     for call in calls(program):
-        for argument in call.arguments[1:2] if call.name == "Cast" else ():
-            name = text_of(argument.expression)
-            if name is None or name.strip().upper() not in _CAST_TYPES:
-                shown = "this" if name is None else name[:40]
-                message = f"{shown} is not a type that Cast knows"
-                hint = f"Write one of these in quotes: {', '.join(_CAST_TYPES)}."
-                yield diagnostic_for(text, call.name, message, hint)
+        if call.name in ("Cast", "TryCast"):
+            for argument in call.arguments[1:2]:
+                if argument.expression and (found := _wrong_type(argument.expression, call.name)):
+                    yield diagnostic_for(text, call.name, *found)
     is_within_a_text = any("${" in n.value for n in walk(program) if isinstance(n, Text))
     for each in program:
         if isinstance(each, Functor) and any(map(_is_cast, walk(each))):
@@ -424,6 +419,20 @@ def verbatim(
                 if ordered is not None and (wrong := _wrong_column(ordered, signature)):
                     hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
                     yield diagnostic_for(text, each.name, wrong, hint)
+
+
+def _wrong_type(wanted: Expression, cast: str) -> tuple[str, str] | None:
+    """Return a message and a hint about what should be a type, or in `TryCast` an example."""
+    try:
+        written_type(wanted)
+    except KeyError as error:
+        if error.args[0] in _TIMES:
+            return "robots have no dates and times", "Use sensor.clock, which is a number."
+        if cast == "Cast":
+            name = text_of(wanted)
+            shown = "this" if name is None else name[:40]
+            return f"{shown} is not a type that Cast knows", _TYPES_HINT
+    return None
 
 
 def _wrong_column(columns: str, signature: Signature | None) -> str:

@@ -64,9 +64,7 @@ def explain(
         if message.startswith(what) and (found := where.find(sign, at, end)) >= 0:
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
-    if "'" in source.skeleton[at : at + length]:
-        hint = 'Put text in double quotes: "like this".'
-    elif message == _NO_CONDITION and _FIELD.fullmatch(
+    if message == _NO_CONDITION and _FIELD.fullmatch(
         value := source.original[at : at + length].strip()
     ):
         hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."

@@ -6,6 +6,7 @@ Every change keeps the length of the text, so that offsets are valid in the play
 from __future__ import annotations
 
 import re
+from sys import maxunicode
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from logical_robots_tui.language.diagnostics import Diagnostic
@@ -17,10 +18,19 @@ _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
-_SINGLE_QUOTED = re.compile(r"'[^'\n]*'")
+_SINGLE_QUOTED = re.compile(r"'(?:\\.|[^'\\\n])*'?")
 
-INNER_QUOTE = "\ue022"
-"""The parser's replacement for a double quote in a single-quoted text."""
+# What stands in a text for the parser, which knows no single quotes.
+_INNER_QUOTE = "\ue022"
+_INNER_BACKSLASH = "\ue05c"
+_ESCAPE = re.compile(
+    r"\\(?:x[0-9a-fA-F]{2}|u[0-9a-fA-F]{4}|U[0-9a-fA-F]{8}|[0-7]{1,3}|.)", re.DOTALL
+)
+_ESCAPES = {
+    **dict(zip("abfnrtv", "\a\b\f\n\r\t\v", strict=True)),
+    **{character: character for character in "\\'\""},
+}
+_SURROGATES = (0xD800, 0xDFFF)
 
 
 class Prepared(NamedTuple):
@@ -108,6 +118,11 @@ class _Brackets:
             self._complained = True
             message = f"this text is never closed with {quote}"
             self.report(at, len(token), message, f"Add {quote} at its end.")
+        for found in _ESCAPE.finditer(token) if quote == "'" else ():
+            if _character(found.group()) is None:
+                message = f"{found.group()} stands for no character that a text can hold"
+                hint = r"Write \\ for a backslash, or put the text in double quotes."
+                self.report(at + found.start(), len(found.group()), message, hint)
 
     def see(self, at: int, character: str) -> None:
         if character == ";":
@@ -210,7 +225,30 @@ def _token(source: str, at: int) -> tuple[int, str]:
 def _in_double_quotes(token: str) -> str:
     if token[0] != "'" or len(token) < len("''"):
         return token
-    return '"' + token[1:-1].replace('"', INNER_QUOTE) + '"'
+    return '"' + token[1:-1].replace('"', _INNER_QUOTE).replace("\\", _INNER_BACKSLASH) + '"'
+
+
+def text_meant(parsed: str) -> str:
+    """Return the text that the player wrote, from what the parser read in the prepared one."""
+    text = parsed.replace(_INNER_QUOTE, '"')
+    if _INNER_BACKSLASH not in text:
+        return text
+    escaped = text.replace(_INNER_BACKSLASH, "\\")
+    return _ESCAPE.sub(lambda found: _character(found.group()) or "", escaped)
+
+
+def _character(escape: str) -> str | None:
+    """Return what one of Python's escapes means, or None if no text here can hold it."""
+    letter, digits = escape[1], escape[2:]
+    if letter in _ESCAPES:
+        return _ESCAPES[letter]
+    if letter in "01234567":
+        code = int(escape[1:], 8)
+    elif letter in "xuU" and digits:
+        code = int(digits, 16)
+    else:
+        return None if letter in "xuUN" else escape
+    return chr(code) if 0 < code < _SURROGATES[0] or _SURROGATES[1] < code <= maxunicode else None
 
 
 def _join_braces(text: str, bare: str) -> str:

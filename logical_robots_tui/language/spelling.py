@@ -55,6 +55,7 @@ TYPES = {
     "INTEGER": "Int",
     "NUM": "Num",
     "NUMERIC": "Num",
+    "REAL": "Num",
     "STR": "Str",
     "STRING": "Str",
     "TEXT": "Str",
@@ -62,24 +63,24 @@ TYPES = {
 }
 """Accepted names of types, in upper case, and their name here."""
 
-_CAST_HINT = 'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
+CAST_HINT = 'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
 
 
 def spell_out(program: Iterable[Statement], text: str) -> list[Statement]:
-    """Replace the type in `TryCast` by its text, and `ToString` of a boolean.
+    """Replace the type in a cast by its text, and `ToString` of a boolean.
 
     Raises:
-        ProgramError: A `TryCast` does not have two arguments.
+        ProgramError: A cast does not have two arguments.
     """
 
     def change(node: Node) -> Node:
         node = rebuild(node, change)
         if isinstance(node, Call) and node.name == "ToString" and len(node.arguments) == 1:
             return replace(node, name="TruthToString") if _is_truth(node.arguments[0]) else node
-        if isinstance(node, Call) and node.name == "TryCast":
+        if isinstance(node, Call) and node.name in ("Cast", "TryCast"):
             if len(node.arguments) != 2:
-                message = "TryCast needs a value and an example of the result"
-                raise ProgramError((diagnostic_for(text, node.name, message, _CAST_HINT),))
+                message = f"{node.name} needs a value and an example of the result"
+                raise ProgramError((diagnostic_for(text, node.name, message, CAST_HINT),))
             return _with_type_as_text(node)
         return node
 
@@ -87,16 +88,16 @@ def spell_out(program: Iterable[Statement], text: str) -> list[Statement]:
 
 
 def _with_type_as_text(cast: Call) -> Call:
-    """Pass the type of a `TryCast` as text; in an example, a type becomes a value of that type."""
+    """Pass the type of a cast as text; in an example, a type becomes a value of that type."""
     value, example = cast.arguments
     assert example.expression is not None
     try:
         wanted = Text(
-            json.dumps(_type(example.expression), separators=(",", ":"), ensure_ascii=False)
+            json.dumps(written_type(example.expression), separators=(",", ":"), ensure_ascii=False)
         )
     except KeyError:
         sample = replace(example, value=_with_samples(example.expression))
-        return replace(cast, arguments=(value, sample))
+        return replace(cast, name="TryCast", arguments=(value, sample))
     given = Record((replace(value, field="v"), Argument("t", wanted)))
     return replace(
         cast, name="SqlExpr", arguments=arguments({0: Text("try_cast({v}, {t})"), 1: given})
@@ -126,12 +127,12 @@ def _is_truth(argument: Argument) -> bool:
     return isinstance(value, Boolean) or (isinstance(value, Call) and value.name in TRUTHS)
 
 
-def _type(node: Expression) -> Any:
+def written_type(node: Expression) -> Any:
     """Return a type: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``; else raise KeyError."""
     if isinstance(node, Record):
-        return {str(a.field): _type(a.expression) for a in node.arguments if a.expression}
+        return {str(a.field): written_type(a.expression) for a in node.arguments if a.expression}
     if isinstance(node, List) and len(node.elements) == 1:
-        return [_type(node.elements[0])]
+        return [written_type(node.elements[0])]
     if isinstance(node, PredicateName):
         return TYPES[node.name.upper()]
     if isinstance(node, Text):

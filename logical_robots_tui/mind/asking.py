@@ -71,7 +71,8 @@ class Asking:
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         # All at once: the caller may query something else in between.
         answers = self._quick_answers(self._program.tuned.get(predicate), moment, within)
-        yield from zip(moment.views, answers, strict=False)
+        for view, answer in zip(moment.views, answers, strict=False):
+            yield view, self._with_truths(predicate, answer)
         for view in moment.views[len(answers) :]:
             try:
                 yield view, self.rows(predicate, moment, view, within)
@@ -101,7 +102,7 @@ class Asking:
         columns, rows = self._ask(tuned, sql, moment, view, within)
         if len(rows) > within.rows and not within.cut:
             raise FailureError(f"{predicate} has more than {within.rows:,} rows")
-        return columns, rows
+        return self._with_truths(predicate, (columns, rows))
 
     def plan(
         self, predicate: str, moment: Moment, view: View, within: Within
@@ -145,6 +146,21 @@ class Asking:
             return columns, self._read_all(rows, within)
 
     # -- inside --------------------------------------------------------------------------------
+
+    def _with_truths(self, predicate: str, answer: Answer) -> Answer:
+        """Return an answer with true and false in boolean columns, where SQLite has 1 and 0."""
+        names = self._program.truths.get(predicate)
+        if not names:
+            return answer
+        columns, rows = answer
+        is_truth = [column in names for column in columns]
+        return columns, [
+            tuple(
+                bool(value) if truth and value is not None else value
+                for value, truth in zip(row, is_truth, strict=True)
+            )
+            for row in rows
+        ]
 
     def _ask(
         self, tuned: Tuned | None, sql: str, moment: Moment, view: View, within: Within

@@ -120,6 +120,7 @@ class Program:
             another step would change anything.
         tuned: The queries that could be rewritten for tuned tables, by predicate name; those of
             `recursions` by ``name + " grows"``.
+        truths: The boolean columns of predicates that have some.
         team: The team whose program it is, or "" if all robots think with it.
         teams: The programs of all teams, in order; {} if all robots think with it.
     """
@@ -134,6 +135,7 @@ class Program:
     uses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     tuned: Mapping[str, Tuned] = field(default_factory=dict)
+    truths: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     team: str = ""
     teams: Mapping[str, Program] = field(default_factory=dict)
 

@@ -9,7 +9,7 @@ import pytest
 
 from logical_robots_tui.mind import Limits, Mind, NoticeKind, Program, Stopped
 from logical_robots_tui.mind.sqlite.budget import _watcher
-from logical_robots_tui.values import Desire
+from logical_robots_tui.values import Desire, Value
 from tests.mind.rows import PAPER, ROBOT, remembered, row, think
 from tests.waiting import PATIENCE, until
 
@@ -97,6 +97,27 @@ def test_a_failing_query_is_a_notice_and_keeps_the_memory() -> None:
 
 def test_null_memory_is_a_memory() -> None:
     assert remembered("null", "something") is None
+
+
+@pytest.mark.parametrize(("value", "kept"), [("1 < 2", True), ("!(1 < 2)", False), ("true", True)])
+def test_a_boolean_memory_is_true_or_false(value: str, kept: bool) -> None:
+    assert remembered(value) is kept
+
+
+def test_a_map_that_is_kept_as_text_is_not_forgotten() -> None:
+    rule = """
+    Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: ToString(new)) :-
+      Memory(robot_name:, memory:),
+      old = Coalesce(TryCast(memory, {seen: [""], n: 0}), {seen: ["it's, x"], n: 0}),
+      new = {seen: old.seen ++ ["a b"], n: old.n + 1};
+    """
+    mind = Mind(Program.compile(rule))
+    memories: dict[str, Value] = {"Ada": ""}
+    for _ in range(3):
+        (decision,) = mind.think([row("Ada")], memories)
+        memories["Ada"] = decision.memory
+    mind.close()
+    assert memories["Ada"] == r"{'seen': ['it\'s, x', a b, a b, a b], 'n': 3.0}"
 
 
 def test_a_huge_memory_is_refused_and_the_old_one_kept() -> None:

@@ -79,6 +79,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         warnings=tuple(found),
         needed=needed,
         uses=uses,
+        truths={name: compiled.truths[name] for name in statements if name in compiled.truths},
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
     return program, compiled.trees
@@ -149,6 +150,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         self.steps: dict[str, int] = {}
         self.fixpoints = fixpoints
         self.trees: dict[str, exp.Query] = {}  # by statement
+        self.truths: dict[str, tuple[str, ...]] = {}  # boolean columns by predicate
         self._step_queries: dict[Fixpoint, str] = {}
         super().__init__(rules, **options)
 
@@ -169,7 +171,9 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             sql = f"SELECT * FROM {name}"  # noqa: S608 - a name
         else:
             sql = super().FormattedPredicateSql(name)
-        text, tree = as_on_duckdb(with_fixpoints(sql, self._steps()))
+        text, tree, truths = as_on_duckdb(with_fixpoints(sql, self._steps()))
+        if truths:
+            self.truths[name] = truths
         if tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
             self.trees[text] = tree
         return text

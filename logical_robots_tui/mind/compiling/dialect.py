@@ -40,7 +40,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "Format": "formatted(%s)",
                 "Log": "LN(%s)",
                 "Element": "json_extract({0}, '$[' || CAST({1} AS INTEGER) || ']')",
-                "ToInt64": "CAST(round(%s) AS INTEGER)",
+                "ToInt64": "to_whole(%s)",
                 "ToFloat64": "CAST(%s AS REAL)",
                 "Range": "number_range({0})",
                 "Unique": "unique_list({0})",

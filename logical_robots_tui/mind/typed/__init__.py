@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlglot.errors import SqlglotError
 
+from logical_robots_tui.language.types import Plain
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.typed.reading import Reader
 
@@ -15,13 +16,18 @@ if TYPE_CHECKING:
 __all__ = ["as_on_duckdb"]
 
 
-def as_on_duckdb(statement: str) -> tuple[str, exp.Query | None]:
-    """Make SQLite compute what DuckDB's types imply; return text and tree, None if unreadable."""
+def as_on_duckdb(statement: str) -> tuple[str, exp.Query | None, tuple[str, ...]]:
+    """Make SQLite compute what DuckDB's types imply.
+
+    Returns:
+        The statement, its tree, or None if it can't be read, and its boolean columns.
+    """
     try:
         tree = sql.parse(statement)
         before = tree.copy()
-        Reader().query(tree)
+        columns = Reader().query(tree)
         sql.drop_parentheses(tree)
     except (SqlglotError, ValueError, RecursionError):
-        return statement, None
-    return statement if tree == before else f"{sql.render(tree, pretty=True)};", tree
+        return statement, None, ()
+    truths = tuple(name for name, kind in columns.items() if kind is Plain.TRUTH)
+    return statement if tree == before else f"{sql.render(tree, pretty=True)};", tree, truths

@@ -228,6 +228,13 @@ def _text(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     return found
 
 
+def _to_whole(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    """Round halves away from zero; `to_whole` rounds those of real numbers to even."""
+    if kinds[0] is not Plain.REAL:
+        made.replace(cast(call("ROUND", made.expressions[0].copy()), "INTEGER"))
+    return found
+
+
 def _round(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
     digits = made.expressions[1].unnest() if len(kinds) > 1 else exp.Literal.number(0)
     if not isinstance(digits, exp.Literal):
@@ -292,5 +299,6 @@ _CHANGES = {
     "round": _round,
     "sum": _total,
     "to_text": _text,
+    "to_whole": _to_whole,
     "try_cast_like": _cast_as_example,
 }

@@ -36,7 +36,8 @@ _GIVE: dict[Kind, tuple[str, ...]] = {
     ),
     Plain.WHOLE: (
         *("count", "cume_dist", "dense_rank", "instr", "json_array_length", "length"),
-        *("natural_hash", "ntile", "rank", "row_number", "sign", "unicode", "unicode_of"),
+        *("natural_hash", "ntile", "rank", "row_number", "sign", "to_whole", "unicode"),
+        "unicode_of",
     ),
     Plain.REAL: (
         *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "avg", "cos", "cosh"),
@@ -337,7 +338,10 @@ class Reader:
         if name == "json_extract":
             return changes.extract(call, kinds)
         if name == "try_cast":
-            return parse_spelling(arguments[1].name)
+            wanted = parse_spelling(arguments[1].name)
+            if wanted is Plain.WHOLE and isinstance(kinds[0], Decimal):
+                arguments[0].replace(changes.call("ROUND", arguments[0].copy()))
+            return wanted
         found = result_of(name, kinds)
         return changes.change_call(call, name, kinds, found)
 

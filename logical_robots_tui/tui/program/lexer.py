@@ -33,7 +33,7 @@ _SWITCHES = r"""
     (?P<line_comment>\#.*)
   | (?P<block>/\*)
   | (?P<long>\"\"\")
-  | (?P<string>"(?:[^"\\]|\\.)*"?|'(?:[^'\\]|\\.)*'?|`[^`]*`?)
+  | (?P<string>"[^"]*"?|'(?:[^'\\]|\\.)*'?|`[^`]*`?)
 """
 _SWITCH = re.compile(_SWITCHES, re.VERBOSE)
 """What decides on the state of the next line; far fewer matches than all tokens."""

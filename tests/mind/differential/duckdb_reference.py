@@ -17,7 +17,7 @@ from logica.parser_py import parse
 from logica.type_inference.research import reference_algebra, types_of_builtins
 
 from logical_robots_tui.language import package_patches
-from logical_robots_tui.language.source_text import INNER_QUOTE, prepare
+from logical_robots_tui.language.source_text import prepare, text_meant
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -101,7 +101,7 @@ def _parsed(text: str) -> list[Any]:
         node = waiting.pop()
         if isinstance(node, dict):
             if isinstance(written := node.get("the_string"), str):
-                node["the_string"] = written.replace(INNER_QUOTE, '"')
+                node["the_string"] = text_meant(written)
             waiting += node.values()
         elif isinstance(node, list):
             waiting += node
@@ -138,12 +138,36 @@ def _types_with_try_cast() -> dict[str, Any]:
     return {**_types(), "TryCast": {0: given, 1: wanted, "logica_value": wanted}}
 
 
-def _sql_with_try_cast(self: Any, expression: Any) -> Any:
+def _sql_with_casts(self: Any, expression: Any) -> Any:
     call = expression.get("call", {})
-    if call.get("predicate_name") != "TryCast":
+    if call.get("predicate_name") not in ("Cast", "TryCast"):
         return _to_sql(self, expression)
-    value, example = (fv["value"]["expression"] for fv in call["record"]["field_value"])
-    return f"TRY_CAST({self.ConvertToSql(value)} AS {_in_duckdb(example['type']['the_type'])})"
+    value, wanted = (fv["value"]["expression"] for fv in call["record"]["field_value"])
+    cast = "CAST" if call["predicate_name"] == "Cast" else "TRY_CAST"
+    written = _written_type(wanted)
+    if written is None and cast == "CAST":
+        return _to_sql(self, expression)
+    kind = written or _in_duckdb(wanted["type"]["the_type"])
+    return f"{cast}({self.ConvertToSql(value)} AS {kind})"
+
+
+_TYPES = {"Num": "DOUBLE", "Str": "VARCHAR", "Bool": "BOOLEAN"}
+
+
+def _written_type(node: Any) -> str | None:
+    """A type that is written out, ``{a: Num}``, in DuckDB's words."""
+    if "record" in node:
+        fields = {f["field"]: f["value"]["expression"] for f in node["record"]["field_value"]}
+        kinds = {name: _written_type(of) for name, of in fields.items()}
+        if None in kinds.values():
+            return None
+        written = ", ".join(f'"{name}" {kinds[name]}' for name in sorted(kinds))
+        return f"STRUCT({written})"
+    if "the_list" in node.get("literal", {}):
+        (element,) = node["literal"]["the_list"]["element"] or ({},)
+        return (kind := _written_type(element)) and f"{kind}[]"
+    name = node.get("literal", {}).get("the_predicate", {}).get("predicate_name")
+    return _TYPES.get(name)
 
 
 def _in_duckdb(inferred: Any) -> str:
@@ -157,7 +181,7 @@ def _in_duckdb(inferred: Any) -> str:
         return f"STRUCT({fields})"
     if isinstance(inferred, list):
         return f"{_in_duckdb(inferred[0])}[]"
-    return {"Num": "DOUBLE", "Str": "VARCHAR", "Bool": "BOOLEAN"}[inferred]
+    return _TYPES[inferred]
 
 
 class _Head(dialects.DuckDB):  # type: ignore[misc]  # the package has no types
@@ -173,7 +197,7 @@ package_patches.install()  # the same SQL in a third of the time, see test_packa
 # takes the type from the inference.
 dialects.DIALECTS["duckdb"] = _Head
 _QL.BUILT_IN_FUNCTIONS = {**_QL.BUILT_IN_FUNCTIONS, "TryCast": "TRY_CAST(%s)"}
-_QL.ConvertToSql = _sql_with_try_cast
+_QL.ConvertToSql = _sql_with_casts
 types_of_builtins.TypesOfBultins = _types_with_try_cast
 
 

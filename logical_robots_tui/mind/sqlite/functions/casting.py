@@ -216,12 +216,14 @@ def _number(value: Any) -> float | None:
         return None
 
 
-def _whole(value: Any) -> int | None:
+def whole(value: Any) -> int | None:
+    """Return a value as a whole number: like DuckDB's casts, halves of real numbers to even."""
     if not isinstance(value, int):
         number = _number(value)
         if number is None or not math.isfinite(number):
             return None
-        value = math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
+        away = math.floor(abs(number) + 0.5) * (1 if number >= 0 else -1)
+        value = round(number) if isinstance(value, float) else away
     return int(value) if -_LARGEST <= value < _LARGEST else None
 
 
@@ -239,7 +241,7 @@ _TRUTHS = {
 _CASTS: dict[str, Callable[[Any], Any]] = {
     "Any": lambda value: value,
     "Num": _number,
-    "Int": _whole,
+    "Int": whole,
     "Str": to_text,
     "Bool": _truth,
 }

@@ -35,6 +35,7 @@ from logical_robots_tui.mind.sqlite.functions.casting import (
     try_cast,
     try_cast_like,
     value_as_json,
+    whole,
 )
 from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.stored import to_json
@@ -165,6 +166,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "round_to": (2, texts.round_to),
     "starts_with": (2, lambda text, start: int(text.startswith(start))),
     "to_text": (1, to_text),
+    "to_whole": (1, lambda value: whole(value) or 0),
     "truth_to_text": (1, lambda truth: "true" if truth else "false"),
     "try_cast": (2, try_cast),
     "try_cast_like": (2, try_cast_like),
