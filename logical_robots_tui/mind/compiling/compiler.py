@@ -30,6 +30,7 @@ from logical_robots_tui.language.spelling import expand_rows, spell_out
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
+    DEPTH,
     Fixpoint,
     fixpoints,
     grows,
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.language.tree import Statement
     from logical_robots_tui.mind.compilation import Report
 
-_RECURSION_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _DEEPEST_RECURSION = 200
 _VISIBILITY = {"Memory": ("own", "seen", "all"), "Sensor": ("own", "all")}
 _MOST_DIAGNOSTICS = 25
@@ -151,7 +151,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         self.fixpoints = fixpoints
         self.trees: dict[str, exp.Query] = {}  # by statement
         self.truths: dict[str, tuple[str, ...]] = {}  # boolean columns by predicate
-        self._step_queries: dict[Fixpoint, str] = {}
+        self._step_queries: dict[Fixpoint, tuple[str, ...]] = {}
         super().__init__(rules, **options)
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
@@ -161,16 +161,14 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             if name in statements
         }
         for fixpoint in self.fixpoints:
-            if fixpoint.name in statements:
-                checks[fixpoint.name] = (fixpoint.depth, grows(fixpoint, self._steps()))
+            if any(name in statements for name in fixpoint.names):
+                checks[fixpoint.names[0]] = (fixpoint.depth, grows(fixpoint, self._steps()))
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
         """Return a predicate's SQL with DuckDB's types; raise the package's exceptions."""
-        if any(fixpoint.name == name for fixpoint in self.fixpoints):
-            sql = f"SELECT * FROM {name}"  # noqa: S608 - a name
-        else:
-            sql = super().FormattedPredicateSql(name)
+        iterated = next((each for each in self.fixpoints if name in each.names), None)
+        sql = iterated.all_rows(name) if iterated else super().FormattedPredicateSql(name)
         text, tree, truths = as_on_duckdb(with_fixpoints(sql, self._steps()))
         if truths:
             self.truths[name] = truths
@@ -178,11 +176,11 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
             self.trees[text] = tree
         return text
 
-    def _steps(self) -> dict[Fixpoint, str]:
+    def _steps(self) -> dict[Fixpoint, tuple[str, ...]]:
         if not self._step_queries:
+            compiled = super().FormattedPredicateSql
             self._step_queries = {
-                fixpoint: super(RobotProgram, self).FormattedPredicateSql(fixpoint.step)
-                for fixpoint in self.fixpoints
+                fixpoint: tuple(map(compiled, fixpoint.asked)) for fixpoint in self.fixpoints
             }
         return self._step_queries
 
@@ -193,15 +191,15 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         for options in depths.values():
             options.pop("stop", None)
             if options.get("1") == -1:
-                options["1"] = _RECURSION_DEPTH
+                options["1"] = DEPTH
         unfolding = functors.Functors(rules)
-        recursive, _ = unfolding.RecursiveAnalysis(depths, False, _RECURSION_DEPTH)
+        recursive, _ = unfolding.RecursiveAnalysis(depths, False, DEPTH)
         for name in recursive:
             options = depths.setdefault(name, {})
             options["iterative"] = False
-            options["1"] = min(options.get("1", _RECURSION_DEPTH), _DEEPEST_RECURSION)
+            options["1"] = min(options.get("1", DEPTH), _DEEPEST_RECURSION)
             self.steps[name] = options["1"]
-        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, _RECURSION_DEPTH))
+        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, DEPTH))
 
 
 def _endless(error: BaseException, program: Sequence[Statement], text: str) -> Diagnostic | None:

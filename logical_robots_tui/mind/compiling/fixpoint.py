@@ -1,15 +1,18 @@
 """Recursion by iterating to a fixed point.
 
 The package unrolls a recursion; a step that mentions its predicate twice doubles the SQL
-each time. Here the step is compiled once; one recursive query passes its rows as a list::
+each time. Here a step is compiled once; one recursive query passes its rows as a list::
 
     WITH RECURSIVE
     t_0_steps_of_T AS (
-      SELECT 0 AS step, '[]' AS found, NULL AS before
+      SELECT 0 AS step, '[]' AS found0, NULL AS before
       UNION ALL
-      SELECT step + 1, (SELECT json_group_array(json_array(col0, col1)) FROM (...)), found
-      FROM t_0_steps_of_T WHERE step < 32 AND found IS NOT before),
+      SELECT step + 1, (SELECT json_group_array(json_array(col0, col1)) FROM (...)), found0
+      FROM t_0_steps_of_T WHERE step < 32 AND found0 IS NOT before),
     t_0_T AS (SELECT json_extract(value, '$[0]') AS col0, ... FROM json_each(...))
+
+Of predicates that mention each other, those whose rows are passed cut every circle; the others
+are computed from them within a step.
 """
 
 from __future__ import annotations
@@ -23,34 +26,61 @@ from sqlglot import exp
 
 from logical_robots_tui.language.definitions import functor_names, names_used
 from logical_robots_tui.language.functors import rename
-from logical_robots_tui.language.tree import Annotation, Number, Rule
+from logical_robots_tui.language.tree import (
+    Aggregate,
+    Annotation,
+    List,
+    Number,
+    PredicateName,
+    Rule,
+    text_of,
+    walk,
+)
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from logical_robots_tui.language.tree import Statement
 
-_DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
+DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 _MOST_STEPS = 1_000
-_ABOUT_THE_WHOLE = frozenset({"@Limit", "@OrderBy"})
 
 
 @dataclass(frozen=True, slots=True)
 class Fixpoint:
-    """A predicate that is computed by iterating."""
+    """Predicates that are computed together by iterating.
 
-    name: str
+    Attributes:
+        names: The predicates whose rows are passed from step to step.
+        depth: The most steps after the first one.
+        stop: The predicate that ends the iteration when it has a row, or "".
+        orders: The columns by which some of them are ordered, as in SQL.
+    """
+
+    names: tuple[str, ...]
     depth: int
+    stop: str = ""
+    orders: tuple[tuple[str, str], ...] = ()
 
     @property
-    def before(self) -> str:
-        return f"{self.name}_LastStep"
+    def asked(self) -> tuple[str, ...]:
+        """The predicates whose queries a step needs: one per name, and one for the stop."""
+        return (*map(_next, self.names), *([_next(self.stop)] if self.stop else []))
 
-    @property
-    def step(self) -> str:
-        return f"{self.name}_NextStep"
+    def all_rows(self, name: str) -> str:
+        """Return the query for the final rows of a predicate."""
+        order = dict(self.orders).get(name)
+        return f"SELECT * FROM {name}" + (f" ORDER BY {order}" if order else "")  # noqa: S608 - names
+
+
+def _next(name: str) -> str:
+    return f"{name}_NextStep"
+
+
+def _last(name: str) -> str:
+    return f"{name}_LastStep"
 
 
 def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpoint]]:
@@ -59,151 +89,254 @@ def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpo
     Returns:
         The program, with rules for one step in place of each recursion; and the recursions.
     """
-    statements = list(program)
     own: dict[str, list[Rule]] = {}
-    for each in statements:
+    for each in program:
         if isinstance(each, Rule):
             own.setdefault(str(each.name), []).append(each)
-    uses = {name: {str(c) for c in names_used(mine) if c in own} for name, mine in own.items()}
-    made = functor_names(statements)
-    annotations = [each for each in statements if isinstance(each, Annotation)]
-    ordered = {each.subject for each in annotations if each.name in _ABOUT_THE_WHOLE}
-    times = Counter((each.name, each.subject) for each in annotations)
-    ordered |= {subject for (_, subject), number in times.items() if number > 1}  # an error
-    found: list[Fixpoint] = []
+    search = _Search(program, own)
     for name in own:
-        circle = _circle(name, uses)
-        if (
-            name in circle
-            and not circle & (made | ordered)
-            and not any(circle & _circle(fixpoint.name, uses) for fixpoint in found)
-            and not any(other in _circle(other, uses, without=name) for other in circle - {name})
-            and _begins(name, own, circle)
-        ):
-            fixpoint = Fixpoint(name, min(_depth(name, annotations), _MOST_STEPS))
-            statements = [
-                each
-                for each in statements
-                if (each.subject if isinstance(each, Annotation) else each.name) != name
-            ]
-            statements += _step(fixpoint, circle, own)
-            found.append(fixpoint)
-    return statements, found
+        search.extract(name)
+    return search.statements, search.found
 
 
-def _depth(name: str, annotations: Sequence[Annotation]) -> int:
-    """Return the steps that ``@Recursive`` allows."""
-    for each in reversed(annotations):
-        if each.name == "@Recursive" and each.subject == name and each.values:
-            (steps, *_) = each.values
-            if isinstance(steps, Number) and (depth := int(float(steps.value))) >= 0:
-                return depth
-    return _DEPTH
+class _Search:
+    """Extracts recursions one after the other; `statements` is what is left of the program."""
+
+    def __init__(self, program: Sequence[Statement], own: Mapping[str, list[Rule]]) -> None:
+        self.statements = list(program)
+        self.found: list[Fixpoint] = []
+        self._own = own
+        self._uses = {n: {str(c) for c in names_used(mine) if c in own} for n, mine in own.items()}
+        self._annotations = [each for each in program if isinstance(each, Annotation)]
+        self._done: set[str] = set()
+        made = functor_names(program)
+        times = Counter((each.name, each.subject) for each in self._annotations)
+        limited = {each.subject for each in self._annotations if each.name == "@Limit"}
+        repeated = {subject for (_, subject), number in times.items() if number > 1}  # an error
+        self._excluded = made | limited | repeated
+
+    def extract(self, name: str) -> None:
+        circle = _circle(name, self._uses)
+        if not circle or circle & (self._done | self._excluded):
+            return
+        options = self._options(circle)
+        stop = next((_name_of(o.value) for o in options if o.field == "stop"), "")
+        beside = {
+            str(each.name)
+            for option in options
+            if option.field == "satellites" and isinstance(option.value, List)
+            for each in option.value.elements
+            if isinstance(each, PredicateName) and each.name in self._own
+        }
+        beside |= {
+            other
+            for other in _below(stop, self._uses) - circle - {stop}
+            if circle & _below(other, self._uses)
+        }
+        if not _begins(circle | beside, self._own):
+            return
+        names = (*self._cuts(circle), *sorted(beside - circle))
+        depth = self._depth(options, is_stopped=bool(stop))
+        fixpoint = Fixpoint(names, depth, stop, tuple(self._orders(names)))
+        self.statements = [
+            each
+            for each in self.statements
+            if (each.subject if isinstance(each, Annotation) else each.name) not in names
+            and not (
+                isinstance(each, Annotation)
+                and each.name == "@Recursive"
+                and each.subject in circle
+            )
+        ]
+        self.statements += self._step(fixpoint, circle)
+        self.found.append(fixpoint)
+        self._done |= circle | beside
+
+    def _options(self, circle: Collection[str]) -> list[Any]:
+        """Return the arguments of ``@Recursive`` for any member of a circle."""
+        return [
+            argument
+            for each in self._annotations
+            if each.name == "@Recursive" and each.subject in circle
+            for argument in each.arguments[1:]
+        ]
+
+    def _depth(self, options: Sequence[Any], *, is_stopped: bool) -> int:
+        """Return the steps that ``@Recursive`` allows; -1 stands for as many as it takes."""
+        for option in options:
+            if isinstance(option.value, Number) and option.field == 1:
+                depth = int(float(option.value.value))
+                return min(depth, _MOST_STEPS) if depth >= 0 else _MOST_STEPS
+        return _MOST_STEPS if is_stopped else DEPTH
+
+    def _orders(self, names: Collection[str]) -> Iterator[tuple[str, str]]:
+        for each in self._annotations:
+            if each.name == "@OrderBy" and each.subject in names:
+                columns = ", ".join(filter(None, map(text_of, each.values)))
+                yield each.subject, columns.replace(", DESC", " DESC").replace(", ASC", " ASC")
+
+    def _cuts(self, circle: Collection[str]) -> list[str]:
+        """Return members without which there is no circle, as few as are easily found."""
+        ordered = [name for name in self._own if name in circle]
+        annotated = {each.subject for each in self._annotations if each.name == "@Recursive"}
+        candidates = sorted(ordered, key=lambda name: name not in annotated)
+        for name in candidates:
+            if not self._left(ordered, [name]):
+                return [name]
+        cuts: list[str] = []
+        while left := self._left(candidates, cuts):
+            cuts.append(left[0])
+        return cuts
+
+    def _left(self, names: Sequence[str], cuts: Collection[str]) -> list[str]:
+        """Return the names that still are in a circle."""
+        return [n for n in names if n not in cuts and n in _below(n, self._uses, cuts)]
+
+    def _step(self, fixpoint: Fixpoint, circle: set[str]) -> Iterator[Rule]:
+        copies = {name: f"{name}_For_{fixpoint.asked[0]}" for name in circle}
+        calls = {**copies, **{name: _last(name) for name in fixpoint.names}}
+        heads = {**copies, **dict(zip(fixpoint.names, fixpoint.asked, strict=False))}
+        if fixpoint.stop:
+            heads[fixpoint.stop] = fixpoint.asked[-1]
+        for name, head in heads.items():
+            for rule in self._own.get(name, ()):
+                copied = rename(rule, calls)
+                yield replace(copied, head=replace(copied.head, name=head))
 
 
-def _circle(name: str, uses: Mapping[str, set[str]], without: str = "") -> set[str]:
+def _name_of(value: object) -> str:
+    return str(value.name) if isinstance(value, PredicateName) else ""
+
+
+def _circle(name: str, uses: Mapping[str, set[str]]) -> set[str]:
     """Return the predicates mutually recursive with one, itself included, or none."""
-    below = _below(name, uses, without)
-    return {other for other in below if name in _below(other, uses, without)}
+    below = _below(name, uses)
+    return {other for other in below if name in _below(other, uses)}
 
 
-def _below(name: str, uses: Mapping[str, set[str]], without: str) -> set[str]:
+def _below(name: str, uses: Mapping[str, set[str]], without: Collection[str] = ()) -> set[str]:
     seen: set[str] = set()
-    waiting = [*uses[name]]
+    waiting = [*uses.get(name, ())]
     while waiting:
         other = waiting.pop()
-        if other not in seen and other != without:
+        if other not in seen and other not in without:
             seen.add(other)
             waiting += uses[other]
     return seen
 
 
-def _begins(start: str, own: Mapping[str, list[Rule]], circle: set[str]) -> bool:
-    """Return whether a recursion has a base case."""
-    begun: set[str] = set()
-    while True:
-        waiting = circle - begun
-        found = {
-            name for name in waiting if any(not waiting & {*names_used(rule)} for rule in own[name])
-        }
-        if not found:
-            return start in begun
-        begun |= found
+def _begins(circle: set[str], own: Mapping[str, list[Rule]]) -> bool:
+    """Return whether a member has a rule that needs no rows of the circle."""
+    return any(not circle & _needs(rule) for name in circle for rule in own[name])
 
 
-def _step(fixpoint: Fixpoint, circle: set[str], own: Mapping[str, list[Rule]]) -> Iterator[Rule]:
-    copies = {name: f"{name}_For_{fixpoint.step}" for name in circle}
-    heads = {**copies, fixpoint.name: fixpoint.step}
-    calls = {**copies, fixpoint.name: fixpoint.before}
-    for name in circle:
-        for rule in own[name]:
-            copied = rename(rule, calls)
-            yield replace(copied, head=replace(copied.head, name=heads[name]))
+def _needs(rule: Rule) -> set[str]:
+    """Return the predicates that a rule calls outside aggregates, which may be of nothing."""
+    return {*names_used(rule)} - {
+        name for node in walk(rule) if isinstance(node, Aggregate) for name in names_used(node)
+    }
 
 
-def with_fixpoints(statement: str, steps: Mapping[Fixpoint, str]) -> str:
-    """Add the named queries of iterated predicates; `steps` are in order of dependency."""
-    if not any(fixpoint.name in statement for fixpoint in steps):
+def with_fixpoints(statement: str, steps: Mapping[Fixpoint, Sequence[str]]) -> str:
+    """Add the named queries of iterated predicates to a query that reads some."""
+    names = {name for fixpoint in steps for name in fixpoint.names}
+    if not any(name in statement for name in names):
         return statement
     tree = sql.parse(statement)
-    mentioned = {table.name for table in tree.find_all(exp.Table)}
-    if not any(fixpoint.name in mentioned for fixpoint in steps):
+    if not names & {table.name for table in tree.find_all(exp.Table)}:
         return statement
     return f"{sql.render(_with_steps(tree, steps), pretty=True)};"
 
 
-def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, str]) -> str:
+def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, Sequence[str]]) -> str:
     """Return a query for 1 if the last step of a recursion still changed something, else 0."""
-    last = f"step > {fixpoint.depth} AND found IS NOT before"
-    query = f"SELECT EXISTS (SELECT 1 FROM {STEPS}{fixpoint.name} WHERE {last})"  # noqa: S608 - our own SQL
+    name = f"{STEPS}{fixpoint.names[0]}"
+    last = f"step > {fixpoint.depth} AND {_found(fixpoint, name)} IS NOT before"
+    query = f"SELECT EXISTS (SELECT 1 FROM {name} WHERE {last})"  # noqa: S608 - our own SQL
     return sql.render(_with_steps(sql.parse(query), steps), pretty=True)
 
 
-def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, str]) -> exp.Query:
+def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, Sequence[str]]) -> exp.Query:
     queries: list[exp.Expr] = []
-    for fixpoint, statement in steps.items():
-        queries += _queries(fixpoint, sql.parse(statement))
+    for fixpoint, statements in steps.items():
+        queries += _queries(fixpoint, [sql.parse(statement) for statement in statements])
     named = tree.args.get("with_")
     queries += named.expressions if named else []
     tree.set("with_", exp.With(expressions=queries, recursive=True))
     for fixpoint in steps:
-        _read_instead(tree, fixpoint.name, f"t_0_{fixpoint.name}")
+        for name in fixpoint.names:
+            _read_instead(tree, name, f"t_0_{name}")
     return tree
 
 
-def _read_instead(tree: exp.Query, name: str, other: str) -> None:
-    for table in list(tree.find_all(exp.Table)):
-        if table.name == name:
-            table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
+def _read_instead(tree: exp.Query, name: str, other: str) -> bool:
+    tables = [table for table in tree.find_all(exp.Table) if table.name == name]
+    for table in tables:
+        table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
+    return bool(tables)
 
 
-def _queries(fixpoint: Fixpoint, step: exp.Query) -> list[exp.Expr]:
+def _found(fixpoint: Fixpoint, table: str) -> str:
+    """Return all lists of a step as one value; two steps with the same one are equal."""
+    return " || ".join(f"{table}.found{number}" for number, _ in enumerate(fixpoint.names))
+
+
+def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.Expr]:
     """Return the common table expressions for a recursion's steps and its final rows."""
-    columns = _columns(step)
-    name, before = f"{STEPS}{fixpoint.name}", f"t_0_before_{fixpoint.name}"
-    _read_instead(step, fixpoint.before, before)
-    rows = exp.CTE(
-        this=sql.parse(_rows(columns, f"{name}.found")),
-        alias=exp.TableAlias(this=exp.to_identifier(before)),
-        materialized=True,  # or it would be evaluated again for each joined row
+    name = f"{STEPS}{fixpoint.names[0]}"
+    columns = {each: _columns(query) for each, query in zip(fixpoint.names, asked, strict=False)}
+    for query in asked:
+        _read_last_step(query, name, columns)
+    lists = ", ".join(
+        f"{_as_list(query, columns[each])} AS found{number}"
+        for number, (each, query) in enumerate(zip(fixpoint.names, asked, strict=False))
     )
-    named = step.args.get("with_")
-    step.set("with_", exp.With(expressions=[rows, *(named.expressions if named else [])]))
-    made = ", ".join(f"made.{column}" for column in columns)
-    order = ", ".join(map(str, range(1, len(columns) + 1)))
-    last = f"(SELECT found FROM {name} ORDER BY step DESC LIMIT 1)"  # noqa: S608 - our own SQL
+    nothing = ", ".join(f"'[]' AS found{number}" for number, _ in enumerate(fixpoint.names))
+    goes_on = f"{name}.step <= {fixpoint.depth} AND ({_found(fixpoint, name)}) IS NOT {name}.before"
+    if fixpoint.stop:
+        stopped = f"EXISTS (SELECT 1 FROM ({sql.render(asked[-1])}) AS stop)"  # noqa: S608 - our own SQL
+        goes_on += f" AND ({name}.step = 0 OR NOT {stopped})"
+    rows = ", ".join(
+        f"t_0_{each} AS ({_rows(columns[each], f'({_last_list(name, number)})')})"
+        for number, each in enumerate(fixpoint.names)
+    )
     text = f"""
     WITH {name} AS (
-      SELECT 0 AS step, '[]' AS found, NULL AS before
+      SELECT 0 AS step, {nothing}, NULL AS before
       UNION ALL
-      SELECT {name}.step + 1 AS step,
-        (SELECT json_group_array(json_array({made}))
-         FROM (SELECT * FROM ({sql.render(step)}) AS step ORDER BY {order}) AS made) AS found,
-        {name}.found AS before
-      FROM {name} WHERE ({name}.step <= {fixpoint.depth}) AND ({name}.found IS NOT {name}.before)),
-    t_0_{fixpoint.name} AS ({_rows(columns, last)})
+      SELECT {name}.step + 1 AS step, {lists}, {_found(fixpoint, name)} AS before
+      FROM {name} WHERE {goes_on}),
+    {rows}
     SELECT 1"""  # noqa: S608 - the compiler's own SQL
     return list(sql.parse(text).args["with_"].expressions)
+
+
+def _read_last_step(query: exp.Query, steps: str, columns: Mapping[str, list[str]]) -> None:
+    """Let a query read the rows of the last step from its lists."""
+    tables: list[exp.Expr] = []
+    for number, (name, own) in enumerate(columns.items()):
+        before = f"t_0_before_{name}"
+        if _read_instead(query, _last(name), before):
+            rows = exp.CTE(
+                this=sql.parse(_rows(own, f"{steps}.found{number}")),
+                alias=exp.TableAlias(this=exp.to_identifier(before)),
+                materialized=True,  # or it would be evaluated again for each joined row
+            )
+            tables.append(rows)
+    named = query.args.get("with_")
+    if tables:
+        query.set("with_", exp.With(expressions=[*tables, *(named.expressions if named else [])]))
+
+
+def _as_list(query: exp.Query, columns: Sequence[str]) -> str:
+    made = ", ".join(f"made.{column}" for column in columns)
+    order = ", ".join(map(str, range(1, len(columns) + 1)))
+    ordered = f"SELECT * FROM ({sql.render(query)}) AS step ORDER BY {order}"  # noqa: S608 - our own SQL
+    return f"(SELECT json_group_array(json_array({made})) FROM ({ordered}) AS made)"  # noqa: S608 - our own SQL
+
+
+def _last_list(steps: str, number: int) -> str:
+    return f"SELECT found{number} FROM {steps} ORDER BY step DESC LIMIT 1"  # noqa: S608 - our own SQL
 
 
 def _rows(columns: list[str], listed: str) -> str:
