@@ -6,8 +6,7 @@ import re
 from collections import Counter
 from typing import TYPE_CHECKING, TypeGuard
 
-from logica.compiler import universe
-
+from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
     MAIN,
     built_in_names,
@@ -35,7 +34,6 @@ from logical_robots_tui.language.tree import (
     Annotation,
     Argument,
     Functor,
-    Number,
     PredicateName,
     Record,
     Rule,
@@ -54,22 +52,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.language.diagnostics import Diagnostic
     from logical_robots_tui.language.signatures import Runs, Signature
     from logical_robots_tui.language.tree import Expression, Node, Statement
-
-_CHOSEN_BY_THE_GAME = ("@Engine", "@AttachDatabase", "@Dataset")
-_ANNOTATIONS = frozenset(
-    {
-        "@DefineFlag",
-        "@Ground",
-        "@Limit",
-        "@NoInject",
-        "@NoWith",
-        "@OrderBy",
-        "@Recursive",
-        "@With",
-    }
-)
-IGNORED = frozenset({"@CompileAsTvf"})
-"""Annotations that have no effect here and don't change results elsewhere."""
 
 _OUTSIDE = frozenset(
     [
@@ -101,7 +83,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
     inference = Inference(program, text, parsed.doubtful)
     problems = [
         *parsed.problems,
-        *_annotations(program, text),
+        *check_annotations(program, text),
         *_redefinitions(program, text),
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
@@ -120,51 +102,6 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
 
 
 _FLAG = "FlagValue"  # the value set by @DefineFlag
-
-
-def _annotations(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    ours = _ANNOTATIONS | {"@Visible"}
-    for each in program:
-        if not isinstance(each, Annotation):
-            continue
-        name = each.name
-        if name in _CHOSEN_BY_THE_GAME:
-            yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
-        elif name not in ours | IGNORED:
-            close = closest(name[1:], {o[1:] for o in ours})
-            if name in universe.Annotations.ANNOTATING_PREDICATES:
-                message, hint = f"{name} is for other engines", "Remove this line."
-            elif close:
-                message, hint = f"there is no annotation {name}", f"Did you mean @{close}?"
-            else:
-                message = f"there is no annotation {name} for robots"
-                hint = f"There are {', '.join(sorted(ours))}."
-            yield diagnostic_for(text, name, message, hint)
-        elif name in _ARGUMENTS and not _fits(each, _ARGUMENTS[name][0]):
-            _, message, hint = _ARGUMENTS[name]
-            yield diagnostic_for(text, name, message, hint)
-
-
-_ARGUMENTS: dict[str, tuple[type[Expression], str, str]] = {
-    "@Limit": (Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
-    "@OrderBy": (
-        Text,
-        "@OrderBy needs a predicate and its columns in quotes",
-        'Such as @OrderBy(P, "col0 DESC");',
-    ),
-    "@Recursive": (
-        Number,
-        "@Recursive needs a predicate and a number of steps",
-        "Such as @Recursive(P, 50);",
-    ),
-}
-
-
-def _fits(annotation: Annotation, kind: type[Expression]) -> bool:
-    rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
-    is_enough = bool(rest) or annotation.name == "@Recursive"
-    has_subject = bool(annotation.subject)
-    return has_subject and is_enough and all(isinstance(value, kind) for value in rest)
 
 
 def _redefinitions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:

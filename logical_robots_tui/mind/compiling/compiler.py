@@ -14,7 +14,8 @@ from logica.compiler import dialects, functors, universe
 
 from logical_robots_tui.language import error_messages, package_patches
 from logical_robots_tui.language.adapter import parse, to_package
-from logical_robots_tui.language.checks import IGNORED, check
+from logical_robots_tui.language.annotations import IGNORED
+from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.definitions import (
     MAIN,
     definitions,

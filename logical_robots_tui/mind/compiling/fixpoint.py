@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlglot import exp
 
+from logical_robots_tui.language.annotations import MOST_STEPS
 from logical_robots_tui.language.definitions import functor_names, names_used
 from logical_robots_tui.language.functors import rename
 from logical_robots_tui.language.tree import (
@@ -45,7 +46,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.language.tree import Statement
 
 DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
-_MOST_STEPS = 1_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,8 @@ def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpo
         if isinstance(each, Rule):
             own.setdefault(str(each.name), []).append(each)
     search = _Search(program, own)
-    for name in own:
+    annotated = {each.subject for each in program if isinstance(each, Annotation)}
+    for name in sorted(own, key=lambda name: name not in annotated):  # those may have satellites
         search.extract(name)
     return search.statements, search.found
 
@@ -166,8 +167,8 @@ class _Search:
         for option in options:
             if isinstance(option.value, Number) and option.field == 1:
                 depth = int(float(option.value.value))
-                return min(depth, _MOST_STEPS) if depth >= 0 else _MOST_STEPS
-        return _MOST_STEPS if is_stopped else DEPTH
+                return min(depth, MOST_STEPS) if depth >= 0 else MOST_STEPS
+        return MOST_STEPS if is_stopped else DEPTH
 
     def _orders(self, names: Collection[str]) -> Iterator[tuple[str, str]]:
         for each in self._annotations:
