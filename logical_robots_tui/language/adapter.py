@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse as parser
@@ -29,6 +30,10 @@ Raw: TypeAlias = dict[str, Any]
 """A node of the package."""
 
 _NAME = re.compile(r"[A-Z]\w*")
+_PREDICATE = re.compile(r"`[^`]*`|\w+")
+_OPERATOR = re.compile(r"(?:^|;)\s*(?:-[-+*/%^]-|[\u25c7\u25cb\u2661\u2295\u2297])\s*\(")
+_BESIDE_HEAD = re.compile(r"(?<=[\s)])(order_by|limit)\([^()]*\)")
+_ANNOTATIONS = {"limit": "@Limit", "order_by": "@OrderBy"}
 _MODALITIES = ("couldbe_denoted", "cantbe_denoted", "shouldbe_denoted")
 _LITERALS = {
     "the_number": ("number", tree.Number),
@@ -56,15 +61,18 @@ class Parsed:
 
 def parse(source: Prepared) -> Parsed:
     """Parse every statement that can be parsed."""
-    parser.TOO_MUCH = "too much"  # a program could switch the package's syntax permanently
-    parser.EnactIncantations(source.text)
+    # The package knows operators of one's own after certain words, and from then on for ever.
+    parser.TOO_MUCH = "fun" if _OPERATOR.search(source.skeleton) else "too much"
+    parser.EnactIncantations(source.original)
     found: list[Statement] = []
     problems = list(source.problems)
     doubtful: set[str] = set()
     for start, end in statements(source):
         if not any(start <= place < end for place in source.broken):
             try:
-                found += _parse_statement(source.text, start, end)
+                text, beside = _take_from_head(source, start, end)
+                found += _parse_statement(text, start, end)
+                found += [each for each in beside if each not in found]
                 continue
             except error_messages.COMPLAINTS as error:
                 problems.append(error_messages.explain(error, source, (start, end)))
@@ -102,6 +110,34 @@ def is_rule(source: Prepared) -> bool:
     """Return whether a text has the sign of a rule or of a functor outside of brackets."""
     text = parser.HeritageAwareString(source.text)
     return any(len(parser.Split(text, sign)) > 1 for sign in (":-", ":="))
+
+
+def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[Statement]]:
+    """Return the text with ``order_by(...)`` and ``limit(...)`` of a head blanked, and these.
+
+    They are annotations: ``@OrderBy(P, ...)`` and ``@Limit(P, ...)``.
+    """
+    text, found = source.text, list[tree.Statement]()
+    rule = source.skeleton.find(":-", start, end)
+    predicate = _PREDICATE.match(source.text, start)
+    for word in _BESIDE_HEAD.finditer(source.skeleton, start, end if rule < 0 else rule):
+        if predicate is None or _depth(source.skeleton[start : word.start()]):
+            continue
+        place, stop = word.span()
+        given = source.text[word.end(1) + 1 : stop - 1]
+        annotation = f"{_ANNOTATIONS[word[1]]}({predicate.group()}, {given})"
+        reader = _Reader(annotation, partial(_constant, place), Span(place, stop))
+        found.append(reader.statement(parser.ParseRule(parser.HeritageAwareString(annotation))))
+        text = f"{text[:place]}{' ' * (stop - place)}{text[stop:]}"
+    return text, found
+
+
+def _constant(place: int, _: int) -> int:
+    return place
+
+
+def _depth(text: str) -> int:
+    return sum(text.count(each) for each in "([{") - sum(text.count(each) for each in ")]}")
 
 
 def _parse_statement(text: str, start: int, end: int) -> Iterator[Statement]:

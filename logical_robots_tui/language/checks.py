@@ -167,16 +167,11 @@ def _types(program: Sequence[Statement]) -> Iterator[str]:
 _INSTEAD = {
     "ApproxCountDistinct": "Count",
     "ArrayAgg": "List",
-    "ArrayConcat": "Concat",
-    "ArrayLength": "Size",
-    "ArrayToString": "Join",
-    "CharLength": "Length",
     "FarmFingerprint": "Fingerprint",
     "LogicalAnd": "Min",
     "LogicalOr": "Max",
-    "RegexpContains": "Like",
+    "RegexpContains": "RegexpExtract",
     "SafeDivide": "/",
-    "SomeValue": "AnyValue",
     "String": "ToString",
     "ToJsonString": "RecordAsJson",
 }

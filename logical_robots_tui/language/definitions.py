@@ -56,6 +56,7 @@ Chr(code) = SqlExpr("char({c})", {c: code});
 Ord(text) = SqlExpr("unicode_of({t})", {t: text});
 Num(x) = x;
 Str(x) = x;
+UniqueNumber() = SqlExpr("unique_number()", {});
 """
 """Common predicates that every program may use.
 

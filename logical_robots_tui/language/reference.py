@@ -63,6 +63,7 @@ ExactCount{x :- P(x)} -- the same as Count -- ExactCount{x :- x in [4, 2, 4]} =>
 List{x :- P(x)} -- a list of all values; null if there are none -- \
 List{2 * x :- x in [4, 2]} => [8, 4]
 Set{x :- P(x)} -- a sorted list of the distinct values -- Set{x :- x in [4, 2, 4]} => [2, 4]
+SomeValue{x :- P(x)} -- the same as AnyValue -- SomeValue{x :- x in [3]} => 3
 AnyValue{x :- P(x)} -- any one of the values -- AnyValue{x :- x in [3]} => 3
 ArgMin{x -> y :- P(x, y)} -- the x of the smallest y -- ArgMin{x -> -x :- x in [1, 2]} => 2
 ArgMax{x -> y :- P(x, y)} -- the x of the largest y -- ArgMax{x -> -x :- x in [1, 2]} => 1
@@ -73,7 +74,8 @@ StringAgg{x :- P(x)} -- all texts, separated by commas -- StringAgg{x :- x in ["
 Aggr{f :- P(x)} -- any expression of aggregates -- Aggr{Sum(x) * 2 :- x in [1, 2]} => 6
 P(x, total? += y) distinct :- Q(x, y); -- the sum, in a head or with combine -- \
 (combine += x :- x in [1, 2]) => 3
-P(x, all? ++= list) distinct :- Q(x, list); -- the concatenation, in a head or with combine -- \
+P(x, all? ++= y) distinct :- Q(x, y); -- the lists or texts one after the other, in a head or \
+with combine -- \
 (combine ++= x :- x in [[1], [2]]) => [1, 2]
 P(x, one? 1= y) distinct :- Q(x, y); -- the single value, in a head or with combine -- \
 (combine 1= x :- x in [7]) => 7
@@ -89,6 +91,9 @@ ArgMinK(pairs, k) -- arguments of the k smallest; with braces: Near(x) = ArgMinK
 ArgMinK({arg: "a", value: 1}, 2) => ["a"]
 Arrow(left, right) -- the pair left -> right, also to match one -- \
 Sum{a + b :- p in [{arg: 1, value: 2}], Arrow(a, b) == p} => 3
+ArrayConcat(list, ...) -- the concatenation of lists -- ArrayConcat([1], [2], [3]) => [1, 2, 3]
+ArrayLength(list) -- the same as Size -- ArrayLength([1, 2]) => 2
+ArrayToString(list, between) -- the same as Join -- ArrayToString(["a", "b"], "-") => "a-b"
 Asin(x) -- the angle with this sine, in radians -- Asin(0) => 0
 Asinh(x) -- the inverse of Sinh -- Asinh(0) => 0
 AssembleRecord(pairs) -- a record from a list of pairs name -> value -- \
@@ -96,11 +101,14 @@ AssembleRecord([{arg: "a", value: 1}]) => {"a": 1}
 Atan(x) -- the angle with this tangent, in radians -- Atan(0) => 0
 Atan2(y, x) -- the direction of the point (x, y), in radians -- Atan2(0, 1) => 0
 Atanh(x) -- the inverse of Tanh -- Atanh(0) => 0
-Cast(x, type) -- x converted to an SQL type -- Cast("12", "INTEGER") => 12
+Cast(x, type) -- x as a value of a type, such as Num, Int, {a: Str} or "INTEGER" -- \
+Cast("12", Int) => 12
 Ceil(x) -- x rounded up -- Ceil(1.2) => 2
+CharLength(text) -- the same as Length -- CharLength("abc") => 3
 Chr(code) -- the character with this code point -- Chr(65) => "A"
 Coalesce(x, y, ...) -- the first value that is not null -- Coalesce(null, 5) => 5
 Concat(list, list) -- the concatenation of two lists -- Concat([1], [2]) => [1, 2]
+Constraint(a) -- holds if an expression is true -- Constraint(1 < 2) => true
 Cos(x) -- the cosine of an angle in radians -- Cos(0) => 1
 Cosh(x) -- the hyperbolic cosine -- Cosh(0) => 1
 CumulativeMax(x, [group], [order]) -- the largest up to this row -- CumulativeMax(1, [1], [1]) => 1
@@ -114,6 +122,8 @@ Exp(x) -- e to the power of x -- Exp(0) => 1
 Fingerprint(x) -- the same as NaturalHash -- Fingerprint("a") == Fingerprint("a") => true
 Floor(x) -- x rounded down -- Floor(2.7) => 2
 Format(format, x, ...) -- a text with values inserted, as in printf -- Format("%.2f", 1.5) => "1.50"
+GenerateArray(x, y, step) -- the list of numbers from x to y; step is optional -- \
+GenerateArray(1, 7, 3) => [1, 4, 7]
 Greatest(x, y, ...) -- the largest of its arguments -- Greatest(1, 3, 2) => 3
 If(a, x, y) -- x if a holds, otherwise y -- If(1 < 2, "yes", "no") => "yes"
 Ifnull(x, y) -- x, or y if x is null -- Ifnull(null, 3) => 3
@@ -128,6 +138,7 @@ Ln(x) -- the natural logarithm -- Ln(1) => 0
 Log(x) -- the natural logarithm, the same as Ln; Log10 has base 10 -- Log(1) => 0
 Log10(x) -- the logarithm to base 10 -- Log10(100) => 2
 Lower(text) -- the text in lower case -- Lower("ABC") => "abc"
+Lpad(text, n, fill) -- the text filled on the left to n characters -- Lpad("7", 3, "0") => "007"
 Ltrim(text) -- the text without leading spaces -- Ltrim("  a") => "a"
 Mod(x, y) -- the remainder, with the sign of x -- Mod(7, 3) => 1
 NaturalHash(x) -- an integer hash, always the same for the same value -- \
@@ -138,10 +149,14 @@ Ord(text) -- the code point of the first character -- Ord("A") => 65
 Pow(x, y) -- x to the power of y -- Pow(2, 3) => 8
 Range(n) -- the list of integers from 0 to n - 1 -- Range(3) => [0, 1, 2]
 RecordAsJson(record) -- a record as JSON text -- Length(RecordAsJson({a: 1})) => 7
+RegexpExtract(text, pattern) -- the first match of a regular expression (RE2), or "" -- \
+RegexpExtract("at 12", "[0-9]+") => "12"
+Repeat(text, n) -- the text n times -- Repeat("ab", 2) => "abab"
 Replace(text, old, new) -- the text with every old replaced by new -- \
 Replace("aba", "a", "c") => "cbc"
 Reverse(text) -- the text reversed -- Reverse("abc") => "cba"
 Round(x, digits) -- x rounded; digits is optional -- Round(2.567, 2) => 2.57
+Rpad(text, n, fill) -- the text filled on the right to n characters -- Rpad("7", 3, "0") => "700"
 Rtrim(text) -- the text without trailing spaces -- Rtrim("a  ") => "a"
 Sign(x) -- -1, 0 or 1 -- Sign(-3) => -1
 Sin(x) -- the sine of an angle in radians -- Sin(0) => 0
@@ -151,6 +166,8 @@ Sort(list) -- the list in ascending order -- Sort([3, 1, 2]) => [1, 2, 3]
 Split(text, between) -- the parts of a text between separators -- Split("a,b", ",") => ["a", "b"]
 Sqrt(x) -- the square root; null for a negative number -- Sqrt(16) => 4
 StartsWith(text, start) -- whether a text starts with another -- StartsWith("robot", "rob") => true
+Strpos(text, part) -- where a text contains another, from 1; 0 if nowhere -- \
+Strpos("abc", "c") => 3
 Str(x) -- the text x; also the type of texts -- Str("a") => "a"
 Substr(text, from, count) -- a part of a text; positions start at 1 -- \
 Substr("hello", 2, 3) => "ell"
@@ -163,6 +180,7 @@ Trim(text) -- the text without leading and trailing spaces -- Trim("  a ") => "a
 Trunc(x) -- x without its fraction -- Trunc(2.7) => 2
 TruthToString(a) -- "true" or "false" -- TruthToString(1 < 2) => "true"
 TryCast(x, example) -- x as the type of the example, or null -- TryCast("12", 0) => 12
+UniqueNumber() -- another number at each use -- UniqueNumber() => 1
 Unique(list) -- the distinct elements, sorted -- Unique([2, 1, 2]) => [1, 2]
 Upper(text) -- the text in upper case -- Upper("abc") => "ABC"
 WindowMax(x, [group], [order], n) -- the largest of this row and the n rows before -- \

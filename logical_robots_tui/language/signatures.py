@@ -15,6 +15,7 @@ from logical_robots_tui.language.definitions import (
     prelude,
     reach,
     rules_of,
+    substitutions,
 )
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.language.source_text import diagnostic_for
@@ -81,12 +82,14 @@ def wrong_calls(
     program: Sequence[Statement], known: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
     own = definitions(program)
+    parameters = {name for each in program for name in substitutions(each)}
     used = {MAIN, *reach(own[MAIN], own)} if MAIN in own else {*own}
     for rule in rules_of(program):
         for call in calls(rule):
             name, for_value = call.name, isinstance(call, Call)
             if name in known and not (for_value and is_built_in(name)):
-                yield from _wrong_call(call, known[name], text)
+                is_given = name in parameters
+                yield from _wrong_call(call, known[name], text, is_given_elsewhere=is_given)
                 if for_value and known[name].has_value and rule.name in used:
                     yield from _left_out(call, known[name], text)
             elif (
@@ -117,6 +120,9 @@ def _signature(rule: Rule | Functor) -> Signature | None:
     if REST in columns:
         return None
     positional = sum(isinstance(c, int) for c in columns)
+    while f"col{positional}" in columns:  # an aggregated one needs a name
+        columns.remove(f"col{positional}")
+        positional += 1
     named = frozenset(str(c) for c in columns if isinstance(c, str))
     required = frozenset[int]() if rule.body else _in_value(rule)
     return Signature(positional, named - {VALUE}, VALUE in named, required)
@@ -162,7 +168,9 @@ def _hides_built_in(name: str, first: Rule | Functor, program: Sequence[Statemen
     return ""
 
 
-def _wrong_call(call: Call | Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
+def _wrong_call(
+    call: Call | Atom, signature: Signature, text: str, *, is_given_elsewhere: bool
+) -> Iterator[Diagnostic]:
     name = call.name
     given = [each.field for each in call.arguments]
     positional = sum(isinstance(field, int) for field in given)
@@ -175,7 +183,7 @@ def _wrong_call(call: Call | Atom, signature: Signature, text: str) -> Iterator[
             close = closest(field, signature.named, 0.6)
             hint = f"Did you mean {close}?" if close else _shape(signature)
             yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
-    if isinstance(call, Call) and not signature.has_value:
+    if isinstance(call, Call) and not signature.has_value and not is_given_elsewhere:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is not a function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")

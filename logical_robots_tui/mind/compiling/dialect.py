@@ -31,12 +31,23 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "Join": "join_list({0}, {1})",
                 "Sort": "sort_list({0})",
                 "Agg++": "concat_lists(%s)",
-                "Concat": "concat_two_lists({0}, {1})",
+                "Concat": "concat_some_lists(%s)",
+                "ArrayConcat": "concat_some_lists(%s)",
+                "ArrayLength": "JSON_ARRAY_LENGTH(%s)",
+                "ArrayToString": "join_list(%s)",
+                "GenerateArray": "generate_array(%s)",
+                "CharLength": "LENGTH(%s)",
+                "Lpad": "pad_left(%s)",
+                "RegexpExtract": "regexp_extract(%s)",
+                "Repeat": "repeat_text(%s)",
+                "Rpad": "pad_right(%s)",
+                "Strpos": "instr(%s)",
                 "Split": "split_text(%s)",
                 "If": "IIF(%s)",
                 # MIN, but also for records; it need not be the least of them.
                 "1": "any_value(%s)",
                 "AnyValue": "any_value(%s)",
+                "SomeValue": "any_value(%s)",
                 "Format": "formatted(%s)",
                 "Log": "LN(%s)",
                 "Element": "json_extract({0}, '$[' || CAST({1} AS INTEGER) || ']')",
@@ -90,8 +101,7 @@ _QL = expr_translate.QL
 _SPECIAL = frozenset({"Aggr", "Cast"})
 """Functions that the package compiles without a template."""
 _INTERNAL = frozenset(
-    {"Constraint", "Container", "FlagValue", "MagicalEntangle", "SqlExpr"}
-    | {"ToUInt64", "ValueOfUnnested"}
+    {"Container", "FlagValue", "MagicalEntangle", "SqlExpr"} | {"ToUInt64", "ValueOfUnnested"}
 )
 
 

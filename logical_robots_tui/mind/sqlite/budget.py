@@ -47,7 +47,10 @@ class Budget:
 class Work:
     """Work that can be halted: `halt` is called in another thread repeatedly until it ends."""
 
-    __slots__ = ("_budget", "_halt", "_most_bytes", "_stop", "bytes", "halted", "is_full", "steps")
+    __slots__ = (
+        *("_budget", "_halt", "_most_bytes", "_number", "_stop"),
+        *("bytes", "halted", "is_full", "steps"),
+    )
 
     def __init__(self, halt: Callable[[], None], most_bytes: int = _UNCOUNTED) -> None:
         self._halt = halt
@@ -55,12 +58,14 @@ class Work:
         self._budget = Budget(0, 0.0)
         self._stop: threading.Event | None = None
         self.steps = _UNCOUNTED
+        self._number = 0
         self.is_full = self.halted = False
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
         self._budget = budget
         self._stop = stop
         self.steps = budget.steps
+        self._number = 0
         self.bytes = self._most_bytes
         self.is_full = self.halted = False
         _watcher.add(self)
@@ -82,6 +87,12 @@ class Work:
         """Count some steps of the virtual machine; return whether to stop."""
         self.steps -= STEPS_AT_ONCE
         return self.steps < 0
+
+    def next_number(self) -> int:
+        """Return 1, 2, 3 ... since the work began."""
+        self.charge(STEPS_OF_A_CALL)
+        self._number += 1
+        return self._number
 
     def charge(self, steps: int) -> None:
         """Count the steps of a call; raise TooLargeError if none are left."""

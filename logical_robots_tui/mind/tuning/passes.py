@@ -244,6 +244,8 @@ def _can_be_moved(tree: exp.Expr) -> bool:
         return False
     if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
         return False
+    if any(sql.call_name(call) == "unique_number" for call in tree.find_all(exp.Anonymous)):
+        return False  # each of its calls is another number
     tables = tree.find_all(exp.Table)
     return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
 

@@ -31,13 +31,14 @@ if TYPE_CHECKING:
 _GIVE: dict[Kind, tuple[str, ...]] = {
     Plain.TEXT: (
         *("char", "format", "formatted", "group_concat", "join_list", "lower_text", "ltrim"),
+        *("pad_left", "pad_right", "regexp_extract", "repeat_text"),
         *("replace", "reverse", "rtrim", "string_agg", "substr", "substring", "to_text", "trim"),
         *("truth_to_text", "typeof", "upper_text", "lower", "upper", "decimal_to_text", "printf"),
     ),
     Plain.WHOLE: (
         *("count", "cume_dist", "dense_rank", "instr", "json_array_length", "length"),
         *("natural_hash", "ntile", "rank", "row_number", "sign", "to_whole", "unicode"),
-        "unicode_of",
+        *("unicode_of", "unique_number"),
     ),
     Plain.REAL: (
         *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "avg", "cos", "cosh"),
@@ -57,7 +58,7 @@ _FIRST = frozenset(
     }
 )
 
-_ONE_OF_THEM = frozenset({"coalesce", "concat_two_lists", "greatest", "ifnull", "least"})
+_ONE_OF_THEM = frozenset({"coalesce", "concat_some_lists", "greatest", "ifnull", "least"})
 
 _SHORT_DIGITS = 18
 """Decimal numbers of no more digits are multiplied to one of no more, if that holds the scale."""
@@ -137,6 +138,7 @@ _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     "max": common,
     "min": common,
     "modulo": sum_of,
+    "generate_array": lambda kinds: ListOf(common(kinds)),
     "number_range": lambda _: ListOf(Plain.WHOLE),
     "round": _type_of_round,
     "round_to": _type_of_round,

@@ -64,16 +64,26 @@ class _Distinct:
         return to_json(in_order(self.unique.values())) if self.unique else None
 
 
-class _ConcatLists(_Collect):
-    """`++=`: one list of the elements of all lists."""
+class _Concat(_Collect):
+    """`++=`: one list of the elements of all lists, or one text of all texts."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.texts: list[str] = []
 
     def step(self, value: Scalar) -> int:
         if value is None:
             return 0
+        if isinstance(value, str) and not isinstance(element(value), list):
+            self.texts.append(value)
+            return self.room.take(value)
         items = list_in(value)
         size = self.room.take(value, len(items))
         self.items.extend(items)
         return size
+
+    def finalize(self) -> str | None:
+        return "".join(self.texts) if self.texts else super().finalize()
 
 
 class _Pairs:
@@ -162,7 +172,7 @@ class _AnyValue:
 
 AGGREGATES: dict[str, tuple[int, Callable[[], Aggregate]]] = {
     "list_of_distinct": (1, _Distinct),
-    "concat_lists": (1, _ConcatLists),
+    "concat_lists": (1, _Concat),
     "array_by": (2, _Array),
     "arg_min": (2, _Best),
     "arg_max": (2, partial(_Best, descending=True)),

@@ -99,13 +99,22 @@ def _split(text: str, separator: str) -> str:
     return to_json(text.split(separator) if separator else list(text))
 
 
-def _concat(left: Scalar, right: Scalar) -> str:
-    return to_json(list_in(left) + list_in(right))
+def _concat(*lists: Scalar) -> str:
+    return to_json([item for each in lists for item in list_in(each)])
 
 
 def _range(count: float) -> str:
     check_items(count, MAX_RANGE)
     return to_json(list(range(int(count))))
+
+
+def _generate(first: float, last: float, step: float = 1) -> str:
+    """Return the numbers from `first` to `last`, both included."""
+    if not step:
+        raise ValueError("a step of 0")
+    count = math.floor((last - first) / step) + 1
+    check_items(count, MAX_RANGE)
+    return to_json([first + step * number for number in range(count)])
 
 
 def _hash(value: Scalar) -> int:
@@ -146,7 +155,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "join_list": (2, _join),
     "split_text": (2, _split),
     "sort_list": (1, lambda items: to_json(in_order(list_in(items)))),
-    "concat_two_lists": (2, _concat),
+    "concat_some_lists": (-1, _concat),
     "number_range": (1, _range),
     "natural_hash": (1, _hash),
     "real_as_json": (1, real_as_json),
@@ -158,8 +167,13 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "decimal_to_text": (2, texts.decimal_to_text),
     "divide": (2, _divide),
     "formatted": (-1, texts.format_text),
+    "generate_array": (-1, _generate),
     "ends_with": (2, lambda text, end: int(text.endswith(end))),
     "modulo": (2, _modulo),
+    "pad_left": (-1, texts.pad_left),
+    "pad_right": (-1, texts.pad_right),
+    "regexp_extract": (2, texts.regexp_extract),
+    "repeat_text": (2, texts.repeat),
     "reverse": (1, lambda text: text[::-1]),
     "list_has": (2, _has),
     "lower_text": (1, texts.lower),
@@ -219,14 +233,22 @@ def _searching(items: Any, wanted: Any) -> int:
     return 0
 
 
+def _matching(text: Any, pattern: Any) -> int:
+    """Return the cost of a regular expression, whose states are tried at each character."""
+    return len(text) * len(pattern) // 20 if isinstance(text, str) else 0
+
+
 _EXTRA: dict[str, Callable[..., int]] = {
     "list_has": _searching,
+    "regexp_extract": _matching,
     "sort_list": _sorting,
     "unique_list": _sorting,
 }
 """Further steps of calls whose work is more than proportional to what they take and return."""
 
-NAMES = frozenset({*_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *AGGREGATES, *REPLACED})
+NAMES = frozenset(
+    {"unique_number", *_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *AGGREGATES, *REPLACED}
+)
 """Names of all functions of this module, in lower case as SQLite's authorizer reports them."""
 
 
@@ -249,6 +271,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
 
     for name, (arity, function) in functions.items():
         create(name, arity, function)
+    connection.create_function("unique_number", 0, work.next_number)
     for name, (arities, function) in REPLACED.items():
         for arity in arities:
             create(name, arity, function)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 import sys
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.sqlite.budget import TooLargeError, check_text
@@ -87,7 +88,49 @@ def lower(text: str) -> str:
     return text.lower() if text.isascii() else "".join(c.lower()[:1] for c in text)
 
 
+def repeat(text: str, times: float) -> str:
+    check_text(len(text) * max(0, int(times)))
+    return text * int(times)
+
+
+def pad_left(text: str, length: float, fill: str = " ") -> str:
+    """Return a text of exactly that length: filled on the left, or without its end."""
+    return _filling(text, length, fill) + text[: max(0, int(length))]
+
+
+def pad_right(text: str, length: float, fill: str = " ") -> str:
+    """Return a text of exactly that length: filled on the right, or without its end."""
+    return text[: max(0, int(length))] + _filling(text, length, fill)
+
+
+def _filling(text: str, length: float, fill: str) -> str:
+    check_text(int(length))
+    missing = max(0, int(length) - len(text))
+    if missing and not fill:
+        raise ValueError("nothing to fill with")
+    return (fill * missing)[:missing]
+
+
 _LONGEST_PATTERN = 1_000
+
+
+def regexp_extract(text: str, pattern: str) -> str:
+    """Return the first match of a regular expression of RE2, DuckDB's library, or ""."""
+    if len(pattern) > _LONGEST_PATTERN:
+        raise TooLargeError(f"a pattern of {len(pattern):,} characters")
+    found = _compiled(pattern).search(text)
+    return found.group() if found else ""
+
+
+@lru_cache(maxsize=64)
+def _compiled(pattern: str) -> Any:
+    import re2  # here, because few programs use it
+
+    options = re2.Options()
+    options.log_errors = False
+    return re2.compile(pattern, options)
+
+
 _MOST_TRIMMED = 30
 _MOST_COMPARISONS = 5_000_000
 
