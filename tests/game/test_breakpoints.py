@@ -23,10 +23,10 @@ TEXT = """
 Seen(robot_name:, label: ray.label) distinct :-
   Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "beacon";
 Near(robot_name:) :- Sensor(robot_name:, sensor:), sensor.forward_distance < 50;
-Tens(robot_name:, tens: ToInt64(sensor.clock / 10)) :- Sensor(robot_name:, sensor:);
+Tens(robot_name:, tens: ToInt64(Floor(sensor.clock / 10 + 0.5))) :- Sensor(robot_name:, sensor:);
 Empty(robot_name:) :- Sensor(robot_name:), 1 == 2;
-Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: ToInt64(sensor.clock / 10)) :-
-  Sensor(robot_name:, sensor:), robot_name == "Ada", sensor.clock != 7;
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: tens) :-
+  Tens(robot_name:, tens:), Sensor(robot_name:, sensor:), robot_name == "Ada", sensor.clock != 7;
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "still") :-
   Sensor(robot_name:), robot_name == "Bo";
 """

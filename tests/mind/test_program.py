@@ -41,7 +41,7 @@ def complaint(text: str) -> tuple[int, int, str, str]:
         ("lower(x);", 1, 1, "Robot predicate"),
         ("just some words", 1, 1, "a rule starts with a predicate"),
         (GOOD + "\nimport a.b.C;", 2, 1, "can't import"),
-        ('@Engine("duckdb");\n' + GOOD, 1, 1, "@Engine is chosen by the game"),
+        ('@Dataset("d");\n' + GOOD, 1, 1, "@Dataset is chosen by the game"),
         ('A(1);\n@AttachDatabase("a", "/etc/passwd");\n' + GOOD, 2, 1, "@AttachDatabase is chosen"),
         ("@Sparkle(Robot);\n" + GOOD, 1, 1, "no annotation @Sparkle"),
         ('@Visible(Memory, "some");\n' + GOOD, 1, 1, "not a visibility"),

@@ -194,7 +194,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.until(lambda: game.tick == 21)
         await game.press("C")
         await game.sees("The two futures part in tick 11")
-        for told in ("memory", "here   0", "there  1"):
+        for told in ("memory", "here   false", "there  true"):
             await game.until(lambda told=told: game.shows(told))  # type: ignore[misc]  # a default
         await game.until(lambda: game.shows("What Pip decides differs first in Robot("))
         await game.sees("here   line 2  memory: sensor.clock > 15")
@@ -203,7 +203,7 @@ async def test_the_old_future_is_kept_compared_and_gone_over_to(
         await game.until(lambda: game.app.screen is game.main and game.tick == 11)
         await game.press("F")
         await game.sees("This is the other future.")
-        assert game.session.frame.memories == {"Pip": 1}
+        assert game.session.frame.memories == {"Pip": True}
         assert game.session.program is not None
         assert game.session.program.text == TURNS
         await game.sees("not applied")
