@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse as parser
@@ -126,14 +125,10 @@ def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[S
         place, stop = word.span()
         given = source.text[word.end(1) + 1 : stop - 1]
         annotation = f"{_ANNOTATIONS[word[1]]}({predicate.group()}, {given})"
-        reader = _Reader(annotation, partial(_constant, place), Span(place, stop))
+        reader = _Reader("", whole=Span(place, stop))
         found.append(reader.statement(parser.ParseRule(parser.HeritageAwareString(annotation))))
         text = f"{text[:place]}{' ' * (stop - place)}{text[stop:]}"
     return text, found
-
-
-def _constant(place: int, _: int) -> int:
-    return place
 
 
 def _depth(text: str) -> int:
@@ -198,7 +193,9 @@ class _Reader:
 
     def proposition(self, raw: Raw) -> tree.Proposition:
         if "conjunction" in raw:
-            members = tuple(map(self.proposition, raw["conjunction"]["conjunct"]))
+            read = map(self.proposition, raw["conjunction"]["conjunct"])
+            # The package compiles no conjunction inside another in an aggregate.
+            members = tuple(part for member in read for part in tree.conjuncts(member))
             return tree.Conjunction(members, span=tree.span_of(members))
         if "disjunction" in raw:
             members = tuple(map(self.proposition, raw["disjunction"]["disjunct"]))

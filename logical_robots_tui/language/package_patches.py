@@ -141,6 +141,20 @@ def split(text: parse.HeritageAwareString, separator: str) -> list[parse.Heritag
     return parts
 
 
+_infix = parse.ParseInfix
+
+
+def infix(
+    text: parse.HeritageAwareString, operators: Any = None, disallow_operators: Any = None
+) -> Any:
+    """Parse an expression with an operator; ``a => b`` may be one, as in a body."""
+    if "=>" in text and operators is None and disallow_operators:  # so it is an expression
+        implication = parse.ParsePropositionalImplication(text)
+        if implication:
+            return implication["predicate"]
+    return _infix(text, operators, disallow_operators)
+
+
 _WORDS = """
     add all alter and as autoincrement between case cast check collate commit constraint create
     current_date current_time current_timestamp default deferrable delete distinct drop else escape
@@ -188,6 +202,7 @@ def install() -> None:
     parse.HeritageAwareString.__getitem__ = _item
     parse.Traverse = _traverse_plain
     parse.SplitRaw = split
+    parse.ParseInfix = infix
     rule_translate.ReplaceVariable = replace_variable
     rule_translate.AllMentionedVariables = mentioned_variables
     for module in (dialects, expr_translate, functors, parse, rule_translate, universe):

@@ -49,6 +49,8 @@ x in list -- in a body each element of a list; elsewhere whether x is an element
 x is null -- whether x has no value -- null is null => true
 x is not null -- whether x has a value -- 1 is not null => true
 x -> y -- a pair for ArgMin, ArgMax, Array and WeightedAverage -- (1 -> 2).value => 2
+a => b -- holds unless a holds and b does not; in bodies b has to hold for all x of a -- \
+(x in [1, 2] => x > 0) => true
 ~ P(x) -- holds if P(x) has no rows, or if a condition does not hold -- ~(1 == 2) => true
 if a then x else y -- x if a holds, otherwise y -- (if 1 < 2 then "yes" else "no") => "yes"
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.mind.differential.comparing import here
 from tests.mind.rows import remembered
 
 
@@ -109,3 +110,25 @@ def test_lists_of_records_can_be_searched_by_pattern() -> None:
         "u = e.u, v = e.v, d = e.d;"
     )
     assert remembered('Sum{d :- Edge("Ada", u, v, d)}', memory, rules=rules) == 4.5
+
+
+@pytest.mark.parametrize(
+    ("rules", "expression", "value"),
+    [
+        ('P(x) order_by("col0") limit(2) :- x in [3, 1, 2];', "List{x :- P(x)}", [1, 2]),
+        ('P(x) distinct order_by("col0 DESC") limit(2) :- x in [3, 1, 2];', "Sum{x :- P(x)}", 5),
+        ("P(7) limit(1) :- x in Range(3);", "Sum{x :- P(x)}", 7),
+        ("-+-(left:, right:) = left * 10 + right;", "3 -+- 4", 34),
+        ("⊕(left:, right:) = left ++ right;", "'a' ⊕ 'b'", "ab"),
+    ],
+)
+def test_heads_may_say_their_order_and_limit_and_operators_may_be_defined(
+    rules: str, expression: str, value: object
+) -> None:
+    # The release of the package that stands in for the platform in other tests can't parse these.
+    assert here(f"{rules} Answer(value: ({expression}));") == [(value,)]
+
+
+def test_an_implication_may_stand_in_the_body_of_an_aggregate() -> None:
+    # The platform can't compile this.
+    assert here("Answer(value: Sum{x :- x in [1, 2, 3], (x > 1 => x >= 3)});") == [(4,)]
