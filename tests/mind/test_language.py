@@ -129,6 +129,26 @@ def test_heads_may_say_their_order_and_limit_and_operators_may_be_defined(
     assert here(f"{rules} Answer(value: ({expression}));") == [(value,)]
 
 
+@pytest.mark.parametrize(
+    ("rules", "value"),
+    [
+        ("A(x) :- x in Range(3); B(..r) :- A(..r); Answer(value: Sum{x :- B(x)});", 3),
+        ("A(x) = x + 1 :- x in Range(3); B(..r) :- A(..r); Answer(value: Sum{B(x) :- B(x)});", 6),
+        ("A(c: 1, d: 2); F(..r) :- T(c:, ..r); G := F(T: A); Answer(value: d) :- G(d:);", 2),
+        ("T('a\\n b'); T('c'); Answer(value: Max{Length(x) :- T(x)});", 4),
+    ],
+)
+def test_rows_are_passed_on_whole_and_lines_of_texts_are_not_indented(
+    rules: str, value: object
+) -> None:
+    assert here(rules) == [(value,)]
+
+
+def test_whole_rows_of_positions_can_be_asked_for() -> None:
+    rules = "A(x) :- x in Range(3); B(..r) :- A(..r);"
+    assert sorted(here(rules, "B")) == [(0,), (1,), (2,)]
+
+
 def test_an_implication_may_stand_in_the_body_of_an_aggregate() -> None:
     # The platform can't compile this.
     assert here("Answer(value: Sum{x :- x in [1, 2, 3], (x > 1 => x >= 3)});") == [(4,)]

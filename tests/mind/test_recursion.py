@@ -28,9 +28,16 @@ def test_a_recursion_stops_once_a_predicate_has_a_row(steps: str) -> None:
     assert last(f"@Recursive(A, {steps}, stop: Found); {ONE} Found() :- A(n), n > 5;") == 6
 
 
-def test_what_stops_a_recursion_may_depend_on_what_it_finds_elsewhere() -> None:
-    rules = "Big(n) :- A(n), n > 2; Found() :- Big(n), n * 2 > 9;"
-    assert last(f"@Recursive(A, 50, stop: Found); {ONE} {rules}") == 5
+def test_what_stops_a_recursion_may_compare_a_step_with_the_one_before() -> None:
+    rules = "Before(n) :- A(n); Found() :- Max{n :- A(n)} == Max{n :- Before(n)};"
+    grows = "A(0); A(n + 1) :- A(n), n < 5; A(n + 10) :- A(n), n > 99;"
+    assert last(f"@Recursive(A, 50, stop: Found); {grows} {rules}") == 5
+
+
+def test_a_recursion_that_is_stopped_may_have_another_name() -> None:
+    rules = "Found() :- A(3); Copy := A();"
+    text = f"@Recursive(A, 9, stop: Found); {ONE} {rules} Answer(value: Max{{n :- Copy(n)}});"
+    assert here(text) == [(3,)]
 
 
 @pytest.mark.parametrize("mode", ["diamond", "horizontal", "iterative", "vertical"])

@@ -25,7 +25,7 @@ from logical_robots_tui.language.definitions import (
     reach,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.functors import expand_recursions
+from logical_robots_tui.language.functors import expand_functors
 from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.language.spelling import expand_rows, spell_out
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
@@ -105,7 +105,7 @@ def compile_statements(program: Sequence[Statement], source: Prepared) -> RobotP
         ProgramError: They can't be compiled.
     """
     try:
-        expanded = expand_rows(expand_recursions([*program]))
+        expanded = expand_rows(expand_functors([*program]))
         spelled = spell_out(map(_compute_in_query, expanded), source.original)
         own = definitions(spelled)
         library = [rule for rule in prelude() if rule.name not in own]

@@ -129,13 +129,12 @@ class _Search:
             for each in option.value.elements
             if isinstance(each, PredicateName) and each.name in self._own
         }
-        between = {
+        # These are read from the step before, so that a stop can compare a step with it.
+        beside |= {
             other
-            for other in _below(stop, self._uses) - circle - beside - {stop}
+            for other in _below(stop, self._uses) - circle - {stop}
             if circle & _below(other, self._uses)
         }
-        # What is recursive itself is passed on too, and so read from the step before.
-        beside |= {other for other in between if other in _below(other, self._uses)}
         if not _begins(circle | beside, self._own):
             return
         names = (*self._cuts(circle), *sorted(beside - circle))
@@ -151,7 +150,7 @@ class _Search:
                 and each.subject in circle
             )
         ]
-        self.statements += self._step(fixpoint, circle | between)
+        self.statements += self._step(fixpoint, circle)
         self.found.append(fixpoint)
         self._done |= circle | beside
 
@@ -195,9 +194,8 @@ class _Search:
         """Return the names that still are in a circle."""
         return [n for n in names if n not in cuts and n in _below(n, self._uses, cuts)]
 
-    def _step(self, fixpoint: Fixpoint, within: set[str]) -> Iterator[Rule]:
-        """Yield the rules for one step; `within` names what is computed anew in each."""
-        copies = {name: f"{name}_For_{fixpoint.asked[0]}" for name in within}
+    def _step(self, fixpoint: Fixpoint, circle: set[str]) -> Iterator[Rule]:
+        copies = {name: f"{name}_For_{fixpoint.asked[0]}" for name in circle}
         calls = {**copies, **{name: _last(name) for name in fixpoint.names}}
         heads = {**copies, **dict(zip(fixpoint.names, fixpoint.asked, strict=False))}
         if fixpoint.stop:
