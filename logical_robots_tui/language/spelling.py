@@ -267,8 +267,7 @@ class _Rows:
             rest = next(each for each in member.arguments if each.field == REST)
             named = self._variables(row, _left(member, self._known))
             member = replace(member, arguments=_without(member.arguments, rest, named))
-            fields = {f"col{c}" if isinstance(c, int) else c: of for c, of in named.items()}
-            rows.append(Equation(Variable(row), Record(arguments(fields))))
+            rows.append(Equation(Variable(row), Record(arguments(named))))
         return rebuild(member, self._change)
 
     def _variables(self, row: str, columns: Iterable[Field]) -> dict[Field, Expression]:
