@@ -332,7 +332,6 @@ class MainScreen(Screen[None], SessionListener):
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:
         self.arrangement.pull(event.pane, event.side, *event.moved)
-        self.arrangement.show()
 
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:

@@ -135,9 +135,6 @@ class Shares(NamedTuple):
     columns: int = 0
     rows: int = 0
 
-    def changed(self, columns: int, rows: int) -> Shares:
-        return self._replace(columns=self.columns + columns, rows=self.rows + rows)
-
 
 class Grid(NamedTuple):
     """Sizes of panes in cells; the labyrinth gets the rest.
@@ -230,6 +227,7 @@ class Arrangement:
 
     def toggle_large(self) -> None:
         self.is_one_large = not self.is_one_large
+        self.show()
 
     def hide(self, pane: Pane) -> Pane:
         """Hide a pane and return the pane to focus; if one is already hidden, show all instead."""
@@ -242,10 +240,11 @@ class Arrangement:
         return inspector if pane is labyrinth else labyrinth
 
     def change(self, columns: int, rows: int) -> None:
-        self._shares = self._shares.changed(columns, rows)
+        self._shares = Shares(self._shares.columns + columns, self._shares.rows + rows)
+        self.show()
 
     def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
-        """Move an edge of a pane, and what is beyond it, at the next ``show``; outer edges stay.
+        """Move an edge of a pane, and what is beyond it; outer edges stay.
 
         `columns` count to the right, `rows` down.
         """
