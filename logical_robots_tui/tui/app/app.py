@@ -6,7 +6,7 @@ import asyncio
 import os
 import signal
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import events
 from textual.binding import Binding
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from textual.binding import BindingType
     from textual.geometry import Region, Size
     from textual.theme import Theme
 
@@ -66,7 +65,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     TITLE = "Logical Robots"
     CSS_PATH = "main_screen.tcss"
     ENABLE_COMMAND_PALETTE = False
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
         Binding("ctrl+z", "suspend_process", "Suspend", show=False, system=True),
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from textwrap import wrap
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from textual import on
 from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.command import Hits
 
     from logical_robots_tui.tui.commands.command import Command
@@ -88,7 +87,7 @@ class Help(Dialog[None]):
     Help VerticalScroll { height: 1fr; scrollbar-gutter: stable; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("f1", "leave"),
         ("up", "scroll('up')"),
         ("down", "scroll('down')"),

@@ -160,7 +160,7 @@ class Page(Vertical):
     """
 
     title: ClassVar[str]
-    replays: ClassVar[bool] = True
+    replays = True
     """Whether it computes past ticks with the current program, which may not have decided them."""
 
     @dataclass

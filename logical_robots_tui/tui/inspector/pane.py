@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.containers import Horizontal
@@ -27,7 +27,6 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 from logical_robots_tui.tui.layout.arrangement import Pane
 
 if TYPE_CHECKING:
-    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
@@ -45,9 +44,9 @@ _ROOMY = 150  # columns of the inspector from which a page and the robot stand s
 class InspectorPane(Pane):
     """Follows the current tick a few times a second, with the decision alongside if it fits."""
 
-    command_id: ClassVar[str] = "inspector"
+    command_id = "inspector"
 
-    BINDINGS: ClassVar[list[BindingType]] = [("escape", "stop")]
+    BINDINGS = [("escape", "stop")]
 
     DEFAULT_CSS = """
     InspectorPane #pages { width: 1fr; height: 1fr; }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rich.color import Color
 from rich.style import Style
@@ -95,7 +95,7 @@ class LabyrinthView(Widget):
     """
 
     DEFAULT_CSS = "LabyrinthView { width: 1fr; height: 1fr; }"
-    ALLOW_SELECT: ClassVar[bool] = False
+    ALLOW_SELECT = False
 
     rays: reactive[bool] = reactive(True, repaint=False)
     marks: reactive[bool] = reactive(True, repaint=False)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from textual import on
-from textual.binding import Binding, BindingType
+from textual.binding import Binding
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.message import Message
@@ -63,7 +63,7 @@ class Choice(Select[str]):
     `nothing` is the label for no name, or "" if one must be chosen.
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [("enter", "submit")]
+    BINDINGS = [("enter", "submit")]
 
     class Submitted(Message):
         """Enter was pressed while the list was closed."""
@@ -157,10 +157,10 @@ class Form(Dialog[bool]):
     Form #keys { margin: 0; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("f2", "take", priority=True)]
+    BINDINGS = [Binding("f2", "take", priority=True)]
 
     keys = "tab next   F2 or enter apply   esc cancel"
-    verb: ClassVar[str] = "Apply"
+    verb = "Apply"
 
     def __init__(self, title: str) -> None:
         super().__init__(title)

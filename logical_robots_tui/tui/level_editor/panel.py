@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widget import Widget
@@ -99,7 +99,7 @@ class InfoLine(Widget):
     DEFAULT_CSS = """
     InfoLine { dock: bottom; height: 1; background: $panel; text-wrap: nowrap; layer: picture; }
     """
-    ALLOW_SELECT: ClassVar[bool] = False
+    ALLOW_SELECT = False
 
     def __init__(self, editor: LevelEditor) -> None:
         super().__init__()

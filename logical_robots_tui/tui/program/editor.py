@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rich.text import Text
-from textual.binding import Binding, BindingType
+from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
 from textual.widgets import TextArea
@@ -141,7 +141,7 @@ class Editor(TextArea):
     Editor:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("ctrl+underscore,ctrl+slash", "toggle_comment"),
         ("ctrl+@,ctrl+space", "complete"),
         ("tab", "indent"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -114,7 +114,7 @@ class TeamChoice:
 class ProgramPane(Pane):
     """Shows and edits the text of the current program."""
 
-    command_id: ClassVar[str] = "editor"
+    command_id = "editor"
 
     DEFAULT_CSS = """
     ProgramPane #help-line {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 from itertools import zip_longest
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 
@@ -19,8 +19,6 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from textual.binding import BindingType
-
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
@@ -33,7 +31,7 @@ _LONGEST = 400
 
 
 class DecisionPage(Page):
-    BINDINGS: ClassVar[list[BindingType]] = [("enter", "screen.command('open_value')")]
+    BINDINGS = [("enter", "screen.command('open_value')")]
 
     view: LinesView
     depends_on_robot = True

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 from textual.message import Message
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from textual import events
-    from textual.binding import BindingType
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
@@ -38,7 +37,7 @@ _CHOSEN = "on $row"
 class RobotsView(LinesView):
     """A line for each robot, notes below; up, down or a click selects a robot."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [("up", "choose(-1)"), ("down", "choose(1)")]
+    BINDINGS = [("up", "choose(-1)"), ("down", "choose(1)")]
 
     @dataclass
     class Chosen(Message):

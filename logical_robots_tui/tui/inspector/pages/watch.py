@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -25,7 +25,6 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame, Pin, Reading
@@ -48,7 +47,7 @@ _MOST_TICKS = 2000
 class WatchView(CursorView):
     """Two lines per pin: its value, and a plot of its values at nearby ticks."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("left", "change(-1)"),
         ("right", "change(1)"),
         ("enter", "open"),

@@ -7,7 +7,7 @@ import io
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from textual import events
-    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
@@ -165,7 +164,7 @@ class ValueTable(ScrollView, can_focus=True):
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("up", "go(-1, 0)"),
         ("down", "go(1, 0)"),
         ("left", "go(0, -1)"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 from textual import on
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
     from logical_robots_tui.game import Path, Pin
@@ -65,7 +64,7 @@ class ValueTree(Dialog[None]):
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("at", "pin"),
         ("less_than_sign", "origin"),
         ("q,X", "leave"),
