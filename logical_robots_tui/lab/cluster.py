@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.lab.running import Task
 
-_AHEAD = 2
-"""Tasks for each thread of a worker, so that none waits for the coordinator."""
-
+_AHEAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
 _COUNT_SECONDS = 2.0  # for which the number of threads is good
 _FETCH_SECONDS = 1.0
 _CONNECT_SECONDS = 30.0
@@ -89,7 +87,6 @@ class ClusterEngine:
             future.release()  # it is recorded now: should its worker die, nothing runs again
 
     def close(self, *, at_once: bool = False) -> None:
-        """Cancel the remaining tasks, and leave the cluster."""
         with suppress(Exception):  # the scheduler may be gone
             self._client.cancel(list(self._tasks))
         with suppress(Exception):

@@ -127,8 +127,6 @@ def digest(text: str) -> str:
 
 
 class Folder:
-    """A folder with a manifest, its inputs and the results."""
-
     def __init__(self, path: Path) -> None:
         self.path = path
 

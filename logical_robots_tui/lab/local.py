@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.lab.running import Task
 
 _MOST_FALSE_STARTS = 2  # in a row
-
-_GRACE = 60.0
-"""Seconds after the time of a task after which a worker that says nothing is ended."""
+_GRACE = 60.0  # seconds after the time of a task after which a worker that says nothing is ended
 
 
 class LocalEngine:
@@ -62,8 +60,6 @@ class LocalEngine:
 
 
 class _Worker:
-    """A worker process and its task."""
-
     def __init__(self) -> None:
         self.task: Task | None = None
         self.future: Future[Answer] | None = None

@@ -78,7 +78,6 @@ class Progress:
         self._store.close()
 
     def record(self, level: str) -> LevelRecord:
-        """Return the record of a level, without the versions."""
         level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:

@@ -110,7 +110,6 @@ def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) 
 
 
 def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifest:
-    """Return the manifest with one more round."""
     players, cells = manifest.players, list(manifest.cells)
     for pair in pairs:
         both = [players[index] for index in pair]

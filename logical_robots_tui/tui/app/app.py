@@ -45,9 +45,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
-
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
-
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 _INPUT = (events.InputEvent, events.Paste)
@@ -202,7 +200,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return self._key_queue.waiting + sum(queues)
 
     def drop_typed(self) -> None:
-        """Discard the queued keys: nobody types that many."""
         self._key_queue.forget()
 
     def _is_gone(self, event: events.MouseEvent) -> bool:
@@ -217,7 +214,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return widget.parent is None and self.mouse_captured is None
 
     def moving_picture(self) -> Region | None:
-        """The labyrinth, unless something covers it."""
         return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:

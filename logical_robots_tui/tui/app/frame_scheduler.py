@@ -46,8 +46,6 @@ def in_background(
 
 
 class ScreenUi(Ui):
-    """Does so on a screen of the app; background work ends with it."""
-
     def __init__(self, screen: Screen[Any]) -> None:
         self._screen = screen
 
@@ -115,7 +113,6 @@ class FrameRate:
         return self._clock.now() - self._hurried_at < _HURRY
 
     def hurry(self) -> None:
-        """Shorten the pause for a moment, so that the effect of a key shows soon."""
         self._hurried_at = self._clock.now()
 
     @contextmanager

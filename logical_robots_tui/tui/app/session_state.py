@@ -69,7 +69,6 @@ class TeamSources:
         return self._sources[team], self._texts[team]
 
     def with_text(self, text: str) -> Texts:
-        """Return the texts of all teams, with a new one of the team that is looked at."""
         return {**self._texts, self.team: text}
 
     def seen(self, program: Program) -> Program:

@@ -55,7 +55,6 @@ class Settings(NamedTuple):
 
 
 def settings_path() -> Path:
-    """Return the path of the configuration file, which may not exist."""
     return user_config_path("logical-robots", appauthor=False) / "config.toml"
 
 
@@ -184,7 +183,6 @@ def _line_of(name: str, text: str) -> str:
 
 
 def as_toml(settings: Settings) -> str:
-    """Write settings as a TOML file that lists every command with its keys."""
     lines = [
         _set("theme", settings.theme, NIGHT.name),
         _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),

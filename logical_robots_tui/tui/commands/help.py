@@ -175,8 +175,6 @@ def _keys(entry: Command) -> Content:
 
 
 class Palette(CommandPalette, ClosedOnce[None]):
-    """The command palette: a text field above the commands that match."""
-
     def on_click(self, event: events.Click) -> None:
         """Hide from Textual a click that is now outside of the screen, which has shrunk."""
         try:

@@ -193,8 +193,7 @@ class Briefing(Overlay):
 
 
 _EDGES = 4  # columns of the border and the padding
-_FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")
-"""Line ends within a sentence."""
+_FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")  # line ends within a sentence
 
 
 def least_covering(

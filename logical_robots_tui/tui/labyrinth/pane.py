@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 
 class LabyrinthPane(Pane, can_focus=True):
-    """The pane that shows the world at the current tick."""
-
     command_id = "labyrinth"
 
     DEFAULT_CSS = """

@@ -44,8 +44,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.world.level import Level
 
 
-_PICK_REACH = 2.5
-"""Columns beside a robot within which it is picked."""
+_PICK_REACH = 2.5  # columns beside a robot within which it is picked
 
 
 class RobotPointed(Message):

@@ -102,8 +102,7 @@ class Pane(Container):
 LEAST_WIDTH, LEAST_HEIGHT = 40, 12
 _WIDE_FROM = (110, 24)
 _TALL_FROM = 46
-_NARROWEST, _LOWEST = 30, 6
-"""The smallest columns and rows of a pane, with its border."""
+_NARROWEST, _LOWEST = 30, 6  # the smallest columns and rows of a pane, with its border
 
 _WIDEST_TEXT, _HIGHEST_TABLE = 96, 26
 """Columns of the program and rows of the inspector above which the labyrinth gets the rest."""
@@ -173,8 +172,6 @@ def _within(number: int, least: int, most: int) -> int:
 
 
 class Arrangement:
-    """Arranges the panes and tracks the active one."""
-
     def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
         self.container = Container(*panes, id="panes")
         """The container of the panes."""

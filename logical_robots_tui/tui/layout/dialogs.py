@@ -123,8 +123,6 @@ class Prompt(Dialog[Result]):
 
 
 class LinePrompt(Prompt[str]):
-    """Asks for a line of text, and returns it."""
-
     keys = "enter accept   esc close"
 
     def take(self, text: str) -> None:

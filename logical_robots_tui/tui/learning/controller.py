@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 
 class LearningController:
-    """The learning commands for the current level."""
-
     def __init__(
         self,
         session: Session,

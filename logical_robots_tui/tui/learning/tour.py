@@ -130,8 +130,6 @@ class Tour(Static, can_focus=True):
 
 
 class TourController:
-    """Shows the parts of the screen during the tour."""
-
     def __init__(
         self,
         mount: Callable[[Tour], object],

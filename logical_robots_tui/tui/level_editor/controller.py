@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 
 class LevelEditing(SessionListener):
-    """Starts and ends level editing."""
-
     def __init__(
         self,
         session: Session,
@@ -88,7 +86,6 @@ class LevelEditing(SessionListener):
             self.mode.autosave.flush()
 
     def close(self) -> None:
-        """Write the draft, and stop writing."""
         if self.mode is not None:
             self.mode.autosave.stop()
 

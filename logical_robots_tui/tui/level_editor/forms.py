@@ -133,8 +133,6 @@ _SENSORS = {"own": "its own", "all": "of all robots"}
 
 
 class LevelForm(Form):
-    """Edits size, texts, visibility and shared names."""
-
     def __init__(self, editor: LevelEditor) -> None:
         super().__init__("Level")
         self._editor = editor

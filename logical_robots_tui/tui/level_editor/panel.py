@@ -290,7 +290,6 @@ class EditPanel(EditView):
 
     @property
     def cursor(self) -> tuple[float, float]:
-        """The cursor in map units."""
         return self._mode.editor.cursor
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:

@@ -125,8 +125,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
     return "\n".join(changed), count
 
 
-_A_PASTE = 0.005
-"""Keys that follow each other faster, in seconds, were not typed."""
+_A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
 _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
@@ -134,8 +133,6 @@ _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 
 
 class Editor(TextArea):
-    """Edits the text of a program; escape leaves it."""
-
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }
     Editor:focus { border: none; }

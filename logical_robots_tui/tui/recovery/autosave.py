@@ -68,7 +68,6 @@ class Autosave(Generic[State]):
             self.report(error)
 
     def stop(self) -> None:
-        """Write the draft, and stop writing."""
         if self._pending is not None:
             self._pending.cancel()
         self.flush()

@@ -61,8 +61,6 @@ def _source_of(name: str, text: str, own: Path) -> Source:
 
 
 class Replays:
-    """Opens replays, and saves the timeline as one."""
-
     def __init__(self, session: Session, ui: Ui, folder: Path) -> None:
         self._session, self._ui, self._folder = session, ui, folder
 

@@ -84,8 +84,6 @@ class QueryLine(Input):
 
 
 class AskPage(Page):
-    """The query line, errors in the query, and the answer."""
-
     DEFAULT_CSS = """
     AskPage QueryLine { margin: 0 1; background: $panel; width: 1fr; }
     AskPage #answer-to {

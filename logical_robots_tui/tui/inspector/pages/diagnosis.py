@@ -32,8 +32,6 @@ _EVERY = 10  # ticks between two progress reports
 
 
 class DiagnosisPage(Page):
-    """Findings about the ticks in the history, computed on demand."""
-
     DEFAULT_CSS = """
     DiagnosisPage #extent { height: auto; padding: 0 1; color: $ink-dim; }
     DiagnosisPage #findings { height: 1fr; border: none; padding: 0; background: $surface; }

@@ -91,8 +91,6 @@ class LinksView(CursorView):
 
 
 class OriginPage(Page):
-    """The chain of assignments that a value goes back to."""
-
     DEFAULT_CSS = """
     OriginPage #origin-of { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
     """

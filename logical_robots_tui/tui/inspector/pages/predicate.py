@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 
 class PredicatePage(Page):
-    """The rows of a predicate, or the calls of a function."""
-
     DEFAULT_CSS = """
     PredicatePage #value {
         height: auto; max-height: 40%; border-top: solid $ink-faint; padding: 0 1;

@@ -158,8 +158,6 @@ _CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
-    """A table with a cursor on one value."""
-
     DEFAULT_CSS = """
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """

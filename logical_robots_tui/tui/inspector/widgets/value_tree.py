@@ -93,7 +93,6 @@ class ValueTree(Dialog[None]):
             yield self._picture
 
     def on_mount(self) -> None:
-        """Expand short values."""
         for branch in self._branches:
             part = _Part(branch.value, branch, (), radar=_radar(branch.value))
             node = self._add(self._tree.root, branch.title, part)

@@ -52,7 +52,6 @@ class Palette(NamedTuple):
         return mix((255, 255, 255), colour, (1 - 0.42) / (1 - seen)) if seen < 0.42 else colour
 
     def strong(self, colour: RGB) -> RGB:
-        """Return a colour legible as text."""
         return mix(self.bright, self.legible(colour), 0.55)
 
 
@@ -254,8 +253,6 @@ class Cells:
 
 
 class _Styles(dict[int, Style]):
-    """Cache of styles by packed style."""
-
     def __missing__(self, number: int) -> Style:
         if len(self) > 20_000:
             self.clear()

@@ -33,8 +33,7 @@ BLOCKS = {
 }
 """For a number of dots in a cell the character of each pattern; bit i is dot i, row by row."""
 
-_FLAT = 40.0
-"""Squared error, summed over the dots, below which a cell is given one colour only."""
+_FLAT = 40.0  # squared error, summed over the dots, below which a cell is given one colour only
 
 
 def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]:

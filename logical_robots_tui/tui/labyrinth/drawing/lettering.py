@@ -132,8 +132,7 @@ class FreeCells:
         return None
 
 
-_MIN_COLUMNS, _MIN_ROWS = 24, 8
-"""Below this a view is too small for names."""
+_MIN_COLUMNS, _MIN_ROWS = 24, 8  # below this a view is too small for names
 
 _NAMES_AT_MOST = 4
 """One in so many cells may show the name of a robot; of a larger crowd only the selected one's."""

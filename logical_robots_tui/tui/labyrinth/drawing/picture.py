@@ -44,11 +44,8 @@ if TYPE_CHECKING:
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 
-_CROWD = 12
-"""Robots per hurried picture that reuses the light of the one before."""
-
-_UNSEEN = 12
-"""The error of a colour channel, of 255, that is tolerated in hurried pictures."""
+_CROWD = 12  # robots per hurried picture that reuses the light of the one before
+_UNSEEN = 12  # the error of a colour channel, of 255, that is tolerated in hurried pictures
 
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")

@@ -25,11 +25,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
     from logical_robots_tui.world.dynamics import RobotState
 
-_FINE = 16
-"""Steps between two rays in which the shape of a fan is tabulated."""
-
-_STEPS = 12
-"""Steps of brightness."""
+_FINE = 16  # steps between two rays in which the shape of a fan is tabulated
+_STEPS = 12  # steps of brightness
 
 KINDS = {"robot": 3, "beacon": 2, "wall": 1}
 """What a ray may hit; a greater number is more important."""

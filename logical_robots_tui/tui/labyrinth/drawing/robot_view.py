@@ -26,11 +26,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.world.level import Level
 
-_THICK = 12.0
-"""Map units between the ends of two rays that belong to one wall, at least."""
-
-_LEAST = (24, 10)
-"""Columns and rows that a picture of one robot needs."""
+_THICK = 12.0  # map units between the ends of two rays that belong to one wall, at least
+_LEAST = (24, 10)  # columns and rows that a picture of one robot needs
 
 
 def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:
