@@ -9,6 +9,7 @@ import os
 import sys
 import unicodedata
 from pathlib import Path
+from textwrap import dedent
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
@@ -20,19 +21,19 @@ if TYPE_CHECKING:
 def new_command(
     commands: Commands,
     name: str,
-    *,
     start: Callable[[argparse.Namespace], int],
-    summary: str,
-    description: str,
-    epilog: str = "",
+    *,
     wants_json: Callable[[argparse.Namespace], bool] = lambda options: (
         "json" in options and options.json
     ),
 ) -> argparse.ArgumentParser:
     """Declare a command; `start` does the work and returns the exit status.
 
+    Its docstring is the help: a line for the list of commands, a paragraph, and the rest.
     `wants_json` says whether errors are reported as JSON; by default with ``--json``.
     """
+    summary, _, rest = (start.__doc__ or "").partition("\n\n")
+    description, _, epilog = dedent(rest).partition("\n\n")
     command = commands.add_parser(
         name,
         help=summary,

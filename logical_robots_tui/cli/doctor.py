@@ -27,14 +27,6 @@ PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 SAFE_SQLITE = (3, 50, 2)
 """The first SQLite without a known hole that a query of a robot's program might reach."""
 
-EPILOG = """\
-examples:
-  logical-robots doctor           what the game detects (for bug reports)
-  logical-robots doctor --json    the same as JSON
-
-exit status: 0 the game can be played here, 1 there are problems, marked with !
-"""
-
 
 @dataclass(frozen=True)
 class Fact:
@@ -45,19 +37,22 @@ class Fact:
 
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "doctor",
-        start=start,
-        summary="check this machine and this terminal",
-        description="Print what the game detects on this machine and in this terminal.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "doctor", start)
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
 
 
 def start(options: argparse.Namespace) -> int:
+    """check this machine and this terminal
+
+    Print what the game detects on this machine and in this terminal.
+
+    examples:
+      logical-robots doctor           what the game detects (for bug reports)
+      logical-robots doctor --json    the same as JSON
+
+    exit status: 0 the game can be played here, 1 there are problems, marked with !
+    """
     found = [*_terminal(), *_versions(), *_places(options.data_dir)]
     if options.json:
         print(json.dumps([asdict(fact) for fact in found], indent=2))

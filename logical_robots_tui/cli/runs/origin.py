@@ -21,32 +21,10 @@ if TYPE_CHECKING:
 _LONGEST = 60  # characters of a value
 _SHOWN_READS = 5
 
-EPILOG = """\
-examples:
-  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
-    --value memory.visited
-  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
-    --value 'memory.visited[0]'
-
-The value is the one that the robot remembers after the tick. It is traced back
-through the ticks that only kept it, and through the memories of other robots,
-to the tick and the rule that made it, and from there to what it was made from.
-
-exit status: 0 found, 2 bad level, program, robot or value
-"""
-
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
-        commands,
-        "origin",
-        start=start,
-        summary="trace a value in a memory to the rule that made it",
-        description="Run a program to a tick, then trace a value back to where it was made.",
-        epilog=EPILOG,
-        first_tick=1,
-        robot="whose memory",
-        needs_robot=True,
+        commands, "origin", start, first_tick=1, robot="whose memory", needs_robot=True
     )
     command.add_argument(
         "--value",
@@ -58,6 +36,22 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """trace a value in a memory to the rule that made it
+
+    Run a program to a tick, then trace a value back to where it was made.
+
+    examples:
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value memory.visited
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value 'memory.visited[0]'
+
+    The value is the one that the robot remembers after the tick. It is traced back
+    through the ticks that only kept it, and through the memories of other robots,
+    to the tick and the rule that made it, and from there to what it was made from.
+
+    exit status: 0 found, 2 bad level, program, robot or value
+    """
     level, program = open_run(options)
     origin = asyncio.run(_search(level, program, options))
     data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}

@@ -29,37 +29,12 @@ GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, if the terminal's width is unknown
 DEEPEST = 100
 
-EPILOG = """\
-examples:
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
-    --predicate Next
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
-    --predicate Steer --given col0=0.5
-
-A row is explained by one derivation. For each rule without a row you see the
-first condition that failed, and a single change that would have produced a row.
-+ holds, - does not. --tree follows every call, down to what was sensed and
-remembered. Function arguments are called col0, col1 ...
-
-exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
-"""
-
 _MOST_VALUES = 5  # in a line; --json has more
 
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
-        commands,
-        "why",
-        start=start,
-        summary="explain why a robot did what it did, or why not",
-        description="Run a program to a tick, then explain for each rule which parts of it held.",
-        epilog=EPILOG,
-        first_tick=1,
-        robot="in whose mind",
-        needs_robot=True,
+        commands, "why", start, first_tick=1, robot="in whose mind", needs_robot=True
     )
     command.add_argument(
         "--predicate", default="Robot", metavar="P", help="the predicate (default: %(default)s)"
@@ -88,6 +63,25 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """explain why a robot did what it did, or why not
+
+    Run a program to a tick, then explain for each rule which parts of it held.
+
+    examples:
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
+        --predicate Next
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
+        --predicate Steer --given col0=0.5
+
+    A row is explained by one derivation. For each rule without a row you see the
+    first condition that failed, and a single change that would have produced a row.
+    + holds, - does not. --tree follows every call, down to what was sensed and
+    remembered. Function arguments are called col0, col1 ...
+
+    exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
+    """
     level, program = open_run(options)
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
