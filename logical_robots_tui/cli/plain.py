@@ -110,7 +110,7 @@ class _TextGame:
         note_level(progress, level)
         keep_if_own(progress, self._key, program.text)
         self._commands: dict[str, Callable[[int], object]] = {
-            "back": self._back,
+            "back": lambda ticks: self._go(lambda: self._game.back(ticks)),
             "restart": lambda _: self._go(self._game.restart),
             "where": lambda _: _say(*self._places()),
             "apply": lambda _: self._apply(),
@@ -154,9 +154,6 @@ class _TextGame:
         for hit in self._game.hits:
             _say(f"Stopped: {hit.breakpoint.words}. {hit.values}")
         _say(f"Tick {frame.tick}.")
-
-    def _back(self, ticks: int) -> None:
-        self._go(lambda: self._game.back(ticks))
 
     def _go(self, move: Callable[[], Frame]) -> None:
         try:

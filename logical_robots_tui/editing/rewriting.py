@@ -131,17 +131,14 @@ def _update(table: Any, before: Record, after: Record) -> None:
             del table[_INSTEAD[key]]
         there = table.get(key)
         if isinstance(value, dict) and isinstance(there, dict):
-            _update(there, _as_record(before.get(key)), value)
+            earlier = before.get(key)
+            _update(there, earlier if isinstance(earlier, dict) else {}, value)
         elif isinstance(value, list) and isinstance(there, Array) and len(value) == len(there):
             for i, item in enumerate(value):
                 if there[i] != item:
                     there[i] = item
         else:
             table[key] = tomlkit.value(toml_text(key, value))
-
-
-def _as_record(value: object) -> Record:
-    return value if isinstance(value, dict) else {}
 
 
 def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:

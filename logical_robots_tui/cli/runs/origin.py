@@ -6,7 +6,7 @@ import argparse
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import harmless, line_within
+from logical_robots_tui.cli.command import cut, harmless, line_within
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def _link(number: int, link: Link) -> Iterator[str]:
     line = f" in line {link.rule.line}" if link.rule is not None else ""
     yield f"   set in tick {link.tick} by the rule{line}{kept}"
     if link.span is not None:
-        yield harmless(f"   line {link.span.line}: {_cut(link.span.text)}")
+        yield harmless(f"   line {link.span.line}: {cut(link.span.text, _LONGEST)}")
     for read in link.reads[:_SHOWN_READS]:
         yield harmless(f"   from {_read(read)}")
     if more := len(link.reads) - _SHOWN_READS:
@@ -121,10 +121,6 @@ def _data(link: Link) -> dict[str, Any]:
         ],
         "before": link.before,
     }
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
 def _path(text: str) -> Path:

@@ -155,19 +155,20 @@ async def _search(
 
 
 def _lines(question: str, found: Matches) -> list[str]:
-    end = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
-    end += ", up to victory" if found.won_at is not None else ""
+    extent = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
+    extent += ", up to victory" if found.won_at is not None else ""
     lines = []
     if stretches := found.stretches:
         first, last = stretches[0][0], stretches[-1][1]
+        rows = [(str(start), str(end), str(end - start + 1)) for start, end in stretches]
         lines += [
             f"{harmless(question)}",
-            f"holds in {found.holds_in} of {end}: first in tick {first}, last in tick {last}.",
+            f"holds in {found.holds_in} of {extent}: first in tick {first}, last in tick {last}.",
             "",
-            *columns([("FROM", "TO", "TICKS"), *(_row(*each) for each in stretches)]),
+            *columns([("FROM", "TO", "TICKS"), *rows]),
         ]
     else:
-        lines.append(f"{harmless(question)} never holds in {end}.")
+        lines.append(f"{harmless(question)} never holds in {extent}.")
     if found.failed:
         (first, last), *more = found.failed
         where = f"tick {first}" if first == last else f"ticks {first} to {last}"
@@ -176,10 +177,6 @@ def _lines(question: str, found: Matches) -> list[str]:
     if not found.is_reliable:
         lines += ["", UNRELIABLE]
     return lines
-
-
-def _row(first: int, last: int) -> tuple[str, str, str]:
-    return str(first), str(last), str(last - first + 1)
 
 
 def _data(question: str, found: Matches) -> dict[str, Any]:

@@ -9,11 +9,7 @@ import shlex
 import shutil
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    harmless,
-    line_within,
-    number_from,
-)
+from logical_robots_tui.cli.command import cut, harmless, line_within, number_from
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
 
 if TYPE_CHECKING:
@@ -174,13 +170,8 @@ def _line(depth: int, node: Node, wide: int) -> str:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
     room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
-    text = harmless(node.text)
-    text = text if len(text) <= room else f"{text[: room - 3]}..."
-    whole, wide = f"{before}{place}{text}", max(wide, 40)
-    left = wide - len(whole) - len(said)
-    told = told if len(told) <= left else f"{told[: max(0, left - 3)]}..."
-    whole = f"{whole}{told}{said}"
-    return whole if len(whole) <= wide else f"{whole[: wide - 3]}..."
+    whole, wide = f"{before}{place}{cut(harmless(node.text), room)}", max(wide, 40)
+    return cut(f"{whole}{cut(told, wide - len(whole) - len(said))}{said}", wide)
 
 
 def _truth(value: Any) -> str:

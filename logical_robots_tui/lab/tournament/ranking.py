@@ -18,7 +18,7 @@ from logical_robots_tui.lab.sweeping import level_with_text
 from logical_robots_tui.mind import Program, ProgramError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -115,7 +115,8 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
         both = [players[index] for index in pair]
         if any(player.lost for player in both):
             continue
-        for seated in _seatings(both, len(manifest.teams)):
+        for first in (0, 1):
+            seated = [both[(seat + first) % 2] for seat in range(len(manifest.teams))]
             names = (player.name for player in seated)
             cells.append(
                 msgspec.structs.replace(
@@ -127,11 +128,6 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
             )
     rounds = (*manifest.rounds, tuple(pairs))
     return msgspec.structs.replace(manifest, cells=tuple(cells), rounds=rounds)
-
-
-def _seatings(pair: Sequence[Player], seats: int) -> Iterator[list[Player]]:
-    for first in (0, 1):
-        yield [pair[(seat + first) % 2] for seat in range(seats)]
 
 
 def _rounds(players: int) -> int:

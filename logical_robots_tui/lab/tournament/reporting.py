@@ -46,7 +46,8 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
         numbers = [str(n) for n in range(1, len(names) + 1)]
         rows = [("%", "", *numbers)]
         for number, name in zip(numbers, names, strict=True):
-            cells = [_percent(ranking, name, other) for other in names]
+            pairings = (ranking.pairings.get((name, other)) for other in names)
+            cells = ("·" if each is None else f"{100 * each.share:.0f}" for each in pairings)
             rows.append((number, harmless_text(name), *cells))
         lines += [
             "",
@@ -58,11 +59,6 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
     if (more := len(ranking.cycles) - _MOST_CYCLES) > 0:
         lines.append(f"and {more:,} more cycles")
     return lines
-
-
-def _percent(ranking: Ranking, name: str, other: str) -> str:
-    pairing = ranking.pairings.get((name, other))
-    return "·" if pairing is None else f"{100 * pairing.share:.0f}"
 
 
 def _cycle_text(cycle: Sequence[str]) -> str:

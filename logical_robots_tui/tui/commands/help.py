@@ -140,7 +140,7 @@ class Help(Dialog[None]):
                 if all(word in " ".join(entry.plain.casefold().split()) for word in wanted)
             ]
             if found:
-                content += [_heading(heading), *found]
+                content += [Content.styled(f"\n{heading}", f"bold {INK.title}"), *found]
         if not content:
             content = [Content.styled("Nothing here has that in it.", INK.dim)]
         return Content("\n").join(content)
@@ -150,10 +150,6 @@ def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
     return [
         Content.assemble("  ", (sign, style), "  ", (said, INK.text)) for sign, style, said in signs
     ]
-
-
-def _heading(text: str) -> Content:
-    return Content.styled(f"\n{text}", f"bold {INK.title}")
 
 
 def _entry(entry: Command, width: int) -> Content:

@@ -65,16 +65,12 @@ class Settings:
         return self.is_wall and self.tool is not Tool.ERASER
 
     def wider(self, steps: int) -> Settings:
-        return replace(self, width=_beside(WIDTHS, self.width, steps))
+        at = min(range(len(WIDTHS)), key=lambda place: abs(WIDTHS[place] - self.width))
+        return replace(self, width=WIDTHS[min(max(at + steps, 0), len(WIDTHS) - 1)])
 
     def next_grid(self) -> Settings:
         later = [grid for grid in GRIDS if grid > self.grid]
         return replace(self, grid=later[0] if later else GRIDS[0])
-
-
-def _beside(choices: tuple[int, ...], now: int, steps: int) -> int:
-    at = min(range(len(choices)), key=lambda place: abs(choices[place] - now))
-    return choices[min(max(at + steps, 0), len(choices) - 1)]
 
 
 TURN = math.radians(15)

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight, Look
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
-    from logical_robots_tui.world.dynamics import RobotState
     from logical_robots_tui.world.level import Level
 
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
@@ -100,8 +99,10 @@ class Picture:
         raster = Raster(viewport, *look.drawing.dots)
         self._update_ground(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
+        dead = look.palette.dead
         robots = [
-            (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
+            (robot, dead if robot.dead else colours.get(robot.name, dead))
+            for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
         light = self._lighting(frame, raster, look, colours, hurried=hurried)
@@ -201,10 +202,6 @@ class Picture:
             self._dots[changed] = dots[changed]
         refit(self._base, dots, changed)
         return self._base.copy()
-
-
-def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) -> RGB:
-    return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
 
 
 def _draw_highlight(
