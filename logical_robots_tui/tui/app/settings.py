@@ -91,11 +91,7 @@ def _settings(found: dict[str, Any], complain: Complain) -> Settings:
         "theme": lambda value: _one_of(value, THEMES),
         "drawing": lambda value: Drawing(_one_of(value, [way.value for way in Drawing])),
         "frames": _frames,
-        "cones": _truth,
-        "trails": _truth,
-        "completion": _truth,
-        "wrap": _truth,
-        "drag_robots": _truth,
+        **dict.fromkeys(("cones", "trails", "completion", "wrap", "drag_robots"), _truth),
         "keys": lambda value: _keys(value, complain),
     }
     taken: dict[str, Any] = {}
@@ -183,18 +179,11 @@ def _line_of(name: str, text: str) -> str:
 
 
 def as_toml(settings: Settings) -> str:
-    lines = [
-        _set("theme", settings.theme, NIGHT.name),
-        _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
-        _set("frames", settings.frames),
-        _set("cones", settings.cones),
-        _set("trails", settings.trails),
-        _set("completion", settings.completion),
-        _set("wrap", settings.wrap),
-        _set("drag_robots", settings.drag_robots),
-        "",
-        "[keys]",
-    ]
+    examples = {"theme": NIGHT.name, "drawing": "quadrants"}
+    values = settings._asdict() | {"drawing": settings.drawing and settings.drawing.value}
+    del values["keys"], values["complaints"]
+    lines = [_set(name, value, examples.get(name, "")) for name, value in values.items()]
+    lines += ["", "[keys]"]
     for entry in _CHANGEABLE.values():
         keys = settings.keys.get(entry.id, entry.keys)
         lines.append(f"{_set(entry.id, [key_name(key) for key in keys]):<40}  # {entry.title}")

@@ -26,12 +26,15 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Spawn, Ui
+    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.world import Level
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is checked
 _COARSEST = 10  # map units of the default grid, at most
+_LEAST_WAIT = 0.01  # seconds in which a stroke is painted first
+_AGAIN_AFTER = 0.04  # seconds between two changes of the game, at least
+_SHARE = 3  # pause after a change, as a multiple of its duration
 
 
 class EditView(Protocol):
@@ -86,7 +89,6 @@ class EditMode:
         self.is_on = self.is_testing = False
         self.saving = asyncio.Lock()
         self.editor = LevelEditor(levels.edits, lambda: session.frame.after, self._edited, ui.warn)
-        self.sync = GameSync(session, self.editor, ui.spawn)
         self.autosave = Autosave(
             drafts,
             delay=_DRAFT_DELAY,
@@ -97,7 +99,8 @@ class EditMode:
         )
         self._drafts = drafts
         self._path = saved.source or key or f"new {saved.name} {token_hex(4)}"
-        self._is_unwanted = self._is_over = self._has_begun = False
+        self._is_unwanted = self._is_over = self._has_begun = self._is_change_due = False
+        self._change_from = 0.0
         self._checked: Level | None = None
         self.view = view(self)
 
@@ -116,7 +119,7 @@ class EditMode:
 
     def leave(self) -> None:
         self.editor.finish()
-        self.sync.flush()
+        self.change_game()
         self.is_on = False
         self.view.leave(is_testing=self.is_testing)
 
@@ -132,7 +135,6 @@ class EditMode:
 
     def end(self) -> None:
         self._is_over = True
-        self.sync.stop()
         if self.is_on or self.is_testing:
             self.is_testing = False
             self.leave()
@@ -199,7 +201,7 @@ class EditMode:
 
     def _edited(self) -> None:
         self._is_unwanted = False
-        self.sync.edited()
+        self._change_game_soon()
         self._noted()
 
     def _noted(self) -> None:
@@ -218,28 +220,9 @@ class EditMode:
             self._checked, self.findings = level, found
             self.redraw()
 
-
-def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
-    return ("level", path) if level is None else Draft("level", title, path, write_native(level))
-
-
-_LEAST_WAIT = 0.01  # seconds in which a stroke is painted first
-_AGAIN_AFTER = 0.04  # seconds between two changes of the game, at least
-_SHARE = 3  # pause after a change, as a multiple of its duration
-
-
-class GameSync:
-    """Keeps the game in step with the edited level, which the picture may precede."""
-
-    def __init__(self, session: Session, editor: LevelEditor, spawn: Spawn) -> None:
-        self._session, self._editor, self._spawn = session, editor, spawn
-        self._levels = session.levels
-        self._next_at = 0.0
-        self._is_due = self._is_over = False
-
-    def edited(self) -> None:
-        """Update the game after a change: at once, or soon if only walls changed."""
-        before, after = self._levels.shown, self._levels.edited
+    def _change_game_soon(self) -> None:
+        """Let the game follow a change: at once, or a little later if only walls changed."""
+        before, after = self.levels.shown, self.levels.edited
         only_walls = (
             before.robots is after.robots
             and before.beacons is after.beacons
@@ -247,24 +230,26 @@ class GameSync:
             and before.walls.shape == after.walls.shape
         )
         if not only_walls:
-            self.flush()
-        elif not self._is_due:
-            self._is_due = True
-            self._spawn(self._flush_soon, "live", exclusive=False)
+            self.change_game()
+        elif not self._is_change_due:
+            self._is_change_due = True
+            self.ui.spawn(self._change_game_later, "live", exclusive=False)
 
-    def flush(self) -> None:
-        before, after = self._levels.shown, self._levels.edited
+    async def _change_game_later(self) -> None:
+        await asyncio.sleep(max(self._change_from - self.session.clock.now(), _LEAST_WAIT))
+        self._is_change_due = False
+        self.change_game()
+
+    def change_game(self) -> None:
+        """Let the game have the edited level, which the picture may precede."""
+        before, after = self.levels.shown, self.levels.edited
         if after is before or self._is_over:
             return
-        began = self._session.clock.now()
-        self._session.change_level(after, self._editor.poses.between(before, after))
-        now = self._session.clock.now()
-        self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
+        began = self.session.clock.now()
+        self.session.change_level(after, self.editor.poses.between(before, after))
+        now = self.session.clock.now()
+        self._change_from = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
-    def stop(self) -> None:
-        self._is_over = True
 
-    async def _flush_soon(self) -> None:
-        await asyncio.sleep(max(self._next_at - self._session.clock.now(), _LEAST_WAIT))
-        self._is_due = False
-        self.flush()
+def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
+    return ("level", path) if level is None else Draft("level", title, path, write_native(level))

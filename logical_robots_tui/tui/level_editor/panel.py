@@ -229,7 +229,7 @@ class EditPanel(EditView):
             editor.press(*editor.cursor, self._units)
         else:
             editor.release()
-            self._mode.sync.flush()
+            self._mode.change_game()
 
     def go_to(self, point: Point) -> None:
         self._mode.editor.cursor = point
@@ -280,7 +280,7 @@ class EditPanel(EditView):
 
     def release(self) -> None:
         self._mode.editor.release()
-        self._mode.sync.flush()
+        self._mode.change_game()
         self._mode.redraw()
 
     def open(self) -> None:
