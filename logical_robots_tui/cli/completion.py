@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import new_command
+from logical_robots_tui.cli.command import Commands, new_command
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.cli.command import Commands
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = ("levels", "programs")

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli.command import add_data_dir, folder_of, harmless, new_command
+from logical_robots_tui.cli.command import Commands, add_data_dir, folder_of, harmless, new_command
 from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from logical_robots_tui.cli.command import Commands
 
 FINE, PROBLEM = 0, 1
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")

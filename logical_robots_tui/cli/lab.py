@@ -13,14 +13,13 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import harmless, new_command, number_from
+from logical_robots_tui.cli.command import Commands, harmless, new_command, number_from
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Iterator
 
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
     from logical_robots_tui.lab.folder import Folder, Manifest
     from logical_robots_tui.lab.ledger import Ledger

@@ -11,12 +11,11 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import harmless, new_command, new_group
+from logical_robots_tui.cli.command import Commands, harmless, new_command, new_group
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file, is_folder
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.world import Level
 

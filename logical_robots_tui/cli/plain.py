@@ -28,19 +28,17 @@ from logical_robots_tui.game.continuing import (
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.robustness import named_start_of
 from logical_robots_tui.game.source import hide_solutions, target
-from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
+from logical_robots_tui.game.victory import Victory, keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from logical_robots_tui.game import Frame, Source
-    from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.world import Level
 
 MOST = 5000
 """The default tick limit of ``run``."""

@@ -26,7 +26,7 @@ from logical_robots_tui.editing.level_text import (
     words_of,
     write_native,
 )
-from logical_robots_tui.world.level import LevelError, alike
+from logical_robots_tui.world.level import Level, LevelError, alike
 from logical_robots_tui.world.levels.drawing import (
     coarsest_cell,
     draw_rows,
@@ -38,7 +38,6 @@ from logical_robots_tui.world.levels.native import read_native
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from logical_robots_tui.world.level import Level
 
 _INSTEAD = {"angle": "heading", "heading": "angle"}
 

@@ -18,7 +18,7 @@ from logical_robots_tui.editing.level_text import (
     record_of,
     words_of,
 )
-from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
     MOST_OF_A_KIND,
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.world import WorldState
     from logical_robots_tui.world.changing import Pose
-    from logical_robots_tui.world.level import Level
 
 
 def set_words(level: Level, **values: Any) -> Level:

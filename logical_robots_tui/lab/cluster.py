@@ -11,12 +11,11 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.running import Answer, execute
+from logical_robots_tui.lab.running import Answer, Task, execute
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from logical_robots_tui.lab.running import Task
 
 _AHEAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
 _COUNT_SECONDS = 2.0  # for which the number of threads is good

@@ -5,14 +5,13 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.cli.command import line_of_json
+from logical_robots_tui.cli.command import Commands, line_of_json
 from logical_robots_tui.cli.runs.common import check_name, new_run_command, open_run
 
 if TYPE_CHECKING:
     import argparse
     import threading
 
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Mind, Program, QueryError, Table
     from logical_robots_tui.world import Level

@@ -13,7 +13,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.exporting import done_runs
 from logical_robots_tui.lab.folder import Cell, Manifest, Player, digest
 from logical_robots_tui.lab.specification import Specification, Tournament
-from logical_robots_tui.lab.submissions import entries_of, stems_of
+from logical_robots_tui.lab.submissions import Submission, entries_of, stems_of
 from logical_robots_tui.lab.sweeping import level_with_text
 from logical_robots_tui.mind import Program, ProgramError
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.lab.ledger import Ledger
     from logical_robots_tui.lab.running import Result
-    from logical_robots_tui.lab.submissions import Submission
     from logical_robots_tui.world import Level
 
     Numbers: TypeAlias = NDArray[np.float64]

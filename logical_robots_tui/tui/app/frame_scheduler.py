@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from textual.css.query import NoMatches
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.app.session_state import Ui
+from logical_robots_tui.tui.app.session_state import Ui, Work
 from logical_robots_tui.tui.terminal.textual_internals import handle_exception, is_being_removed
 from logical_robots_tui.tui.theme.safe_text import one_line
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.game import Pace
-    from logical_robots_tui.tui.app.session_state import Work
 
 
 Result = TypeVar("Result")

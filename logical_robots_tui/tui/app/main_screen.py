@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from textual import on
+from textual import events, on
 from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
@@ -15,7 +15,7 @@ from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler, ScreenUi
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_state import SessionListener
+from logical_robots_tui.tui.app.session_state import Opening, SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pages.robots import RobotsView
@@ -47,13 +47,11 @@ from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from textual import events
     from textual.app import ComposeResult
     from textual.geometry import Size
     from textual.widget import Widget
 
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.tui.app.session_state import Opening
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder

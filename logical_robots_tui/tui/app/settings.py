@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from platformdirs import user_config_path
 
 from logical_robots_tui.paths import did_you_mean, read_ordinary
-from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.keymap import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
     from typing import TypeAlias
-
-    from logical_robots_tui.tui.commands.command import Command
 
     Complain: TypeAlias = Callable[[str, str], None]
 

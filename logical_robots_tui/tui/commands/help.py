@@ -6,14 +6,14 @@ from functools import partial
 from textwrap import wrap
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from textual import on
-from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
+from textual import events, on
+from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.errors import NoWidget
 from textual.widgets import Input, Static
 
-from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.cells import hex_colour
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
@@ -24,11 +24,8 @@ from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from textual import events
     from textual.app import ComposeResult
-    from textual.command import Hits
 
-    from logical_robots_tui.tui.commands.command import Command
 
 _INSPECTOR_SIGNS = (
     ("◂", "an input: what the world gives the program"),

@@ -12,7 +12,7 @@ from textual.widgets import OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
-from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, definition
+from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, Survey, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Survey
     from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable

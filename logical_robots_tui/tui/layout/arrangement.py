@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 from textual.containers import Container
 from textual.content import Content
 from textual.errors import NoWidget
-from textual.geometry import Size
+from textual.geometry import Offset, Size
 from textual.message import Message
 
 from logical_robots_tui.tui.theme.safe_text import visible
 
 if TYPE_CHECKING:
     from textual import events
-    from textual.geometry import Offset
     from textual.widget import Widget
 
 

@@ -6,7 +6,7 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.session_state import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener, Ui
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.drafts import Draft, Drafts
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level

@@ -9,17 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.editing import things
 from logical_robots_tui.editing.level_text import KINDS, Thing
-from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
+from logical_robots_tui.editing.strokes import Point, fill, paint, paint_rectangle
 from logical_robots_tui.editing.things import Poses, Ref, as_it_stands
-from logical_robots_tui.world import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, WorldState
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.editing.edits import Edits
-    from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.world import Level, WorldState
 
 
 class Tool(Enum):

@@ -7,14 +7,14 @@ from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from logical_robots_tui.editing.checks import check
+from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game import is_shipped
-from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.recovery.autosave import Autosave
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.world import LevelError, load_level
+from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.drawing import coarsest_cell
 from logical_robots_tui.world.levels.native import read_native
@@ -22,12 +22,9 @@ from logical_robots_tui.world.levels.native import read_native
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import Ui
-    from logical_robots_tui.world import Level
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is checked

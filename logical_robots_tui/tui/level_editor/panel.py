@@ -9,10 +9,10 @@ from textual.content import Content
 from textual.widget import Widget
 
 from logical_robots_tui.tui.commands.keymap import command, commands
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.layout.command_bar import Labels
-from logical_robots_tui.tui.level_editor.editor import PAINTING, Tool
-from logical_robots_tui.tui.level_editor.mode import EditView
+from logical_robots_tui.tui.level_editor.editor import PAINTING, LevelEditor, Tool
+from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -26,10 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
-    from logical_robots_tui.tui.level_editor.mode import EditMode
 
 
 _CHOSEN = "$here-ink on $here"

@@ -11,7 +11,7 @@ from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
 from textual.widgets import TextArea
-from textual.widgets.text_area import Selection, TextAreaTheme
+from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 
 from logical_robots_tui.tui.program.completion import (
     Completion,
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from textual import events
     from textual.strip import Strip
     from textual.theme import Theme
-    from textual.widgets.text_area import Edit, EditResult
 
 
 def follow_rows(

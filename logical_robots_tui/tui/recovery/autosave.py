@@ -6,14 +6,13 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
-from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session_state import Ui
 
 State = TypeVar("State")

@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.message import Message
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.page import Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_number
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
     from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
     from logical_robots_tui.world import Level, RobotState
 

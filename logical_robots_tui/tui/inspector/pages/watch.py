@@ -13,7 +13,7 @@ from textual.message import Message
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page
+from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import Sample, cell, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Frame, Pin, Reading
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "

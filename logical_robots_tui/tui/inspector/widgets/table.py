@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -26,8 +26,6 @@ from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from textual import events
 
     from logical_robots_tui.mind import Table

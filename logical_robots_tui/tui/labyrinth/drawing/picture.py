@@ -9,7 +9,7 @@ import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, Palette, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import pack, paint_robot, refit, split
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Highlight, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import (
     ASCII_KINDS,
     Ground,
@@ -30,14 +30,12 @@ from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
     draw_ring,
     draw_trails,
 )
-from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight, Look
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.world.level import Level
 
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, mix, rgb_number, text_id
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
 
