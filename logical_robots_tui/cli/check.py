@@ -18,25 +18,9 @@ if TYPE_CHECKING:
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
 
-EPILOG = """\
-examples:
-  logical-robots check my-program.l          print errors and warnings
-  logical-robots check *.l                   check several programs
-  logical-robots check my-program.l --json   output for scripts and editors
-
-exit status: 0 all programs can run (there may be warnings), 2 one can't
-"""
-
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "check",
-        start=start,
-        summary="check a program for errors without running it",
-        description="Check programs for errors without running them.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "check", start)
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
@@ -44,6 +28,17 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """check a program for errors without running it
+
+    Check programs for errors without running them.
+
+    examples:
+      logical-robots check my-program.l          print errors and warnings
+      logical-robots check *.l                   check several programs
+      logical-robots check my-program.l --json   output for scripts and editors
+
+    exit status: 0 all programs can run (there may be warnings), 2 one can't
+    """
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
 

@@ -28,19 +28,17 @@ from logical_robots_tui.game.continuing import (
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.robustness import named_start_of
 from logical_robots_tui.game.source import hide_solutions, target
-from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
+from logical_robots_tui.game.victory import Victory, keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from logical_robots_tui.game import Frame, Source
-    from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.world import Level
 
 MOST = 5000
 """The default tick limit of ``run``."""
@@ -110,7 +108,7 @@ class _TextGame:
         note_level(progress, level)
         keep_if_own(progress, self._key, program.text)
         self._commands: dict[str, Callable[[int], object]] = {
-            "back": self._back,
+            "back": lambda ticks: self._go(lambda: self._game.back(ticks)),
             "restart": lambda _: self._go(self._game.restart),
             "where": lambda _: _say(*self._places()),
             "apply": lambda _: self._apply(),
@@ -154,9 +152,6 @@ class _TextGame:
         for hit in self._game.hits:
             _say(f"Stopped: {hit.breakpoint.words}. {hit.values}")
         _say(f"Tick {frame.tick}.")
-
-    def _back(self, ticks: int) -> None:
-        self._go(lambda: self._game.back(ticks))
 
     def _go(self, move: Callable[[], Frame]) -> None:
         try:

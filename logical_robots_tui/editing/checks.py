@@ -12,7 +12,7 @@ import numpy as np
 from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
 from logical_robots_tui.editing.strokes import Regions
 from logical_robots_tui.editing.things import Ref, reread
-from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import MOST_OF_A_KIND, Fields
 from logical_robots_tui.world.levels.native import misfits, oddities, read_words
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.world.level import Level
 
 _UNTOLD = {
     "robots": "; each needs a unique name",

@@ -26,7 +26,7 @@ from logical_robots_tui.editing.level_text import (
     words_of,
     write_native,
 )
-from logical_robots_tui.world.level import LevelError, alike
+from logical_robots_tui.world.level import Level, LevelError, alike
 from logical_robots_tui.world.levels.drawing import (
     coarsest_cell,
     draw_rows,
@@ -38,7 +38,6 @@ from logical_robots_tui.world.levels.native import read_native
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from logical_robots_tui.world.level import Level
 
 _INSTEAD = {"angle": "heading", "heading": "angle"}
 
@@ -131,17 +130,14 @@ def _update(table: Any, before: Record, after: Record) -> None:
             del table[_INSTEAD[key]]
         there = table.get(key)
         if isinstance(value, dict) and isinstance(there, dict):
-            _update(there, _as_record(before.get(key)), value)
+            earlier = before.get(key)
+            _update(there, earlier if isinstance(earlier, dict) else {}, value)
         elif isinstance(value, list) and isinstance(there, Array) and len(value) == len(there):
             for i, item in enumerate(value):
                 if there[i] != item:
                     there[i] = item
         else:
             table[key] = tomlkit.value(toml_text(key, value))
-
-
-def _as_record(value: object) -> Record:
-    return value if isinstance(value, dict) else {}
 
 
 def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:

@@ -18,7 +18,7 @@ from logical_robots_tui.editing.level_text import (
     record_of,
     words_of,
 )
-from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
     MOST_OF_A_KIND,
@@ -38,9 +38,8 @@ from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from logical_robots_tui.world import RobotState, WorldState
+    from logical_robots_tui.world import WorldState
     from logical_robots_tui.world.changing import Pose
-    from logical_robots_tui.world.level import Level
 
 
 def set_words(level: Level, **values: Any) -> Level:
@@ -255,7 +254,9 @@ def as_it_stands(level: Level, state: WorldState) -> Level:
         return level
     bodies = {body.name: body for body in state.robots}
     robots = tuple(
-        robot if (body := bodies.get(robot.name)) is None else _now(robot, body)
+        replace(robot, x=body.x, y=body.y, angle=body.angle)
+        if (body := bodies.get(robot.name)) is not None
+        else robot
         for robot in level.robots
     )
     return replace(level, robots=robots)
@@ -282,10 +283,6 @@ class Poses:
             if robot.name in known and known[robot.name] != _pose(robot)
         }
         return {name: self._stood.get((name, pose), pose) for name, pose in moved.items()}
-
-
-def _now(robot: Robot, body: RobotState) -> Robot:
-    return replace(robot, x=body.x, y=body.y, angle=body.angle)
 
 
 def _pose(robot: Robot) -> Pose:

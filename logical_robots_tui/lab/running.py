@@ -39,9 +39,7 @@ if TYPE_CHECKING:
 CHUNK_SECONDS = 5.0
 """Time after which a worker gives back what it has; at most this and one run are lost with it."""
 
-_SLOW_TICKS = 10
-"""Ticks with too many steps after which a run ends."""
-
+_SLOW_TICKS = 10  # ticks with too many steps after which a run ends
 _MOST_CELLS = 1_000_000  # of all series of a run
 
 Outcome: TypeAlias = Literal[

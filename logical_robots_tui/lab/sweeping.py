@@ -24,12 +24,11 @@ from logical_robots_tui.lab.specification import (
     values_of,
 )
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.specification import Experiment, Path_, Scalar
-    from logical_robots_tui.world import Level
 
 _TICKS = re.compile(r"(?:(\d+)\s*\*\s*)?reference(?:\s*\+\s*(\d+))?")
 _MOST_CELLS = 100_000

@@ -5,14 +5,13 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, Store, Version
+from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, State, Store, Version
 
 if TYPE_CHECKING:
     import sqlite3
     from collections.abc import Callable
     from pathlib import Path
 
-    from logical_robots_tui.progress.store import State
 
 FILE_NAME = "progress.sqlite"
 
@@ -78,7 +77,6 @@ class Progress:
         self._store.close()
 
     def record(self, level: str) -> LevelRecord:
-        """Return the record of a level, without the versions."""
         level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:

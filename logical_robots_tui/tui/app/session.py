@@ -191,7 +191,6 @@ class Session:
     # -- moving --------------------------------------------------------------------------------
 
     def toggle_run(self) -> None:
-        """Run, or stop whatever is in progress."""
         if self.busy:
             self.pause()
         else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from math import isclose
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
@@ -21,8 +21,6 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Sequence
-
     from textual.widget import Widget
 
     from logical_robots_tui.clock import Clock
@@ -160,7 +158,7 @@ class Page(Vertical):
     """
 
     title: ClassVar[str]
-    replays: ClassVar[bool] = True
+    replays = True
     """Whether it computes past ticks with the current program, which may not have decided them."""
 
     @dataclass

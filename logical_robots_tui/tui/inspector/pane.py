@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.containers import Horizontal
@@ -12,7 +12,7 @@ from textual.widgets import OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
-from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, definition
+from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, Survey, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,
@@ -27,12 +27,10 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 from logical_robots_tui.tui.layout.arrangement import Pane
 
 if TYPE_CHECKING:
-    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Survey
     from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable
@@ -45,9 +43,9 @@ _ROOMY = 150  # columns of the inspector from which a page and the robot stand s
 class InspectorPane(Pane):
     """Follows the current tick a few times a second, with the decision alongside if it fits."""
 
-    command_id: ClassVar[str] = "inspector"
+    command_id = "inspector"
 
-    BINDINGS: ClassVar[list[BindingType]] = [("escape", "stop")]
+    BINDINGS = [("escape", "stop")]
 
     DEFAULT_CSS = """
     InspectorPane #pages { width: 1fr; height: 1fr; }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.message import Message
@@ -31,7 +31,7 @@ class CommandChosen(Message):
 class Labels(Widget):
     """Lines of labels for commands; a click runs the command."""
 
-    ALLOW_SELECT: ClassVar[bool] = False
+    ALLOW_SELECT = False
 
     def __init__(self, widget_id: str | None = None) -> None:
         super().__init__(id=widget_id)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rich.text import Text
-from textual.binding import Binding, BindingType
+from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
 from textual.widgets import TextArea
-from textual.widgets.text_area import Selection, TextAreaTheme
+from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 
 from logical_robots_tui.tui.program.completion import (
     Completion,
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from textual import events
     from textual.strip import Strip
     from textual.theme import Theme
-    from textual.widgets.text_area import Edit, EditResult
 
 
 def follow_rows(
@@ -125,8 +124,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
     return "\n".join(changed), count
 
 
-_A_PASTE = 0.005
-"""Keys that follow each other faster, in seconds, were not typed."""
+_A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
 _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
@@ -134,14 +132,12 @@ _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 
 
 class Editor(TextArea):
-    """Edits the text of a program; escape leaves it."""
-
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }
     Editor:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("ctrl+underscore,ctrl+slash", "toggle_comment"),
         ("ctrl+@,ctrl+space", "complete"),
         ("tab", "indent"),

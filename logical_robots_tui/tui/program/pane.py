@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -74,8 +74,6 @@ class TeamTabs(Labels):
 
 
 class TeamChoice:
-    """Selects the team of the selected robot."""
-
     def __init__(
         self, session: Session, look_at: Callable[[str], None], tell: Callable[[str], None]
     ) -> None:
@@ -112,9 +110,7 @@ class TeamChoice:
 
 
 class ProgramPane(Pane):
-    """Shows and edits the text of the current program."""
-
-    command_id: ClassVar[str] = "editor"
+    command_id = "editor"
 
     DEFAULT_CSS = """
     ProgramPane #help-line {
@@ -144,7 +140,6 @@ class ProgramPane(Pane):
         self.editor.load_text(text)
 
     def put(self, text: str) -> None:
-        """Replace the text of the same program; undo restores the old one."""
         self.editor.put(text)
 
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:

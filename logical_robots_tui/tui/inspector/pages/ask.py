@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from textual import on
+from textual import events, on
 from textual.content import Content
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
@@ -26,8 +26,6 @@ from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-
-    from textual import events
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
@@ -84,8 +82,6 @@ class QueryLine(Input):
 
 
 class AskPage(Page):
-    """The query line, errors in the query, and the answer."""
-
     DEFAULT_CSS = """
     AskPage QueryLine { margin: 0 1; background: $panel; width: 1fr; }
     AskPage #answer-to {

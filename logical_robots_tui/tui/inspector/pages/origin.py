@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import Static
@@ -25,8 +25,6 @@ from logical_robots_tui.wording import count_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from textual.binding import BindingType
-
     from logical_robots_tui.explain.why.sourcing import Read
     from logical_robots_tui.game import Frame, Game, Link, Origin
     from logical_robots_tui.tui.app.session import Session
@@ -44,7 +42,7 @@ _INCOMPLETE = "This is not all of it: more values were read than are traced here
 class LinksView(CursorView):
     """The links of the chain, the value itself first; enter goes to one, escape leaves."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [("enter", "open"), ("escape,backspace", "leave")]
+    BINDINGS = [("enter", "open"), ("escape,backspace", "leave")]
 
     def __init__(
         self,
@@ -93,8 +91,6 @@ class LinksView(CursorView):
 
 
 class OriginPage(Page):
-    """The chain of assignments that a value goes back to."""
-
     DEFAULT_CSS = """
     OriginPage #origin-of { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.geometry import Region, Size
 from textual.message import Message
@@ -21,7 +21,6 @@ from logical_robots_tui.tui.layout.command_bar import CommandChosen
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from textual.binding import BindingType
     from textual.content import Content
 
     from logical_robots_tui.explain import Ask, Node
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 class WhyView(CursorView):
     """A proof; renders only visible lines. Arrows, enter and backspace expand and ask."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("right", "inward"),
         ("left", "outward"),
         ("enter", "deeper"),

@@ -33,8 +33,7 @@ BLOCKS = {
 }
 """For a number of dots in a cell the character of each pattern; bit i is dot i, row by row."""
 
-_FLAT = 40.0
-"""Squared error, summed over the dots, below which a cell is given one colour only."""
+_FLAT = 40.0  # squared error, summed over the dots, below which a cell is given one colour only
 
 
 def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]:
@@ -69,7 +68,9 @@ def fit(
     if count == 1 or not cells:
         return np.zeros(cells, np.int64), mean, mean
 
-    patterns, members = _patterns(count)
+    # All ways to split the dots in two, and for each a row of its members.
+    patterns = np.arange(1, 2**count - 1, 2, dtype=np.int64)
+    members = (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
     sizes = members.sum(axis=1)[:, None]
     sums = (members @ by_dot).reshape(len(patterns), cells, 3)
     rest = total - sums
@@ -94,12 +95,6 @@ def fit(
 
 
 _BRIGHTNESS = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
-
-
-def _patterns(count: int) -> tuple[NDArray[np.int64], Floats]:
-    """Return all ways to split dots in two, and for each a row of its members."""
-    patterns = np.arange(1, 2**count - 1, 2, dtype=np.int64)
-    return patterns, (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
 
 
 _BLOCK_IDS = {
