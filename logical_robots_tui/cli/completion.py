@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import new_command
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from logical_robots_tui.cli.command import Commands
 
 SHELLS = ("bash", "zsh", "fish")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
 import shutil
 import sys
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
@@ -15,10 +18,6 @@ from logical_robots_tui.cli.command import add_data_dir, folder_of, harmless, ne
 from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-    from pathlib import Path
-
     from logical_robots_tui.cli.command import Commands
 
 FINE, PROBLEM = 0, 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import shutil
 import sys
@@ -13,8 +14,6 @@ from logical_robots_tui.cli.command import harmless, new_command, new_group
 from logical_robots_tui.cli.level_files import declare_convert, declare_new, write
 
 if TYPE_CHECKING:
-    import argparse
-
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.world import Level

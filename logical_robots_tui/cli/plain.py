@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import math
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 
 from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
+    Frame,
     Game,
     NoSuchTickError,
+    Source,
     goals,
     level_key,
     load_program,
@@ -28,19 +31,11 @@ from logical_robots_tui.game.continuing import (
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.robustness import named_start_of
 from logical_robots_tui.game.source import hide_solutions, target
-from logical_robots_tui.game.victory import keep_victory, result_line, victory_of
+from logical_robots_tui.game.victory import Victory, keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.world import load_level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame, Source
-    from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level, load_level
 
 MOST = 5000
 """The default tick limit of ``run``."""

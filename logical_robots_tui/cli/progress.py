@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import csv
 import json
 import math
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,14 +24,10 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.progress import FILE_NAME, Measures, Progress
+from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
     from logical_robots_tui.cli.command import Commands
-    from logical_robots_tui.progress import Bests, LevelRecord
 
 FORMAT = 1
 """The version of the exported document."""

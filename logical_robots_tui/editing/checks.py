@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,18 +13,14 @@ import numpy as np
 from logical_robots_tui.editing.level_text import KINDS, all_things, words_of
 from logical_robots_tui.editing.strokes import Regions
 from logical_robots_tui.editing.things import Ref, reread
-from logical_robots_tui.world.level import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import MOST_OF_A_KIND, Fields
 from logical_robots_tui.world.levels.native import misfits, oddities, read_words
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 from logical_robots_tui.world.walls import row_clearances
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.world.level import Level
 
 _UNTOLD = {
     "robots": "; each needs a unique name",

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import math
 import random
+import threading
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import play_tick
+from logical_robots_tui.game.advancing import Thought, play_tick
 from logical_robots_tui.game.frame import driven
 from logical_robots_tui.game.minds import mind_for
-from logical_robots_tui.world import World
-
-if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable
-
-    from logical_robots_tui.game.advancing import Thought
-    from logical_robots_tui.mind import Limits, Program
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
+from logical_robots_tui.mind import Limits, Program
+from logical_robots_tui.values import Value
+from logical_robots_tui.world import Level, World
 
 STARTS = 20
 """The number of shifted starts to try."""

@@ -5,18 +5,14 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
+from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import suppress
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.running import Answer, execute
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.lab.running import Task
+from logical_robots_tui.lab.running import Answer, Task, execute
 
 _AHEAD = 2
 """Tasks for each thread of a worker, so that none waits for the coordinator."""

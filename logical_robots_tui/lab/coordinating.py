@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.ledger import ATTEMPTS, Entry
-from logical_robots_tui.lab.running import Task, fingerprint
+from logical_robots_tui.lab.ledger import ATTEMPTS, Entry, Ledger
+from logical_robots_tui.lab.running import Answer, Task, fingerprint
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
-    from logical_robots_tui.lab.ledger import Ledger
-    from logical_robots_tui.lab.running import Answer
 
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2

@@ -5,19 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
-from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
 from logical_robots_tui.lab.running import Result
 from logical_robots_tui.language.diagnostics import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
-    from logical_robots_tui.lab.ledger import Ledger
 
 Row: TypeAlias = "tuple[Any, ...]"
 

@@ -7,13 +7,14 @@ import math
 import re
 import sys
 from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from logical_robots_tui.lab.exporting import Done, check_extra, done_runs, harmless_text
-from logical_robots_tui.lab.folder import digest
+from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
-from logical_robots_tui.lab.ledger import ATTEMPTS
+from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
 from logical_robots_tui.lab.page import (
     as_code,
     as_page,
@@ -22,14 +23,6 @@ from logical_robots_tui.lab.page import (
     shade,
 )
 from logical_robots_tui.lab.tournament.reporting import tournament_parts
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from logical_robots_tui.lab.exporting import Done
-    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
-    from logical_robots_tui.lab.ledger import Ledger
-
 
 _WIDTH = 78
 _MOST_BARS = 40

@@ -13,10 +13,11 @@ from collections import Counter
 from functools import cache, lru_cache
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import msgspec
 
+from logical_robots_tui.game.advancing import Thought
 from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.robustness import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
@@ -27,14 +28,11 @@ from logical_robots_tui.mind import (
     Program,
     ProgramError,
     QueryError,
+    Question,
     Stopped,
 )
+from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.levels.load import read_level
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game.advancing import Thought
-    from logical_robots_tui.mind import Question
-    from logical_robots_tui.world import Level, WorldState
 
 CHUNK_SECONDS = 5.0
 """Time after which a worker gives back what it has; at most this and one run are lost with it."""

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from logical_robots_tui.explain.diagnosis.counting import is_always_true
-from logical_robots_tui.explain.diagnosis.sites import TESTS
+from logical_robots_tui.explain.diagnosis.counting import Count, Tally, is_always_true
+from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import closest, distance
 from logical_robots_tui.schema import INPUTS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from logical_robots_tui.explain.diagnosis.counting import Count, Tally
-    from logical_robots_tui.explain.diagnosis.sites import Site
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 FindingKind = Literal[
     "several rows",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.explain.clauses.bodies import (
     EVERY_COLUMN,
@@ -30,12 +31,16 @@ from logical_robots_tui.language.tree import (
     Choice,
     Disjunction,
     Equation,
+    Expression,
     FieldAccess,
     List,
     Literal,
     Membership,
     PredicateName,
+    Proposition,
     Record,
+    Rule,
+    Tree,
     Variable,
     call,
     conjuncts,
@@ -47,12 +52,6 @@ from logical_robots_tui.language.tree import (
     variables,
 )
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from logical_robots_tui.language.tree import Expression, Proposition, Rule, Tree
-
 
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type

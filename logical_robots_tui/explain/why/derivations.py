@@ -6,24 +6,20 @@ Rows of a recursion are derived from earlier rows, so that no row proves itself.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, value_of
+from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import ALIKE, same
+from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.explanation import Ask
-    from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
-    from logical_robots_tui.mind.relations import Relations, Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 MOST_ROWS = 1_000
 """Where counting rows ends."""

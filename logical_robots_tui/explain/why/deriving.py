@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.explanation import Ask, Node
-from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
-from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.explain.why.probing import (
+    DECIDED_BY_ONE,
+    Body,
+    Call,
+    Clause,
+    Collected,
+    Span,
+    Step,
+    Term,
+)
+from logical_robots_tui.mind.relations import Relations, Way, alike
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import (
-        Body,
-        Call,
-        Clause,
-        Collected,
-        Span,
-        Step,
-        Term,
-    )
-    from logical_robots_tui.mind.relations import Relations, Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100

@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import json
+import threading
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.derivations import Derivations
 from logical_robots_tui.explain.why.deriving import column_label, value_of
-from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.nearest import Nearest
-from logical_robots_tui.explain.why.probing import decompose
+from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof
+from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
+from logical_robots_tui.explain.why.probing import (
+    Body,
+    Call,
+    Clause,
+    Probing,
+    Span,
+    Term,
+    decompose,
+)
 from logical_robots_tui.explain.why.proving import Prover, unfold
-from logical_robots_tui.explain.why.sourcing import source_of
+from logical_robots_tui.explain.why.sourcing import Made, Path, source_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.relations import Way
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.mind.table import Table
+from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.explanation import Explanation, Proof
-    from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.explain.why.probing import Body, Call, Clause, Probing, Span, Term
-    from logical_robots_tui.explain.why.sourcing import Made, Path
     from logical_robots_tui.mind.mind import Memories, Mind
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import SensorRow, Value
 
 _ROBOT = Ask()
 

@@ -6,17 +6,16 @@ derivation, with the values of all variables and of all shown expressions.
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.compilation import compile_request
+from logical_robots_tui.mind.limits import Limits
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Mapping
-
-    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
 
 ROWS = "WhyRows_"

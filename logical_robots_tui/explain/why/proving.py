@@ -3,32 +3,25 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.derivations import MOST_ROWS, check_given, is_aggregated
-from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, number_of
-from logical_robots_tui.explain.why.explanation import Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.derivations import (
+    MOST_ROWS,
+    Derivations,
+    Row,
+    check_given,
+    is_aggregated,
+)
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, Telling, column_label, number_of
+from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.probing import Clause, Collected, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import same
+from logical_robots_tui.mind.relations import Way, same
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import to_sql
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from logical_robots_tui.explain.why.derivations import Derivations, Row
-    from logical_robots_tui.explain.why.deriving import Telling
-    from logical_robots_tui.explain.why.explanation import Ask
-    from logical_robots_tui.explain.why.probing import (
-        Clause,
-        Collected,
-        Probing,
-        RuleParts,
-    )
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
 
 
 class Prover:

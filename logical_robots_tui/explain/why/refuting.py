@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.deriving import Telling, negation, number_of, value_of
 from logical_robots_tui.explain.why.explanation import Node
+from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import same
+from logical_robots_tui.mind.relations import Relations, Way, same
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
-    from logical_robots_tui.mind.relations import Relations, Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100

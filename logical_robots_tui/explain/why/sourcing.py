@@ -5,33 +5,31 @@ A value is traced through one derivation back to a computation or to a sensor or
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import value_of, winner
 from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
+from logical_robots_tui.explain.why.probing import (
+    DECIDED_BY_ONE,
+    Body,
+    Call,
+    Clause,
+    Collected,
+    Probing,
+    Span,
+    Step,
+    Term,
+)
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.mind.relations import Way, alike
 from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from logical_robots_tui.explain.why.derivations import Derivations
-    from logical_robots_tui.explain.why.probing import (
-        Body,
-        Call,
-        Clause,
-        Collected,
-        Probing,
-        Span,
-        Step,
-        Term,
-    )
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.values import Value
 
 Path: TypeAlias = "tuple[str | int, ...]"
 """The way to a part of a value: names of fields and places in lists."""

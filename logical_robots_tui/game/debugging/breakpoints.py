@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 from logical_robots_tui.mind import NoticeKind
 from logical_robots_tui.paths import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
