@@ -179,11 +179,11 @@ class _Reporter:
             (site.span, count)
             for site, count in zip(self._checkup.sites, self._tally.sites, strict=True)
             if site.kind == "operand" and site.within == whole.within
-            if _holds_in(whole.span, site.span) and count.reached is not None
+            if _is_inside(site.span, whole.span) and count.reached is not None
         ]
         return any(
             count.true is None
-            and not any(_holds_in(around, span) and c.true is not None for around, c in inner)
+            and not any(_is_inside(span, around) and c.true is not None for around, c in inner)
             for span, count in inner
         )
 
@@ -215,12 +215,8 @@ class _Reporter:
         return Finding(kind, severity, site.span, tick, message, hint, site.places)
 
 
-def _holds_in(whole: Span, part: Span) -> bool:
-    return (
-        whole.start <= part.start
-        and part.stop <= whole.stop
-        and (whole.start, whole.stop) != (part.start, part.stop)
-    )
+def _is_inside(part: Span, whole: Span) -> bool:
+    return whole.holds(part) and not part.holds(whole)
 
 
 def _quote(site: Site) -> str:

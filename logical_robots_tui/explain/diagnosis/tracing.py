@@ -57,7 +57,11 @@ _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
 
 
-class ValueTracing(Watching):
+_LEAVES = ("desire", VALUE)
+"""Columns whose ``if`` branches are watched."""
+
+
+class Tracer(Watching):
     def _value(self, node: Expression, at: At, *, is_leaf: bool = False) -> None:
         if isinstance(node, Choice):
             for branch in node.branches:
@@ -244,15 +248,6 @@ class ValueTracing(Watching):
             for name in trail.probes:
                 del self.probes[name]
 
-    def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
-        raise NotImplementedError
-
-
-_LEAVES = ("desire", VALUE)
-"""Columns whose ``if`` branches are watched."""
-
-
-class Tracer(ValueTracing):
     def copy(self, name: str) -> None:
         _, self._within = self.copies[name]
         for rule in self._own[name]:

@@ -17,7 +17,6 @@ from logical_robots_tui.language.diagnostics import ProgramError, QueryError, cl
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.relations import Way
-from logical_robots_tui.mind.sqlite.stored import to_sql
 from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
@@ -74,7 +73,7 @@ class Nearest:
         self, probing: Probing, rule: RuleParts, arguments: Mapping[str, Value]
     ) -> Stop | None:
         wanted = {c: v for c, v in arguments.items() if c not in probing.given}
-        given = [to_sql(arguments.get(column)) for column in probing.given]
+        given = probing.arguments(arguments)
         try:
             self._derivations.prepare(probing)
             return Refuting(self._relations, probing.queries, given, wanted).stop(rule)

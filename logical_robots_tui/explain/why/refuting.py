@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from logical_robots_tui.explain.why.deriving import Telling, negation, number_of, value_of
+from logical_robots_tui.explain.why.deriving import Telling, ask_of, negation, number_of, value_of
 from logical_robots_tui.explain.why.explanation import Node
 from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
 from logical_robots_tui.mind.failures import FailureError
@@ -140,7 +140,7 @@ class Refuting:
             text, found = negation(text, holds=False)
             said = said if elsewhere else found
         elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
-            asked = self.telling.ask(step.call, way | self._known(clause))
+            asked = ask_of(step.call, way | self._known(clause))
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and is_one:
             children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
