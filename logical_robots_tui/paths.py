@@ -5,15 +5,12 @@ from __future__ import annotations
 import difflib
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from logical_robots_tui.confinement import WHY, check_mine, is_confined
 from logical_robots_tui.errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from typing import TYPE_CHECKING
@@ -18,8 +19,6 @@ from logical_robots_tui.paths import is_there
 from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
-    import argparse
-
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.language.reference import FunctionHelp
     from logical_robots_tui.world import Level

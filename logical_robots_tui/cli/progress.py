@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import csv
 import json
 import math
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,9 +27,6 @@ from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
     from logical_robots_tui.cli.command import Commands
 
 FORMAT = 1

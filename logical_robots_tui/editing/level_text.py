@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 import tomlkit
@@ -15,6 +16,7 @@ from logical_robots_tui.world.level import (
     ROBOT_COLOR,
     Area,
     Beacon,
+    Level,
     Robot,
     Score,
     Team,
@@ -23,11 +25,6 @@ from logical_robots_tui.world.level import (
 from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
 from logical_robots_tui.world.levels.native import oddities
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.world.level import Level
 
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 

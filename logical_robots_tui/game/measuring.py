@@ -8,19 +8,15 @@ import os
 import pickle
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
 from logical_robots_tui.game.victory import measures_of
+from logical_robots_tui.mind import Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level
 
 MOST_TICKS = 20_000
 """Ticks within which every level can be won."""

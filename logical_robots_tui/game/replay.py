@@ -12,9 +12,11 @@ import hashlib
 import json
 import lzma
 from bisect import bisect_left
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import islice
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
@@ -22,27 +24,23 @@ import numpy as np
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.advancing import is_thought_alike
-from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.frame import Frame, Superseded
 from logical_robots_tui.game.history.packing import is_state
+from logical_robots_tui.mind import Decision
 from logical_robots_tui.mind.limits import weight_of_text
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.records import texts_of
 from logical_robots_tui.values import Desire
-from logical_robots_tui.world import LevelError, World, WorldState
+from logical_robots_tui.world import Level, LevelError, World, WorldState
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.mind import Decision, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.world import Level
 
 SUFFIX = ".replay"
 EVERY = 100

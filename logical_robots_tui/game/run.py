@@ -6,6 +6,8 @@ import hashlib
 import json
 import platform
 import sqlite3
+import threading
+from collections.abc import AsyncGenerator, Callable
 from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
@@ -21,19 +23,15 @@ from logical_robots_tui.game.advancing import (
     start_frame,
 )
 from logical_robots_tui.game.debugging.watching import Watch
-from logical_robots_tui.game.frame import driven
+from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import AsyncGenerator, Callable
-
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Mind, Program
-    from logical_robots_tui.world import Level
 
 T = TypeVar("T")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import threading
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
@@ -27,8 +28,6 @@ from logical_robots_tui.paths import (
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from logical_robots_tui.mind import Program, Report
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.progress import Progress

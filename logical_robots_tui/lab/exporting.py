@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
@@ -14,8 +15,6 @@ from logical_robots_tui.lab.running import Result
 from logical_robots_tui.language.diagnostics import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 
 Row: TypeAlias = "tuple[Any, ...]"

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from logical_robots_tui.lab.exporting import harmless_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
 
 _MOST_ROWS = 1_000
 _PAGE = """<!DOCTYPE html>

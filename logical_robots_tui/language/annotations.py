@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from logica.compiler import universe
 
-from logical_robots_tui.language.diagnostics import closest
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.language.tree import (
     Annotation,
     Boolean,
+    Expression,
     List,
     Name,
     Number,
     PredicateName,
+    Statement,
     Text,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.tree import Expression, Statement
 
 MOST_STEPS = 1_000
 """The most steps of a recursion."""

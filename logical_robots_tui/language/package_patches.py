@@ -7,16 +7,14 @@ predicates named like an SQL keyword, such as ``from`` or ``Index``, on which SQ
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logica.compiler import dialects, expr_translate, functors, rule_translate, universe
 from logica.parser_py import parse
 
 from logical_robots_tui.language.tree import Name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _NEVER_CHANGE = {parse.HeritageAwareString, Name, str, int, float, bool, type(None)}
 

@@ -6,12 +6,10 @@ Each line below reads ``signature -- summary -- example => result``; the result 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
 
 from logical_robots_tui.language.diagnostics import closest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 Kind = Literal["function", "aggregate", "operator"]
 

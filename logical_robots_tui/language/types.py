@@ -6,15 +6,13 @@ They serve messages about a program, and the SQL that computes what DuckDB would
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import reduce
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui import schema
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 class Plain(Enum):

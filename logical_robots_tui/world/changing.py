@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from logical_robots_tui.world.dynamics import (
     AreaState,
@@ -13,12 +14,8 @@ from logical_robots_tui.world.dynamics import (
     is_inside,
     starts_active,
 )
+from logical_robots_tui.world.level import Area, Level, Robot
 from logical_robots_tui.world.scoring import tallies_at_start
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from logical_robots_tui.world.level import Area, Level, Robot
 
 Pose: TypeAlias = tuple[float, float, float]
 """Position in map units (x, y), and heading in radians."""

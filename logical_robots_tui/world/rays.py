@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from logical_robots_tui.schema import RADAR_DEGREES, RADAR_RAYS, SENSOR_RANGE
+from logical_robots_tui.world.dynamics import RobotState
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.world.dynamics import RobotState
 
 
 RADAR_SPAN = RADAR_DEGREES * math.pi / 180

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from logical_robots_tui.schema import BEACON, NO_LABEL, NO_OBJECT, ROBOT, SELF, SENSOR_RANGE, WALL
-from logical_robots_tui.world.dynamics import RobotState
-from logical_robots_tui.world.rays import FORWARD, Circles, rays_of, take_nearer_circles
+from logical_robots_tui.values import SensorRow
+from logical_robots_tui.world.dynamics import AreaState, RobotState
+from logical_robots_tui.world.level import Area, Beacon, Level, Robot
+from logical_robots_tui.world.rays import FORWARD, Circles, Rays, rays_of, take_nearer_circles
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.values import SensorRow
-    from logical_robots_tui.world.dynamics import AreaState
-    from logical_robots_tui.world.level import Area, Beacon, Level, Robot
-    from logical_robots_tui.world.rays import Rays
 
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -25,9 +27,6 @@ from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import AsyncIterator, Callable, Iterable, Iterator
-
     from rich.progress import Progress
 
     from logical_robots_tui.cli.command import Commands

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,9 +27,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay, Verifier

@@ -6,10 +6,12 @@ separate part of the body, so that its value is computed once.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from logical_robots_tui.explain.clauses.bodies import (
+    Names,
     Scope,
     TooManyError,
     alternatives,
@@ -25,7 +27,8 @@ from logical_robots_tui.explain.clauses.bodies import (
     span_of,
     values_in,
 )
-from logical_robots_tui.explain.why.probing import Body, Call, Clause, Collected, Step, Term
+from logical_robots_tui.explain.why.probing import Body, Call, Clause, Collected, Span, Step, Term
+from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     REST,
     Aggregate,
@@ -33,8 +36,13 @@ from logical_robots_tui.language.tree import (
     Argument,
     Atom,
     Conjunction,
+    Expression,
     Membership,
+    Node,
     Number,
+    Proposition,
+    Rule,
+    Tree,
     Variable,
     arguments,
     conjuncts,
@@ -48,20 +56,6 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.language.tree import Call as Function
 from logical_robots_tui.mind.relations import GIVEN
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.clauses.bodies import Names
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import (
-        Expression,
-        Node,
-        Proposition,
-        Rule,
-        Tree,
-    )
 
 N = TypeVar("N", bound="Node")
 

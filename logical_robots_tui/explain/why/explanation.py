@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.schema import ray_angle
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.values import Value
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.explain.why.deriving import value_of
-from logical_robots_tui.explain.why.probing import ORDERING, Span
-from logical_robots_tui.explain.why.refuting import Refuting
+from logical_robots_tui.explain.why.probing import ORDERING, Call, Probing, RuleParts, Span, Term
+from logical_robots_tui.explain.why.refuting import Refuting, Stop
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest, distance
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.relations import Way
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
     from logical_robots_tui.explain.why.derivations import Derivations
-    from logical_robots_tui.explain.why.probing import Call, Probing, RuleParts, Term
-    from logical_robots_tui.explain.why.refuting import Stop
-    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.values import Value
 
 MOST = 5
 """The most suggestions for a rule."""
@@ -77,7 +73,7 @@ class Nearest:
         self, probing: Probing, rule: RuleParts, arguments: Mapping[str, Value]
     ) -> Stop | None:
         wanted = {c: v for c, v in arguments.items() if c not in probing.given}
-        given = [to_sql(arguments.get(column)) for column in probing.given]
+        given = probing.arguments(arguments)
         try:
             self._derivations.prepare(probing)
             return Refuting(self._relations, probing.queries, given, wanted).stop(rule)

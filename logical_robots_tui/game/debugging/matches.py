@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import hashlib
 import json
+import threading
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.caching import CacheFolder, cache_place
+from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.debugging.watching import matching_rows
-from logical_robots_tui.game.frame import NoSuchTickError
+from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError, Stopped
 from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Sequence
-
-    from logical_robots_tui.game.advancing import RecordedTick
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run

@@ -7,28 +7,25 @@ it was made from.
 from __future__ import annotations
 
 import re
+import threading
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain.why.sourcing import part_of
-from logical_robots_tui.game.frame import NoSuchTickError, Superseded
+from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.sourcing import Made, Path, Read, part_of
+from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Awaitable, Callable, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.explain.why.sourcing import Made, Path, Read
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind
-    from logical_robots_tui.values import Value
 
 _MOST_LINKS = 24
 _MOST_READS = 4  # per link that are traced

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from logical_robots_tui.mind import QueryError
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from logical_robots_tui.mind import Table
-    from logical_robots_tui.values import Value
 
 MIND = "in the mind of"
 """Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""

@@ -6,28 +6,26 @@ that the difference is not merely a consequence of another.
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain import Ask
+from logical_robots_tui.explain import Ask, Explanation, Node, Proof
+from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind import Limits, QueryError
 from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain import Explanation, Node, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
-    from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.course import Divergence
     from logical_robots_tui.game.history.packing import TickState
-    from logical_robots_tui.mind import Limits, Program
-    from logical_robots_tui.values import Value
+    from logical_robots_tui.mind import Program
 
 
 _DECISIONS = ("desire", "memory", "notices")

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.debugging.breakpoints import OF_QUESTIONS, Breakpoint, Hit
-from logical_robots_tui.mind import ProgramError, QueryError, Table
+from logical_robots_tui.mind import Decision, ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Decision, Mind, Question
-    from logical_robots_tui.values import SensorRow, Value
+    from logical_robots_tui.mind import Mind, Question
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
 _FEW = 3  # values that are reported

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Literal
 
+from logical_robots_tui.explain.diagnosis.counting import Tally
+from logical_robots_tui.explain.diagnosis.sites import Checkup
 from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.diagnosis.counting import Tally
-    from logical_robots_tui.explain.diagnosis.sites import Checkup
-    from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind.decision import NoticeKind
-    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, RobotState
 
 

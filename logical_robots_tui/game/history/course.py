@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -10,18 +11,16 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.frame import driven
+from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Packed, TickState
+from logical_robots_tui.mind import Decision
+from logical_robots_tui.world import Level, RobotState
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.game.debugging.breakpoints import Hit
-    from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Decision, Program
-    from logical_robots_tui.world import Level, RobotState
+    from logical_robots_tui.mind import Program
 
 
 Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from array import array
 from bisect import bisect_left, bisect_right
+from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
-
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import RobotState, WorldState

@@ -6,21 +6,18 @@ import marshal
 import math
 import zlib
 from collections import OrderedDict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
 from logical_robots_tui.mind import Decision, Notice, NoticeKind
-from logical_robots_tui.values import Desire
-from logical_robots_tui.world import AreaState, RobotState, WorldState
+from logical_robots_tui.values import Desire, Value
+from logical_robots_tui.world import AreaState, Level, RobotState, WorldState
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
 
 _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
 _KEPT_OPEN = 4  # for stepping through them

@@ -11,19 +11,16 @@ import json
 import math
 import zlib
 from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.history.packing import TickState, is_moment, laid_out, moment_in
 from logical_robots_tui.mind.limits import weight_of_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level
 
 MAX_BYTES = 64_000_000
 """The largest file; of a longer run only the first ticks are kept."""
