@@ -14,7 +14,7 @@ import duckdb
 from logica.common import concertina_lib
 from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
-from logica.type_inference.research import reference_algebra, types_of_builtins
+from logica.type_inference.research import infer, reference_algebra, types_of_builtins
 
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.source_text import prepare, text_meant
@@ -128,6 +128,7 @@ universe.parse = _Parser
 
 
 _QL = expr_translate.QL
+_name_of_type = infer.TypeCollector.PsqlType
 _to_sql, _types = _QL.ConvertToSql, types_of_builtins.TypesOfBultins
 
 
@@ -191,6 +192,14 @@ class _Head(dialects.DuckDB):  # type: ignore[misc]  # the package has no types
         return {**super().BuiltInFunctions(), "Log": "LN(%s)"}
 
 
+def _number_as_double(self: Any, kind: Any) -> str:
+    """Return DuckDB's name of a type: numbers in lists have digits, not three decimals.
+
+    The development head makes them 32-bit ones, too few digits to compare.
+    """
+    return "double" if kind == "Num" else str(_name_of_type(self, kind))
+
+
 package_patches.install()  # the same SQL in a third of the time, see test_package_patches.py
 
 # The release that is installed here has no TryCast; the development head, which the platform uses,
@@ -199,6 +208,7 @@ dialects.DIALECTS["duckdb"] = _Head
 _QL.BUILT_IN_FUNCTIONS = {**_QL.BUILT_IN_FUNCTIONS, "TryCast": "TRY_CAST(%s)"}
 _QL.ConvertToSql = _sql_with_casts
 types_of_builtins.TypesOfBultins = _types_with_try_cast
+infer.TypeCollector.PsqlType = _number_as_double
 
 
 def _plain(value: Any) -> Any:
