@@ -135,6 +135,7 @@ def test_heads_may_say_their_order_and_limit_and_operators_may_be_defined(
         ("A(x) :- x in Range(3); B(..r) :- A(..r); Answer(value: Sum{x :- B(x)});", 3),
         ("A(x) = x + 1 :- x in Range(3); B(..r) :- A(..r); Answer(value: Sum{B(x) :- B(x)});", 6),
         ("A(c: 1, d: 2); F(..r) :- T(c:, ..r); G := F(T: A); Answer(value: d) :- G(d:);", 2),
+        ("T() ++= x :- x in ['ab', 'c']; Answer(value: Size(T()));", 3),
         ("P(n: 1, l? ++= []) distinct; Answer(value: l) :- P(l:);", []),
         ("T('a\\n b'); T('c'); Answer(value: Max{Length(x) :- T(x)});", 4),
     ],

@@ -308,6 +308,12 @@ def _concatenate(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kin
     return _choice(made, kinds, found) if isinstance(found, ListOf) else found
 
 
+def _size(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    if kinds[0] is Plain.TEXT:
+        made.set("this", "length")
+    return found
+
+
 _CHANGES = {
     "any_value": _any_value,
     "arg_max": _best,
@@ -324,6 +330,7 @@ _CHANGES = {
     "if": _choice,
     "ifnull": _choice,
     "iif": _choice,
+    "json_array_length": _size,
     "least": _choice,
     "max": _extreme,
     "min": _extreme,
