@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse as parser
+from logica.type_inference.research import infer, reference_algebra
 
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.package_patches import deep_copy
@@ -427,6 +428,26 @@ class _Writer:
         piece.start, piece.stop, piece.heritage = *span, self._text
         text: str = piece
         return text
+
+
+def types_on_duckdb(program: Iterable[Statement], source: Prepared) -> Iterator[tuple[Span, Any]]:
+    """Yield the spans of expressions, with the types that the package infers for DuckDB.
+
+    Raises:
+        Exception: One of the package's, if it gives up.
+    """
+    rules = to_package(program, source)
+    engine = infer.TypesInferenceEngine(rules, "duckdb")
+    wanted, given = (reference_algebra.TypeReference("Any") for _ in range(2))
+    engine.predicate_signature["TryCast"] = {0: given, 1: wanted, VALUE: wanted}
+    engine.InferTypes()
+    found: list[Raw] = []
+    infer.Walk(rules, found.append)
+    for node in found:
+        piece: Any = node.get("expression_heritage")
+        if "type" in node and hasattr(piece, "start"):
+            kind = reference_algebra.VeryConcreteType(node["type"]["the_type"])
+            yield Span(piece.start, piece.stop), kind
 
 
 def _column(field: int | str) -> str:

@@ -112,6 +112,7 @@ class Program:
         memory: The visibility of memories that ``@Visible`` sets, or None.
         sensor: The visibility of sensors that ``@Visible`` sets, or None.
         warnings: Warnings, in text order.
+        web: What would fail or mean something else on the web platform, in text order.
         needed: The predicates with rows that `Robot` uses, each after those that it uses itself;
             `Robot` is last.
         uses: For each of the program's predicates those that it mentions, including the game's
@@ -131,6 +132,7 @@ class Program:
     memory: Literal["own", "seen", "all"] | None = None
     sensor: Literal["own", "all"] | None = None
     warnings: tuple[Diagnostic, ...] = ()
+    web: tuple[Diagnostic, ...] = ()
     needed: tuple[str, ...] = ()
     uses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import functools
 import json
@@ -20,9 +21,10 @@ from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.source_text import prepare, text_meant
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["answer"]
+__all__ = ["answer", "answer_in_one"]
 
 WEIGHTED_AVERAGE = "WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);"
 """The one predicate of our prelude that the package's DuckDB library lacks."""
@@ -41,13 +43,7 @@ def answer(
         folder: Where to put these files.
     """
     execution = _compiled(text, predicate)
-    with duckdb.connect() as connection:
-        connection.execute("SET threads = 1")
-        remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
-        for table, data in (("Sensor", rows), ("Memory", remembered)):
-            file = folder / f"{table}.json"
-            file.write_text(json.dumps(data), encoding="utf-8")
-            connection.execute(f"CREATE TABLE {table} AS SELECT * FROM read_json_auto('{file}')")
+    with _tables(rows, memories, folder) as connection:
         result: list[tuple[Any, ...]] = []
 
         def run(sql: str, _engine: str, is_final: bool) -> None:
@@ -61,15 +57,44 @@ def answer(
     return [tuple(_plain(value) for value in row) for row in result]
 
 
+def answer_in_one(
+    text: str, predicate: str, rows: list[Any], memories: dict[str, Any], folder: Path
+) -> list[tuple[Any, ...]]:
+    """The same in one statement, which is how the platform evaluates a program."""
+    program = _program(f'@Engine("duckdb");\n{text}')
+    sql = program.FormattedPredicateSql(predicate)
+    with _tables(rows, memories, folder) as connection:
+        result = connection.execute(_types_in_order(sql)).fetchall()
+    return [tuple(_plain(value) for value in row) for row in result]
+
+
+@contextlib.contextmanager
+def _tables(
+    rows: list[Any], memories: dict[str, Any], folder: Path
+) -> Iterator[duckdb.DuckDBPyConnection]:
+    with duckdb.connect() as connection:
+        connection.execute("SET threads = 1")
+        remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
+        for table, data in (("Sensor", rows), ("Memory", remembered)):
+            file = folder / f"{table}.json"
+            file.write_text(json.dumps(data), encoding="utf-8")
+            connection.execute(f"CREATE TABLE {table} AS SELECT * FROM read_json_auto('{file}')")
+        yield connection
+
+
 @functools.lru_cache(maxsize=1)
 def _compiled(text: str, predicate: str) -> Any:
     """What the package would have DuckDB do; the same program is asked in many moments."""
+    program = _program(text)
+    program.FormattedPredicateSql(predicate)
+    return program.execution
+
+
+def _program(text: str) -> Any:
     rules = _parsed(text)
     if "WeightedAverage" not in {r["head"]["predicate_name"] for r in rules}:
         rules += _Parser.ParseFile(WEIGHTED_AVERAGE)["rule"]
-    program = universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
-    program.FormattedPredicateSql(predicate)
-    return program.execution
+    return universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
 
 
 _MAKE_TYPE = re.compile(r"drop type if exists \w+ cascade; (create type (\w+) as [^;]*;)")
