@@ -62,7 +62,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     """Compile a program; return it and its statements' trees by text; raise ProgramError."""
     source = prepare(text)
     parsed = parse(source)
-    found = check(parsed, text, runs)
+    found, mentions = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
     _refuse([*found, *invalid])
     compiled = compile_statements(rest, source)
@@ -80,6 +80,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         **visibility,
         warnings=tuple(found),
         web=tuple(web_remarks(parsed.statements, source)),
+        mentions=mentions,
         needed=needed,
         uses=uses,
         truths={name: compiled.truths[name] for name in statements if name in compiled.truths},
