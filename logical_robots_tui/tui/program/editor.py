@@ -13,6 +13,7 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 
+from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.program.completion import (
     Completion,
     Place,
@@ -146,9 +147,6 @@ class Editor(TextArea):
         ("ctrl+end", "go_to_end"),
     ]
 
-    class Leave(Message):
-        """The player leaves the editor."""
-
     @dataclass
     class Copied(Message):
         text: str
@@ -244,7 +242,7 @@ class Editor(TextArea):
         event.stop()
         event.prevent_default()
         if event.key == "escape":
-            self.post_message(self.Leave())
+            self.post_message(CommandChosen("leave"))
         elif action is not None:
             await self.run_action(action)
         else:
