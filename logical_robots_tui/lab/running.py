@@ -21,14 +21,7 @@ from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.robustness import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.game.victory import count_rules
-from logical_robots_tui.mind import (
-    Diagnostic,
-    Limits,
-    Program,
-    ProgramError,
-    QueryError,
-    Stopped,
-)
+from logical_robots_tui.mind import Diagnostic, Limits, Program, ProgramError, QueryError, Stopped
 from logical_robots_tui.world.levels.load import read_level
 
 if TYPE_CHECKING:

@@ -153,11 +153,7 @@ class Editor(TextArea):
 
     def __init__(self) -> None:
         super().__init__(
-            id="text",
-            show_line_numbers=True,
-            soft_wrap=True,
-            compact=True,
-            max_checkpoints=500,
+            id="text", show_line_numbers=True, soft_wrap=True, compact=True, max_checkpoints=500
         )
         self.cursor_blink = False
         self.indent_width = WIDTH

@@ -12,12 +12,7 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.page import (
-    NO_PROGRAM,
-    Cancelled,
-    Page,
-    progress,
-)
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Cancelled, Page, progress
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
