@@ -179,9 +179,7 @@ def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int
 
     free = not options.restricted
     permissions = Permissions(
-        programs=free,
-        clipboard=free or options.allow_clipboard,
-        solutions=not options.no_solutions,
+        programs=free, clipboard=free or options.allow_clipboard, solutions=not options.no_solutions
     )
     return play(
         options.level,

@@ -78,13 +78,7 @@ def resize(
         kind: tuple(replace(one, x=one.x + left, y=one.y + top) for one in getattr(level, kind))
         for kind in KINDS
     }
-    return replace(
-        level,
-        width=width,
-        height=height,
-        walls=walls,
-        **moved,
-    )
+    return replace(level, width=width, height=height, walls=walls, **moved)
 
 
 def _overlap(new: int, old: int, shift: int) -> tuple[slice, slice]:

@@ -14,13 +14,7 @@ from logical_robots_tui.lab.exporting import Done, check_extra, done_runs, harml
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
-from logical_robots_tui.lab.page import (
-    as_code,
-    as_page,
-    as_percent,
-    as_table,
-    shade,
-)
+from logical_robots_tui.lab.page import as_code, as_page, as_percent, as_table, shade
 from logical_robots_tui.lab.tournament.reporting import tournament_parts
 
 if TYPE_CHECKING:

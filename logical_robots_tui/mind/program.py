@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.inference.names import Mention  # noqa: TC001 - read from the type
+from logical_robots_tui.language.inference.names import Mention
 
 if TYPE_CHECKING:
     import threading

@@ -272,11 +272,7 @@ def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES
 
 
 def ranking_of_shares(
-    players: list[str],
-    pairs: list[tuple[int, int]],
-    shares: Numbers,
-    *,
-    resamples: int = RESAMPLES,
+    players: list[str], pairs: list[tuple[int, int]], shares: Numbers, *, resamples: int = RESAMPLES
 ) -> Ranking:
     """Return the ranking; `shares` are the first player's, pairs x starts, NaN where missing."""
     known = ~np.isnan(shares)

@@ -47,11 +47,7 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
             pairings = (ranking.pairings.get((name, other)) for other in names)
             cells = ("·" if each is None else f"{100 * each.share:.0f}" for each in pairings)
             rows.append((number, harmless_text(name), *cells))
-        lines += [
-            "",
-            "The row's share of the points against the column:",
-            *_align(rows, left=(1,)),
-        ]
+        lines += ["", "The row's share of the points against the column:", *_align(rows, left=(1,))]
     for cycle in ranking.cycles[:_MOST_CYCLES]:
         lines.append(_cycle_text(cycle))
     if (more := len(ranking.cycles) - _MOST_CYCLES) > 0:

@@ -192,10 +192,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def suit_terminal(self) -> None:
         self.main.labyrinth.view.drawing = self._settings.drawing or drawing_for(
-            os.environ,
-            self.console.color_system,
-            self.console.encoding,
-            colourless=self.no_color,
+            os.environ, self.console.color_system, self.console.encoding, colourless=self.no_color
         )
 
     def save_unsaved(self) -> None:

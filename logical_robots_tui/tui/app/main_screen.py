@@ -18,7 +18,6 @@ from logical_robots_tui.tui.app.session import Session
 from logical_robots_tui.tui.app.session_state import Opening, SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
-from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
@@ -31,7 +30,12 @@ from logical_robots_tui.tui.layout.arrangement import (
     Layout,
     Pane,
 )
-from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
+from logical_robots_tui.tui.layout.command_bar import (
+    CommandBar,
+    CommandChosen,
+    PaneTabs,
+    RobotChosen,
+)
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController
@@ -39,7 +43,7 @@ from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice, TeamTabs
+from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
 from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, leave, program_draft
 from logical_robots_tui.tui.recovery.offers import Bookmark, Offering, Offers, OtherGames
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
@@ -299,10 +303,6 @@ class MainScreen(Screen[None], SessionListener):
         self.autosave.edited()
         self.scheduler.soon()
 
-    @on(Editor.Leave)
-    def _editor_left(self) -> None:
-        self.action_command("leave")
-
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
         self.program_controller.keep_copy(event.text)
@@ -342,9 +342,8 @@ class MainScreen(Screen[None], SessionListener):
         if event.program == self.program.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
 
-    @on(RobotsView.Chosen)
-    @on(TeamTabs.Chosen)
-    def _robot_chosen(self, event: RobotsView.Chosen | TeamTabs.Chosen) -> None:
+    @on(RobotChosen)
+    def _robot_chosen(self, event: RobotChosen) -> None:
         self.select(event.robot_name)
 
     def select(self, robot_name: str) -> None:

@@ -149,7 +149,7 @@ NO_PROGRAM = "There is no program to query yet."
 
 
 class Page(Vertical):
-    """Shows one thing about the current tick; `pending` is what escape cancels."""
+    """Shows one thing about the current tick; `pending` is the query that escape cancels."""
 
     DEFAULT_CSS = """
     Page { height: 1fr; }
@@ -200,7 +200,7 @@ class Page(Vertical):
         super().__init__(*children, id=type(self).__name__)
         self.robot = ""
         self.table: ValueTable | None = None
-        self.pending: BackgroundQuery | None = None
+        self.pending = BackgroundQuery(session.clock)
 
     @property
     def depends_on_robot(self) -> bool:

@@ -217,13 +217,12 @@ class InspectorPane(Pane):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Handle escape only while a query is running."""
         del parameters
-        return action != "stop" or ((query := self.page.pending) is not None and query.is_long)
+        return action != "stop" or self.page.pending.is_long
 
     def action_stop(self) -> None:
         """Cancel the running query; don't restart it at the same tick."""
-        if self.page.pending is not None:
-            self.page.pending.cancel()
-            self._stale = False
+        self.page.pending.cancel()
+        self._stale = False
 
     def follow(self) -> None:
         """Show the current tick: at once, or shortly after while the game runs."""

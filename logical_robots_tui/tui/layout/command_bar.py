@@ -28,6 +28,11 @@ class CommandChosen(Message):
     command_id: str
 
 
+@dataclass
+class RobotChosen(Message):
+    robot_name: str
+
+
 class Labels(Widget):
     """Lines of labels for commands; a click runs the command."""
 

@@ -67,11 +67,7 @@ class Tour(Static, can_focus=True):
         border: heavy $warning; border-title-color: $ink-warn; background: $panel;
     }
     """
-    BINDINGS = [
-        ("enter,right", "move(1)"),
-        ("left", "move(-1)"),
-        ("escape", "end"),
-    ]
+    BINDINGS = [("enter,right", "move(1)"), ("left", "move(-1)"), ("escape", "end")]
 
     def __init__(self, *, moved: Callable[[], None], ended: Callable[[], None]) -> None:
         super().__init__(id="tour", markup=False)

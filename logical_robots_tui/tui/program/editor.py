@@ -13,6 +13,7 @@ from textual.message import Message
 from textual.widgets import TextArea
 from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 
+from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.program.completion import (
     Completion,
     Place,
@@ -146,20 +147,13 @@ class Editor(TextArea):
         ("ctrl+end", "go_to_end"),
     ]
 
-    class Leave(Message):
-        """The player leaves the editor."""
-
     @dataclass
     class Copied(Message):
         text: str
 
     def __init__(self) -> None:
         super().__init__(
-            id="text",
-            show_line_numbers=True,
-            soft_wrap=True,
-            compact=True,
-            max_checkpoints=500,
+            id="text", show_line_numbers=True, soft_wrap=True, compact=True, max_checkpoints=500
         )
         self.cursor_blink = False
         self.indent_width = WIDTH
@@ -244,7 +238,7 @@ class Editor(TextArea):
         event.stop()
         event.prevent_default()
         if event.key == "escape":
-            self.post_message(self.Leave())
+            self.post_message(CommandChosen("leave"))
         elif action is not None:
             await self.run_action(action)
         else:

@@ -245,9 +245,7 @@ class DiffApp(CrashSafeApp):
         self._send()
 
 
-def _pieces(
-    update: LayoutUpdate | ChopsUpdate,
-) -> Iterator[tuple[int, int, Sequence[Segment]]]:
+def _pieces(update: LayoutUpdate | ChopsUpdate) -> Iterator[tuple[int, int, Sequence[Segment]]]:
     """Yield the (row, first column, segments) that a Textual update paints."""
     if isinstance(update, LayoutUpdate):
         for y, strips in enumerate(update.strips, update.region.y):

@@ -229,10 +229,7 @@ class BreakpointForm(Dialog[Breakpoint]):
     }
     """
 
-    BINDINGS = [
-        ("down", "app.focus_next"),
-        ("up", "app.focus_previous"),
-    ]
+    BINDINGS = [("down", "app.focus_next"), ("up", "app.focus_previous")]
 
     heading = "Stop when…"
     keys = _KEYS[True]
@@ -261,9 +258,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         )
         yield Static(id="robots", classes="names", markup=False)
         yield Input(
-            placeholder="column, or nothing for the whole row",
-            id="column",
-            select_on_focus=False,
+            placeholder="column, or nothing for the whole row", id="column", select_on_focus=False
         )
 
     def on_mount(self) -> None:

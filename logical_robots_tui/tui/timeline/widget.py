@@ -31,11 +31,7 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
     "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
     "stuck": ("⊘", f"bold {INK.warn}", f"a robot is stuck: blocked for {STUCK_AFTER} ticks"),
-    "circling": (
-        "↻",
-        f"bold {INK.warn}",
-        f"a robot goes in circles: {ROUNDS} times the same",
-    ),
+    "circling": ("↻", f"bold {INK.warn}", f"a robot goes in circles: {ROUNDS} times the same"),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
     "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),

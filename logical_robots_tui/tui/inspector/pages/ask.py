@@ -12,13 +12,7 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.page import (
-    NO_PROGRAM,
-    BackgroundQuery,
-    Cancelled,
-    Page,
-    progress,
-)
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Cancelled, Page, progress
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -101,7 +95,6 @@ class AskPage(Page):
         above = (self.line, self._answer_to)
         super().__init__(session, questions, self.line, above=above, below=(answer,))
         self.table = answer
-        self.pending = self._background = BackgroundQuery(session.clock)
 
     @property
     def asked(self) -> str:
@@ -125,18 +118,18 @@ class AskPage(Page):
         def report() -> None:
             self.head(frame.tick)
             self._name_query(query)
-            self._say_instead(progress("asking", self._background.seconds))
+            self._say_instead(progress("asking", self.pending.seconds))
 
         try:
             inquiry, program = self._questions.about()
-            table = await self._background.run(inquiry.ask(program, query, frame), report)
+            table = await self.pending.run(inquiry.ask(program, query, frame), report)
         except Superseded:
             if self._session.game is not None:
                 return
             self._say_instead(NO_PROGRAM)
         except Cancelled:
             self._query = ""
-            seconds = self._background.seconds
+            seconds = self.pending.seconds
             self._say_instead(f"Stopped after {seconds:.1f} s. Enter asks it again.")
         except ProgramError as error:
             self._name_query("")
@@ -152,8 +145,8 @@ class AskPage(Page):
         self.head(frame.tick, more)
 
     def _leave(self) -> None:
-        if self._background.is_long:
-            self._background.cancel()
+        if self.pending.is_long:
+            self.pending.cancel()
         else:
             self.screen.set_focus(self.table)
 

@@ -62,11 +62,7 @@ class ValueTree(Dialog[None]):
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
 
-    BINDINGS = [
-        ("at", "pin"),
-        ("less_than_sign", "origin"),
-        ("q,X", "leave"),
-    ]
+    BINDINGS = [("at", "pin"), ("less_than_sign", "origin"), ("q,X", "leave")]
 
     keys = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
 

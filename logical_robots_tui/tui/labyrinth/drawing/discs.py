@@ -53,9 +53,7 @@ def pack(colour: Floats) -> NDArray[np.int64]:
     return packed
 
 
-def fit(
-    dots: NDArray[np.uint8],
-) -> tuple[NDArray[np.int64], Floats, Floats]:
+def fit(dots: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Floats, Floats]:
     """Divide each cell's dots, (cells, dots of a cell, 3), into the two best colour groups.
 
     Returns an index into ``BLOCKS``, ink (lighter) and paper (darker) per cell; blank for about
@@ -117,12 +115,7 @@ def refit(cells: Cells, dots: NDArray[np.uint8], which: NDArray[np.int64]) -> No
     cells.tone.ravel()[which] = pack(dots[which].mean(axis=1, dtype=np.float32))
 
 
-def blend(
-    image: Floats,
-    window: tuple[slice, slice],
-    colour: RGB,
-    weights: Floats,
-) -> None:
+def blend(image: Floats, window: tuple[slice, slice], colour: RGB, weights: Floats) -> None:
     """Mix a colour into part of an image; weights are 0 to 1, one per dot."""
     part = image[window]
     part += (np.array(colour, np.float32) - part) * weights[..., None]

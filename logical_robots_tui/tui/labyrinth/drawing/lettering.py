@@ -147,12 +147,7 @@ class StaticLabels:
     """Beacons' symbols and names, areas' names, placed once; `ground` is (down, across, 3)."""
 
     def __init__(
-        self,
-        level: Level,
-        active: Sequence[bool],
-        viewport: Viewport,
-        look: Look,
-        ground: Floats,
+        self, level: Level, active: Sequence[bool], viewport: Viewport, look: Look, ground: Floats
     ) -> None:
         palette, glyphs = look.palette, look.drawing.glyphs
         self.room = FreeCells(viewport.rows, viewport.columns)

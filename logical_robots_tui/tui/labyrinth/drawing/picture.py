@@ -163,13 +163,7 @@ class Picture:
         return changed
 
     def _lighting(
-        self,
-        frame: Frame,
-        raster: Raster,
-        look: Look,
-        colours: dict[str, RGB],
-        *,
-        hurried: bool,
+        self, frame: Frame, raster: Raster, look: Look, colours: dict[str, RGB], *, hurried: bool
     ) -> _Light:
         """Return the ground in the robots' light; if hurried, perhaps that of an earlier frame."""
         if hurried and self._light and self._light.left and self._light.look == look:

@@ -160,9 +160,7 @@ def _shape(fan: Fan) -> tuple[Floats, Floats, Floats]:
 
 
 @lru_cache(maxsize=8)
-def _slots(
-    count: int,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
+def _slots(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
     """Return each slot's nearest ray, the one before it, and how far it is past that one.
 
     Last, with the slots outside, how far each is from the nearest ray.

@@ -110,12 +110,7 @@ def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look)
 
 
 def _draw(
-    cells: Cells,
-    x: Floats,
-    y: Floats,
-    ink: NDArray[np.int64],
-    viewport: Viewport,
-    look: Look,
+    cells: Cells, x: Floats, y: Floats, ink: NDArray[np.int64], viewport: Viewport, look: Look
 ) -> None:
     """Set a dot for each point; the last point in a cell determines its colour."""
     rows, columns = cells.text.shape
