@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import functools
 import json
@@ -22,7 +23,7 @@ from logical_robots_tui.language.source_text import prepare, text_meant
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["answer"]
+__all__ = ["Reference", "answer"]
 
 WEIGHTED_AVERAGE = "WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);"
 """The one predicate of our prelude that the package's DuckDB library lacks."""
@@ -40,30 +41,52 @@ def answer(
         memories: Memories by robot name, likewise.
         folder: Where to put these files.
     """
-    execution = _compiled(text, predicate)
-    with duckdb.connect() as connection:
-        connection.execute("SET threads = 1")
+    with contextlib.closing(Reference(text, predicate, folder)) as reference:
+        return reference.answer(rows, memories)
+
+
+class Reference:
+    """One predicate of a program on DuckDB, for several moments; see `answer`."""
+
+    def __init__(self, text: str, predicate: str, folder: Path) -> None:
+        self._folder = folder
+        types, *self._statements = _statements(text, predicate)
+        self._connection = duckdb.connect()
+        self._connection.execute("SET threads = 1")
+        self._connection.execute(_types_in_order(types))
+
+    def answer(self, rows: list[Any], memories: dict[str, Any]) -> list[tuple[Any, ...]]:
         remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
         for table, data in (("Sensor", rows), ("Memory", remembered)):
-            file = folder / f"{table}.json"
+            file = self._folder / f"{table}.json"
             file.write_text(json.dumps(data), encoding="utf-8")
-            connection.execute(f"CREATE TABLE {table} AS SELECT * FROM read_json_auto('{file}')")
-        result: list[tuple[Any, ...]] = []
+            self._connection.execute(
+                f"CREATE OR REPLACE TABLE {table} AS SELECT * FROM read_json_auto('{file}')"
+            )
+        for statement in self._statements:
+            found = self._connection.execute(statement)
+        return [tuple(_plain(value) for value in row) for row in found.fetchall()]
 
-        def run(sql: str, _engine: str, is_final: bool) -> None:
-            found = connection.execute(_types_in_order(sql))
-            if is_final:
-                result.extend(found.fetchall())
+    def close(self) -> None:
+        self._connection.close()
 
-        concertina_lib.ExecuteLogicaProgram(
-            [copy.deepcopy(execution)], run, "duckdb", display_mode="silent"
-        )
-    return [tuple(_plain(value) for value in row) for row in result]
+
+def _statements(text: str, predicate: str) -> list[str]:
+    """What the package would have DuckDB do: types first, and the final query last."""
+    statements: list[str] = []
+
+    def run(sql: str, _engine: str, is_final: bool) -> None:
+        statements.append(sql)
+
+    concertina_lib.ExecuteLogicaProgram(
+        [copy.deepcopy(_compiled(text, predicate))], run, "duckdb", display_mode="silent"
+    )
+    return statements
 
 
 @functools.lru_cache(maxsize=1)
 def _compiled(text: str, predicate: str) -> Any:
-    """What the package would have DuckDB do; the same program is asked in many moments."""
+    """A program with a predicate compiled; the same one is asked in many moments."""
     rules = _parsed(text)
     if "WeightedAverage" not in {r["head"]["predicate_name"] for r in rules}:
         rules += _Parser.ParseFile(WEIGHTED_AVERAGE)["rule"]
