@@ -21,10 +21,9 @@ from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.source_text import prepare, text_meant
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["answer", "answer_in_one"]
+__all__ = ["Reference", "answer", "answer_in_one"]
 
 WEIGHTED_AVERAGE = "WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);"
 """The one predicate of our prelude that the package's DuckDB library lacks."""
@@ -42,19 +41,41 @@ def answer(
         memories: Memories by robot name, likewise.
         folder: Where to put these files.
     """
-    execution = _compiled(text, predicate)
-    with _tables(rows, memories, folder) as connection:
-        result: list[tuple[Any, ...]] = []
+    with contextlib.closing(Reference(text, predicate, folder)) as reference:
+        return reference.answer(rows, memories)
 
-        def run(sql: str, _engine: str, is_final: bool) -> None:
-            found = connection.execute(_types_in_order(sql))
-            if is_final:
-                result.extend(found.fetchall())
 
-        concertina_lib.ExecuteLogicaProgram(
-            [copy.deepcopy(execution)], run, "duckdb", display_mode="silent"
-        )
-    return [tuple(_plain(value) for value in row) for row in result]
+class Reference:
+    """One predicate of a program on DuckDB, for several moments; see `answer`."""
+
+    def __init__(self, text: str, predicate: str, folder: Path) -> None:
+        self._folder = folder
+        types, *self._statements = _statements(text, predicate)
+        self._connection = duckdb.connect()
+        self._connection.execute("SET threads = 1")
+        self._connection.execute(_types_in_order(types))
+
+    def answer(self, rows: list[Any], memories: dict[str, Any]) -> list[tuple[Any, ...]]:
+        _load(self._connection, rows, memories, self._folder)
+        for statement in self._statements:
+            found = self._connection.execute(statement)
+        return [tuple(_plain(value) for value in row) for row in found.fetchall()]
+
+    def close(self) -> None:
+        self._connection.close()
+
+
+def _statements(text: str, predicate: str) -> list[str]:
+    """What the package would have DuckDB do: types first, and the final query last."""
+    statements: list[str] = []
+
+    def run(sql: str, _engine: str, is_final: bool) -> None:
+        statements.append(sql)
+
+    concertina_lib.ExecuteLogicaProgram(
+        [copy.deepcopy(_compiled(text, predicate))], run, "duckdb", display_mode="silent"
+    )
+    return statements
 
 
 def answer_in_one(
@@ -63,23 +84,23 @@ def answer_in_one(
     """The same in one statement, which is how the platform evaluates a program."""
     program = _program(f'@Engine("duckdb");\n{text}')
     sql = program.FormattedPredicateSql(predicate)
-    with _tables(rows, memories, folder) as connection:
+    with duckdb.connect() as connection:
+        connection.execute("SET threads = 1")
+        _load(connection, rows, memories, folder)
         result = connection.execute(_types_in_order(sql)).fetchall()
     return [tuple(_plain(value) for value in row) for row in result]
 
 
-@contextlib.contextmanager
-def _tables(
-    rows: list[Any], memories: dict[str, Any], folder: Path
-) -> Iterator[duckdb.DuckDBPyConnection]:
-    with duckdb.connect() as connection:
-        connection.execute("SET threads = 1")
-        remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
-        for table, data in (("Sensor", rows), ("Memory", remembered)):
-            file = folder / f"{table}.json"
-            file.write_text(json.dumps(data), encoding="utf-8")
-            connection.execute(f"CREATE TABLE {table} AS SELECT * FROM read_json_auto('{file}')")
-        yield connection
+def _load(
+    connection: duckdb.DuckDBPyConnection, rows: list[Any], memories: dict[str, Any], folder: Path
+) -> None:
+    remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
+    for table, data in (("Sensor", rows), ("Memory", remembered)):
+        file = folder / f"{table}.json"
+        file.write_text(json.dumps(data), encoding="utf-8")
+        connection.execute(
+            f"CREATE OR REPLACE TABLE {table} AS SELECT * FROM read_json_auto('{file}')"
+        )
 
 
 @functools.lru_cache(maxsize=1)

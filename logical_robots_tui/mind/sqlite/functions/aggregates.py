@@ -116,11 +116,11 @@ class _Pairs:
 
 
 class _Array(_Pairs):
-    """`Array{position -> value}`: the values in the order of their positions."""
+    """`Array{position -> value}`: the values in the order of their positions, null last."""
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
         size = self.room.take(argument) + self.room.take(value, 0)
-        self.pairs.append((order(argument), value))
+        self.pairs.append(((argument is None, order(argument)), value))
         return size + _PAIR
 
 
