@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Diagnostic
+    from logical_robots_tui.world import Level
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
@@ -23,6 +24,8 @@ examples:
   logical-robots check my-program.l          print errors and warnings
   logical-robots check *.l                   check several programs
   logical-robots check my-program.l --json   output for scripts and editors
+  logical-robots check my-program.l --level 05-lighthouse
+                                             also warn about names that the level lacks
 
 exit status: 0 all programs can run (there may be warnings), 2 one can't
 """
@@ -38,6 +41,9 @@ def declare(commands: Commands) -> None:
         epilog=EPILOG,
     )
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
+    command.add_argument(
+        "--level", metavar="LEVEL", help="warn about names that no robot can sense in a level"
+    )
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
     add_no_solutions(command)
@@ -46,13 +52,15 @@ def declare(commands: Commands) -> None:
 def start(options: argparse.Namespace) -> int:
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
+    from logical_robots_tui.world import load_level
 
+    level = load_level(options.level) if options.level else None
     results = []
     status = FINE
     own = own_programs(options)
     for name in options.programs:
         text = load_program(name, own, pipes=True).text
-        found = diagnostics(text)
+        found = diagnostics(text, level)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
         results.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
@@ -64,14 +72,16 @@ def start(options: argparse.Namespace) -> int:
     return status
 
 
-def diagnostics(text: str) -> tuple[Diagnostic, ...]:
-    """Return a program's errors, or its warnings if it can run."""
+def diagnostics(text: str, level: Level | None = None) -> tuple[Diagnostic, ...]:
+    """Return a program's errors, or its warnings, in a level, if it can run."""
+    from logical_robots_tui.game import warnings_in
     from logical_robots_tui.mind import Program, ProgramError
 
     try:
-        return Program.compile(text).warnings
+        program = Program.compile(text)
     except ProgramError as error:
         return error.diagnostics
+    return program.warnings if level is None else warnings_in(program, level)
 
 
 def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:

@@ -14,6 +14,7 @@ from logical_robots_tui.game import (
     compile_program,
     mistake_in,
     start_frame,
+    warnings_in,
 )
 from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
@@ -309,7 +310,7 @@ class Session:
 
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
-        self.state = ProgramState.of_applied(program.text, program.warnings)
+        self.state = ProgramState.of_applied(program.text, warnings_in(program, self.level))
         return program
 
     def _show(self, game: Game, frame: Frame) -> None:
