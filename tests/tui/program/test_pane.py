@@ -307,17 +307,17 @@ async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_
 LOST = """\
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: sees) :-
   Sensor(robot_name:, sensor:),
-  sees = (if sensor.forward_label == "Hrbour" then 1 else 0);
+  sees = (if sensor.forward_label == "Sola" then 1 else 0);
 """
 
 
 async def test_a_name_that_the_level_lacks_is_a_warning_with_the_nearest(data_dir: Path) -> None:
-    async with opened(data_dir, level="05-lighthouse") as game:
+    async with opened(data_dir) as game:
         await game.ready()
         await game.write(LOST)
         await game.sees("applied, 1 warning")
-        await game.sees('Did you mean "Harbour"?')
-        await game.write(LOST.replace("Hrbour", "Harbour"))
+        await game.sees('Did you mean "Solo"?')
+        await game.write(LOST.replace("Sola", "Solo"))
         await game.until(lambda: game.session.state.mistakes == () and not game.shows("warning"))
 
 
