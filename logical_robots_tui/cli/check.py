@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Diagnostic
+    from logical_robots_tui.world import Level
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
@@ -26,6 +27,9 @@ def declare(commands: Commands) -> None:
         "--web",
         action="store_true",
         help="also print what would fail or mean something else on the web platform",
+    )
+    command.add_argument(
+        "--level", metavar="LEVEL", help="warn about names that no robot can sense in a level"
     )
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
@@ -42,18 +46,22 @@ def start(options: argparse.Namespace) -> int:
       logical-robots check *.l                   check several programs
       logical-robots check my-program.l --web    and what the web platform would not do
       logical-robots check my-program.l --json   output for scripts and editors
+      logical-robots check my-program.l --level 05-lighthouse
+                                                 also warn about names that the level lacks
 
     exit status: 0 all programs can run (there may be warnings), 2 one can't
     """
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
+    from logical_robots_tui.world import load_level
 
+    level = load_level(options.level) if options.level else None
     results = []
     status = FINE
     own = own_programs(options)
     for name in options.programs:
         text = load_program(name, own, pipes=True).text
-        found = diagnostics(text, web=options.web)
+        found = diagnostics(text, level, web=options.web)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
         results.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
@@ -65,16 +73,23 @@ def start(options: argparse.Namespace) -> int:
     return status
 
 
-def diagnostics(text: str, *, web: bool = False) -> tuple[Diagnostic, ...]:
-    """Return a program's errors, or its warnings if it can run, perhaps with those for the web."""
+def diagnostics(
+    text: str, level: Level | None = None, *, web: bool = False
+) -> tuple[Diagnostic, ...]:
+    """Return a program's errors, or its warnings if it can run: in a level, and for the web."""
+    from logical_robots_tui.game import warnings_in
     from logical_robots_tui.mind import Program, ProgramError
 
     try:
         program = Program.compile(text)
     except ProgramError as error:
         return error.diagnostics
-    found = (*program.warnings, *(program.web if web else ()))
-    return tuple(sorted(found, key=lambda each: (each.line, each.column)))
+    found = program.warnings if level is None else warnings_in(program, level)
+    return tuple(sorted((*found, *(program.web if web else ())), key=_place))
+
+
+def _place(found: Diagnostic) -> tuple[int, int]:
+    return found.line, found.column
 
 
 def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:

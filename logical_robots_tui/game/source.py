@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.language.inference.names import Names, unknown_names
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import (
     ARENAS,
@@ -28,7 +29,7 @@ from logical_robots_tui.paths import (
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind import Program, Report
+    from logical_robots_tui.mind import Diagnostic, Program, Report
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
@@ -317,6 +318,17 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
         return Program.compile(text, stop=stop, report=pass_on)
 
     return await _in_thread(work)
+
+
+def warnings_in(program: Program, level: Level) -> tuple[Diagnostic, ...]:
+    """Return a program's warnings, and those about names that a level does not have."""
+    solid = (area.name for area in level.areas if area.impenetrable)
+    names = Names(
+        frozenset(robot.name for robot in level.robots),
+        frozenset([*(beacon.name for beacon in level.beacons), *solid]),
+    )
+    found = [*program.warnings, *unknown_names(program.mentions, names)]
+    return tuple(sorted(found, key=lambda each: (each.line, each.column)))
 
 
 async def mistake_in_question(program: Program, query: str) -> str:

@@ -73,6 +73,27 @@ def test_what_the_web_platform_would_not_do_is_told_on_request(
     assert command("check", path, "--web", "--json").data["ok"] is True
 
 
+SEEKING = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
+  Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";
+"""
+
+
+def test_a_name_that_a_level_lacks_is_told_with_that_level_only(
+    command: Command, tmp_path: Path
+) -> None:
+    path = written(tmp_path, "seeking.l", SEEKING)
+    assert command("check", path).out == ""
+    told = command("check", path, "--level", "05-lighthouse")
+    assert told.status == 0
+    assert told.out.splitlines() == [
+        f'{path}:2:57: warning: no robot, beacon or solid area of this level is called "Hrbour"',
+        '    Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";',
+        "                                                          ^^^^^^^^",
+        '  Did you mean "Harbour"?',
+    ]
+
+
 def test_a_warning_is_told_but_the_program_is_fine(command: Command, tmp_path: Path) -> None:
     told = command("check", written(tmp_path, "doubtful.l", DOUBTFUL))
     assert told.status == 0

@@ -14,6 +14,7 @@ from logical_robots_tui.game import (
     compile_program,
     mistake_in,
     start_frame,
+    warnings_in,
 )
 from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
@@ -310,7 +311,8 @@ class Session:
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
         remarks = program.web if is_web_file(self.opened.source) else ()
-        self.state = ProgramState.of_applied(program.text, (*program.warnings, *remarks))
+        warnings = (*warnings_in(program, self.level), *remarks)
+        self.state = ProgramState.of_applied(program.text, warnings)
         return program
 
     def _show(self, game: Game, frame: Frame) -> None:

@@ -320,6 +320,23 @@ async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_
         assert game.session.state.applied == ODD
 
 
+LOST = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: sees) :-
+  Sensor(robot_name:, sensor:),
+  sees = (if sensor.forward_label == "Sola" then 1 else 0);
+"""
+
+
+async def test_a_name_that_the_level_lacks_is_a_warning_with_the_nearest(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.write(LOST)
+        await game.sees("applied, 1 warning")
+        await game.sees('Did you mean "Solo"?')
+        await game.write(LOST.replace("Sola", "Solo"))
+        await game.until(lambda: game.session.state.mistakes == () and not game.shows("warning"))
+
+
 async def test_what_is_typed_before_the_pane_has_room_does_not_scroll_its_start_away(
     data_dir: Path,
 ) -> None:
