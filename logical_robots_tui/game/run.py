@@ -73,12 +73,12 @@ class Run:
         """Whether all computed ticks are reproducible: no time limit cut off a thought."""
         return self._recording.lasts
 
-    async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
-        """Return the frame of a tick; `told` gets the last computed tick as work proceeds."""
+    async def frame(self, tick: int, report: Callable[[int], object] = lambda _tick: None) -> Frame:
+        """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
         while self._recording.last < tick:
             until = CLOCK.now() + _SECONDS
             await self._thinker.do(partial(self._reached, tick, until=until))
-            told(self._recording.last)
+            report(self._recording.last)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
 
@@ -166,7 +166,7 @@ class Run:
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:
     """Return the digest of everything on which the ticks of a run depend, including the code."""
-    told = {
+    parts = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
         "robots": [asdict(robot) for robot in level.robots],
@@ -180,7 +180,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "limits": asdict(limits),
     }
     digest = hashlib.sha256(simulation_digest())
-    digest.update(json.dumps(told).encode())
+    digest.update(json.dumps(parts).encode())
     return digest.hexdigest()
 
 

@@ -129,7 +129,7 @@ def _lines(
     explanation: Explanation, nodes: Sequence[Node], options: argparse.Namespace
 ) -> Iterator[str]:
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
-    yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
+    yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
     if explanation.made_from:
         yield f"  is made from {explanation.made_from}; these are its rules"
     lines = [line for node in nodes for line in node.walk()]
@@ -196,7 +196,7 @@ def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
     return {
         "tick": tick,
         "robot": explanation.robot,
-        "predicate": explanation.predicate,
+        "predicate": explanation.asked.predicate,
         "made_from": explanation.made_from or None,
         "rows": explanation.rows,
         "row": explanation.row,

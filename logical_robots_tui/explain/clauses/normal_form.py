@@ -27,7 +27,15 @@ from logical_robots_tui.explain.clauses.bodies import (
     span_of,
     values_in,
 )
-from logical_robots_tui.explain.why.probing import Body, Call, Clause, Collected, Span, Step, Term
+from logical_robots_tui.explain.why.probing import (
+    AggregateInput,
+    Body,
+    Call,
+    Clause,
+    Span,
+    Step,
+    Term,
+)
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     REST,
@@ -290,12 +298,12 @@ class _ClauseBuilder:
         given = {name: self._column(variable) for name, variable in outer.items()}
         return Body(self._builder.span(aggregate), given, clauses)
 
-    def _collection(self, column: str, operator: str, argument: Expression) -> Collected:
+    def _collection(self, column: str, operator: str, argument: Expression) -> AggregateInput:
         if isinstance(argument, Function) and argument.name == "->":
             left, right = operands(argument.arguments)
             value, by = self._column(left), self._column(right)
-            return Collected(column, operator, value, by, self._term(left))
-        return Collected(column, operator, self._column(argument), "", self._term(argument))
+            return AggregateInput(column, operator, value, by, self._term(left))
+        return AggregateInput(column, operator, self._column(argument), "", self._term(argument))
 
     # -- queries ---------------------------------------------------------------------------------
 

@@ -328,7 +328,7 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
 def _of_movement(
     observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
-    told: set[tuple[str, Span | None]] = set()
+    reported: set[tuple[str, Span | None]] = set()
     for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
@@ -336,9 +336,9 @@ def _of_movement(
         by_distance = [span for each in zip_longest(*leaves) for span in each if span]
         spans = list({span.line: span for span in by_distance}.values())
         span = leaves[0][0] if leaves else None
-        if (stretch.kind, span) in told:
+        if (stretch.kind, span) in reported:
             continue
-        told.add((stretch.kind, span))
+        reported.add((stretch.kind, span))
         others = tuple(each for each in spans if span is None or each.line != span.line)
         is_doubtful = observed.won_at is None and stretch.kind != "unfinished"
         yield Finding(
