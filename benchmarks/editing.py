@@ -15,6 +15,7 @@ from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.strokes import paint
 from logical_robots_tui.game import Frame, load_program
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.app.session_state import Opening
 from logical_robots_tui.tui.labyrinth.drawing import Look, Picture, Viewport
 from logical_robots_tui.world import AreaState, RobotState, WorldState
 
@@ -51,9 +52,8 @@ def editing(effort: Effort) -> Iterator[Measurement]:
 async def _in_the_app(level: Level) -> list[float]:
     """Return the processor times in ms from a mouse move to the lines to send."""
     with tempfile.TemporaryDirectory() as folder:
-        app = LogicalRobotsApp(
-            level, {"": load_program("first-steps-starter")}, data_dir=Path(folder)
-        )
+        sources = {"": load_program("first-steps-starter")}
+        app = LogicalRobotsApp(Opening(level=level, sources=sources, data_dir=Path(folder)))
         async with app.run_test(size=(COLUMNS, ROWS)) as pilot:
             main = app.main
             while main.session.game is None:

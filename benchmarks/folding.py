@@ -87,7 +87,11 @@ class _Proof(App[None]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.view = WhyView()
+
+        def ignore(*_: object) -> None:
+            """The benchmark only draws."""
+
+        self.view = WhyView(pointed=ignore, deeper=ignore, lacking=ignore, back=ignore)
         self.register_theme(NIGHT)
         self.theme = NIGHT.name
 

@@ -66,6 +66,29 @@ def typed_path(text: str) -> Path:
         raise InputError("there is no such home", place=text, hint=hint) from error
 
 
+def pasted_path(text: str) -> str:
+    """Return a typed or pasted text; of a path that a terminal pasted for a file, the path itself.
+
+    Terminals paste the path of a file that is dropped into them in quotes, with backslashes before
+    spaces, or as a ``file://`` address.
+    """
+    import shlex  # only dialogs need them
+    from urllib.parse import unquote
+
+    text = text.strip()
+    if text.startswith("file://"):
+        _host, slash, path = text.removeprefix("file://").partition("/")
+        return unquote(slash + path)
+    if "/" in text and any(sign in text for sign in "\\'\""):
+        try:
+            words = shlex.split(text)
+        except ValueError:  # a quote that is not closed
+            return text
+        if len(words) == 1 and not os.path.lexists(text):
+            return words[0]
+    return text
+
+
 ShippedKind: TypeAlias = Literal["levels", "programs"]
 
 

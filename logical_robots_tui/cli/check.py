@@ -18,32 +18,33 @@ if TYPE_CHECKING:
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
 
-EPILOG = """\
-examples:
-  logical-robots check my-program.l          print errors and warnings
-  logical-robots check *.l                   check several programs
-  logical-robots check my-program.l --json   output for scripts and editors
-
-exit status: 0 all programs can run (there may be warnings), 2 one can't
-"""
-
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "check",
-        start=start,
-        summary="check a program for errors without running it",
-        description="Check programs for errors without running them.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "check", start)
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
+    command.add_argument(
+        "--web",
+        action="store_true",
+        help="also print what would fail or mean something else on the web platform",
+    )
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
     add_no_solutions(command)
 
 
 def start(options: argparse.Namespace) -> int:
+    """check a program for errors without running it
+
+    Check programs for errors without running them.
+
+    examples:
+      logical-robots check my-program.l          print errors and warnings
+      logical-robots check *.l                   check several programs
+      logical-robots check my-program.l --web    and what the web platform would not do
+      logical-robots check my-program.l --json   output for scripts and editors
+
+    exit status: 0 all programs can run (there may be warnings), 2 one can't
+    """
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
 
@@ -52,7 +53,7 @@ def start(options: argparse.Namespace) -> int:
     own = own_programs(options)
     for name in options.programs:
         text = load_program(name, own, pipes=True).text
-        found = diagnostics(text)
+        found = diagnostics(text, web=options.web)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
         results.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
@@ -64,14 +65,16 @@ def start(options: argparse.Namespace) -> int:
     return status
 
 
-def diagnostics(text: str) -> tuple[Diagnostic, ...]:
-    """Return a program's errors, or its warnings if it can run."""
+def diagnostics(text: str, *, web: bool = False) -> tuple[Diagnostic, ...]:
+    """Return a program's errors, or its warnings if it can run, perhaps with those for the web."""
     from logical_robots_tui.mind import Program, ProgramError
 
     try:
-        return Program.compile(text).warnings
+        program = Program.compile(text)
     except ProgramError as error:
         return error.diagnostics
+    found = (*program.warnings, *(program.web if web else ()))
+    return tuple(sorted(found, key=lambda each: (each.line, each.column)))
 
 
 def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:

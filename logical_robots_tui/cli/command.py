@@ -9,30 +9,31 @@ import os
 import sys
 import unicodedata
 from pathlib import Path
+from textwrap import dedent
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def new_command(
     commands: Commands,
     name: str,
-    *,
     start: Callable[[argparse.Namespace], int],
-    summary: str,
-    description: str,
-    epilog: str = "",
+    *,
     wants_json: Callable[[argparse.Namespace], bool] = lambda options: (
         "json" in options and options.json
     ),
 ) -> argparse.ArgumentParser:
     """Declare a command; `start` does the work and returns the exit status.
 
+    Its docstring is the help: a line for the list of commands, a paragraph, and the rest.
     `wants_json` says whether errors are reported as JSON; by default with ``--json``.
     """
+    summary, _, rest = (start.__doc__ or "").partition("\n\n")
+    description, _, epilog = dedent(rest).partition("\n\n")
     command = commands.add_parser(
         name,
         help=summary,
@@ -56,16 +57,14 @@ def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Co
     return command.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
 
-def number_from(least: int, most: int | None = None) -> Callable[[str], int]:
-    wanted = f"of at least {least}" if most is None else f"from {least} to {most}"
-
+def number_from(least: int) -> Callable[[str], int]:
     def read(text: str) -> int:
         try:
             number = int(text)
         except ValueError:
             number = least - 1
-        if number < least or (most is not None and number > most):
-            raise argparse.ArgumentTypeError(f"{text!r} is not an integer {wanted}")
+        if number < least:
+            raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least {least}")
         return number
 
     return read
@@ -209,4 +208,8 @@ def line_of_json(value: Any) -> str:
 def line_within(value: Any, width: int | None = None) -> str:
     """Format a value as one line of JSON, cut to a width in characters if one is given."""
     text = harmless(json.dumps(finite(value), ensure_ascii=False, allow_nan=False))
-    return text if width is None or len(text) <= width else f"{text[: width - 3]}..."
+    return text if width is None else cut(text, width)
+
+
+def cut(text: str, width: int) -> str:
+    return text if len(text) <= width else f"{text[: max(0, width - 3)]}..."

@@ -3,48 +3,43 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import new_command
+from logical_robots_tui.cli.command import Commands, new_command
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
+    from collections.abc import Iterator
+
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = ("levels", "programs")
 FILES, FOLDERS = "file", "directory"  # shtab's names
 
-EPILOG = """\
-examples:
-  logical-robots completion bash \\
-    > ~/.local/share/bash-completion/completions/logical-robots
-  logical-robots completion zsh > ~/.zfunc/_logical-robots
-  logical-robots completion fish \\
-    > ~/.config/fish/completions/logical-robots.fish
-
-Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
-~/.zshrc. For the current shell only:
-  eval "$(logical-robots completion bash)"
-
-The scripts call `completion levels` and `completion programs`, which print one
-name per line.
-"""
-
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "completion",
-        start=start,
-        summary="print a completion script for your shell",
-        description="Print a script that completes commands, options, levels and programs.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "completion", start)
     command.add_argument("what", choices=(*SHELLS, *NAMES), help="the shell, or names to print")
 
 
 def start(options: argparse.Namespace) -> int:
+    """print a completion script for your shell
+
+    Print a script that completes commands, options, levels and programs.
+
+    examples:
+      logical-robots completion bash \\
+        > ~/.local/share/bash-completion/completions/logical-robots
+      logical-robots completion zsh > ~/.zfunc/_logical-robots
+      logical-robots completion fish \\
+        > ~/.config/fish/completions/logical-robots.fish
+
+    Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
+    ~/.zshrc. For the current shell only:
+      eval "$(logical-robots completion bash)"
+
+    The scripts call `completion levels` and `completion programs`, which print one
+    name per line.
+    """
     if options.what == "levels":
         from logical_robots_tui.paths import ARENAS, shipped_names
 

@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import platform
 import shutil
 import sys
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli.command import add_data_dir, folder_of, harmless, new_command
+from logical_robots_tui.cli.command import Commands, add_data_dir, folder_of, harmless, new_command
 from logical_robots_tui.paths import is_folder, is_there
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
+    import argparse
+    from collections.abc import Iterator
+    from pathlib import Path
+
 
 FINE, PROBLEM = 0, 1
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
 
 SAFE_SQLITE = (3, 50, 2)
 """The first SQLite without a known hole that a query of a robot's program might reach."""
-
-EPILOG = """\
-examples:
-  logical-robots doctor           what the game detects (for bug reports)
-  logical-robots doctor --json    the same as JSON
-
-exit status: 0 the game can be played here, 1 there are problems, marked with !
-"""
 
 
 @dataclass(frozen=True)
@@ -44,19 +36,22 @@ class Fact:
 
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "doctor",
-        start=start,
-        summary="check this machine and this terminal",
-        description="Print what the game detects on this machine and in this terminal.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "doctor", start)
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
 
 
 def start(options: argparse.Namespace) -> int:
+    """check this machine and this terminal
+
+    Print what the game detects on this machine and in this terminal.
+
+    examples:
+      logical-robots doctor           what the game detects (for bug reports)
+      logical-robots doctor --json    the same as JSON
+
+    exit status: 0 the game can be played here, 1 there are problems, marked with !
+    """
     found = [*_terminal(), *_versions(), *_places(options.data_dir)]
     if options.json:
         print(json.dumps([asdict(fact) for fact in found], indent=2))

@@ -80,12 +80,7 @@ def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
             ],
         }
     if isinstance(error, InputError):
-        return {
-            "kind": "input",
-            "place": error.place,
-            "message": error.message,
-            "hint": error.hint,
-        }
+        return {"kind": "input", "place": error.place, "message": error.message, "hint": error.hint}
     return {"kind": "other", "message": str(error)}
 
 

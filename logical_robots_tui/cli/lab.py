@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import timedelta
 from itertools import islice
@@ -15,86 +13,29 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import harmless, new_command, number_from
+from logical_robots_tui.cli.command import Commands, harmless, new_command, number_from
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
+    import argparse
+    from collections.abc import Callable, Iterator
+
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
     from logical_robots_tui.lab.folder import Folder, Manifest
     from logical_robots_tui.lab.ledger import Ledger
 
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
 
-STATUS = "exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input\n"
-
-_SWEEP = f"""\
-examples:
-  logical-robots sweep experiment.toml -o out
-  logical-robots sweep experiment.toml -o out --workers 1
-
-What was computed before is not computed again.
-
-{STATUS}"""
-
-_GRADE = f"""\
-examples:
-  logical-robots grade assignment.toml submissions -o grades
-
-A submission is a folder with a program for each level, such as ada/01-first-steps.l, or one
-file for all levels, such as ada.l.
-
-{STATUS}"""
-
-_TOURNAMENT = f"""\
-examples:
-  logical-robots tournament arena.toml players -o cup
-
-A player is a program such as ada.l, or a folder with one that is named like the level.
-With another player, only that player's matches are played.
-
-{STATUS}"""
-
-_LAB = f"""\
-examples:
-  logical-robots lab status out
-  logical-robots lab resume out
-  logical-robots lab export out
-  logical-robots lab report out
-
-{STATUS}"""
-
 
 def declare(commands: Commands) -> None:
-    sweep = new_command(
-        commands,
-        "sweep",
-        start=_sweep,
-        summary="run an experiment: many programs, levels, starts and values",
-        description="Run an experiment from a file: vary, measure, and repeat from many starts.",
-        epilog=_SWEEP,
-    )
+    sweep = new_command(commands, "sweep", _sweep)
     sweep.add_argument("experiment", metavar="EXPERIMENT", type=Path, help="a TOML file")
-    grade = new_command(
-        commands,
-        "grade",
-        start=_grade,
-        summary="grade the programs of a class",
-        description="Run the programs of a class and write a gradebook and feedback.",
-        epilog=_GRADE,
-    )
+    grade = new_command(commands, "grade", _grade)
     grade.add_argument("assignment", metavar="ASSIGNMENT", type=Path, help="a TOML file")
     grade.add_argument(
         "submissions", metavar="SUBMISSIONS", type=Path, help="a folder with one entry per student"
     )
-    tournament = new_command(
-        commands,
-        "tournament",
-        start=_tournament,
-        summary="let programs play against each other, and rank them",
-        description="Let everybody play everybody in a level with teams, and rank them.",
-        epilog=_TOURNAMENT,
-    )
+    tournament = new_command(commands, "tournament", _tournament)
     tournament.add_argument("arena", metavar="ARENA", type=Path, help="a TOML file")
     tournament.add_argument(
         "players", metavar="PLAYERS", type=Path, help="a folder with one entry per player"
@@ -104,14 +45,7 @@ def declare(commands: Commands) -> None:
             "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
         )
         _add_engine(command)
-    lab = new_command(
-        commands,
-        "lab",
-        start=_lab,
-        summary="go on with a sweep, a grading or a tournament, export and report it",
-        description="Look into a folder of sweep, grade or tournament, go on, export or report it.",
-        epilog=_LAB,
-    )
+    lab = new_command(commands, "lab", _lab)
     lab.add_argument("action", choices=["status", "resume", "export", "report"], help="what to do")
     lab.add_argument("folder", metavar="FOLDER", type=Path, help="the folder")
     _add_engine(lab)
@@ -139,18 +73,54 @@ def _processors() -> int:
 
 
 def _sweep(options: argparse.Namespace) -> int:
+    """run an experiment: many programs, levels, starts and values
+
+    Run an experiment from a file: vary, measure, and repeat from many starts.
+
+    examples:
+      logical-robots sweep experiment.toml -o out
+      logical-robots sweep experiment.toml -o out --workers 1
+
+    What was computed before is not computed again.
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
     from logical_robots_tui.lab.sweeping import plan_sweep
 
     return _plan(options, lambda: plan_sweep(options.experiment))
 
 
 def _grade(options: argparse.Namespace) -> int:
+    """grade the programs of a class
+
+    Run the programs of a class and write a gradebook and feedback.
+
+    examples:
+      logical-robots grade assignment.toml submissions -o grades
+
+    A submission is a folder with a program for each level, such as ada/01-first-steps.l, or one
+    file for all levels, such as ada.l.
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
     from logical_robots_tui.lab.submissions import plan_grading
 
     return _plan(options, lambda: plan_grading(options.assignment, options.submissions))
 
 
 def _tournament(options: argparse.Namespace) -> int:
+    """let programs play against each other, and rank them
+
+    Let everybody play everybody in a level with teams, and rank them.
+
+    examples:
+      logical-robots tournament arena.toml players -o cup
+
+    A player is a program such as ada.l, or a folder with one that is named like the level.
+    With another player, only that player's matches are played.
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
     from logical_robots_tui.lab.tournament.ranking import plan_tournament
 
     return _plan(options, lambda: plan_tournament(options.arena, options.players))
@@ -174,6 +144,18 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
 
 
 def _lab(options: argparse.Namespace) -> int:
+    """go on with a sweep, a grading or a tournament, export and report it
+
+    Look into a folder of sweep, grade or tournament, go on, export or report it.
+
+    examples:
+      logical-robots lab status out
+      logical-robots lab resume out
+      logical-robots lab export out
+      logical-robots lab report out
+
+    exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
+    """
     from logical_robots_tui.lab.coordinating import Coordinator
     from logical_robots_tui.lab.folder import Folder
 

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import shutil
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import harmless, new_command, new_group
-from logical_robots_tui.cli.level_files import declare_convert, declare_new, write
+from logical_robots_tui.cli.command import Commands, harmless, new_command, new_group
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import is_file, is_folder
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.world import Level
+
+FINE, WRONG = 0, 2
 
 EPILOG = """\
 examples:
@@ -32,41 +35,188 @@ examples:
 def declare(commands: Commands) -> None:
     summary = "create, check, convert and show levels"
     inner = new_group(commands, "level", summary=summary, epilog=EPILOG)
-    declare_new(inner)
-    _declare_check(inner)
-    declare_convert(inner)
-    _declare_show(inner)
+    _declare_new(inner)
+    check = new_command(inner, "check", _check)
+    check.add_argument("levels", metavar="LEVEL", nargs="+", help="a level's name or file")
+    check.add_argument("--json", action="store_true", help="print JSON")
+    convert = new_command(inner, "convert", _convert)
+    convert.add_argument("level", metavar="LEVEL", help="a level's name or file")
+    convert.add_argument("file", metavar="FILE", type=Path, help="the file to write")
+    add_force(convert)
+    show = new_command(inner, "show", _show)
+    show.add_argument("level", metavar="LEVEL", help="a level's name or file")
+    show.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG file instead")
+    show.add_argument("--ascii", action="store_true", help="draw with ASCII characters")
 
 
-FINE, WRONG = 0, 2
-
-_CHECK_EPILOG = """\
-examples:
-  logical-robots level check maze.toml          print errors and warnings
-  logical-robots level check *.toml *.json      check several levels
-  logical-robots level check maze.toml --json   output for scripts
-
-Positions are x:y in map units from the upper left corner.
-
-exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
-"""
-
-
-def _declare_check(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "check",
-        start=_check,
-        summary="check a level for likely mistakes",
-        description="Check levels for likely mistakes: unreachable goals, gaps in the rim, things\n"
-        "inside walls, unknown names, and names used twice.",
-        epilog=_CHECK_EPILOG,
+def _declare_new(commands: Commands) -> None:
+    command = new_command(commands, "new", _new)
+    command.add_argument("file", metavar="FILE", type=Path, help="the file to write")
+    kinds = command.add_mutually_exclusive_group()
+    kinds.add_argument(
+        "--room", metavar="WxH", type=_size, help="an empty room, in map units (default: 600x400)"
     )
-    command.add_argument("levels", metavar="LEVEL", nargs="+", help="a level's name or file")
-    command.add_argument("--json", action="store_true", help="print JSON")
+    kinds.add_argument(
+        "--labyrinth", metavar="CxR", type=_size, help="a labyrinth, in columns and rows"
+    )
+    kinds.add_argument("--copy", metavar="LEVEL", help="a copy of a level, by name or file")
+    command.add_argument("--title", help="the title")
+    command.add_argument(
+        "--wall",
+        type=int,
+        default=10,
+        metavar="N",
+        help="wall thickness in map units (default: 10)",
+    )
+    random = command.add_argument_group("labyrinths")
+    random.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="the random seed (default: 0)"
+    )
+    random.add_argument(
+        "--loops",
+        type=float,
+        default=0.1,
+        metavar="SHARE",
+        help="share of extra walls to open, 0 to 1 (default: 0.1)",
+    )
+    random.add_argument(
+        "--corridor",
+        type=int,
+        default=60,
+        metavar="N",
+        help="corridor width in map units (default: 60)",
+    )
+    add_force(command)
+
+
+def _new(options: argparse.Namespace) -> int:
+    """create a level
+
+    Create a level: an empty room, a random labyrinth, or a copy.
+    A file that ends with .json gets the web platform's format.
+
+    examples:
+      logical-robots level new room.toml --room 600x400
+      logical-robots level new maze.toml --labyrinth 8x6 --seed 3 --loops 0.2
+      logical-robots level new mine.toml --copy 04-everybody-home
+
+    exit status: 0 written, 2 the level can't be created or written
+    """
+    from logical_robots_tui.editing.files import save_level
+    from logical_robots_tui.editing.things import set_words
+    from logical_robots_tui.world import load_level
+    from logical_robots_tui.world.levels.load import read_text
+
+    refuse_existing(options.file, force=options.force)
+    level = load_level(options.copy) if options.copy else _create(options)
+    words = {} if options.title is None else {"title": options.title}
+    new = set_words(level, **words)
+    file = Path(level.source)
+    if options.copy and file.suffix.lower() == options.file.suffix.lower() and is_file(file):
+        write(options.file, read_text(file))  # with its comments
+        new = save_level(new, options.file)
+    else:
+        new = save_level(new, options.file, anew=True)
+    _tell_lost(new, options.file)
+    size = f"{new.width} x {new.height} units"
+    print(harmless(f"{options.file}: {new.title}, {size}."))
+    print(harmless(f"Play it: logical-robots play {options.file}"))
+    return 0
+
+
+def _create(options: argparse.Namespace) -> Level:
+    from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
+
+    if options.labyrinth is None:
+        return empty_room(*(options.room or (600, 400)), wall=options.wall)
+    return labyrinth(
+        *options.labyrinth,
+        seed=options.seed,
+        loops=options.loops,
+        corridor=options.corridor,
+        wall=options.wall,
+    )
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
+    return int(found[1]), int(found[2])
+
+
+def _convert(options: argparse.Namespace) -> int:
+    """convert a level to another format
+
+    Convert a level to the format that the new file's ending names: .toml for
+    this game, .json for the web platform. Prints what the new format can't express.
+
+    examples:
+      logical-robots level convert theirs.json theirs.toml    from the web platform
+      logical-robots level convert mine.toml mine.json        to the web platform
+
+    exit status: 0 written, 2 the level can't be read or written
+    """
+    from logical_robots_tui.editing.files import save_level
+    from logical_robots_tui.world import load_level
+
+    level = load_level(options.level)
+    refuse_existing(options.file, force=options.force)
+    save_level(level, options.file, anew=True)
+    _tell_lost(level, options.file)
+    print(harmless(f"Wrote {options.file}."))
+    return 0
+
+
+def add_force(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--force", action="store_true", help="replace an existing file")
+
+
+def refuse_existing(path: Path, *, force: bool) -> None:
+    """Raise InputError if the file exists and may not be replaced."""
+    if (is_file(path) or is_folder(path)) and not force:
+        raise InputError(
+            "This file already exists.",
+            place=str(path),
+            hint="Choose another name, or add --force to replace it.",
+        )
+
+
+def _tell_lost(level: Level, path: Path) -> None:
+    from logical_robots_tui.editing.level_text import lost_in_web
+    from logical_robots_tui.world.levels.load import WEB
+
+    lost = lost_in_web(replace(level, name=path.stem))
+    if path.suffix.lower() == WEB and lost:
+        print(f"Left out because the web platform does not support it: {', '.join(lost)}.")
+
+
+def write(path: Path, content: str | bytes) -> None:
+    """Write a file in one step, or raise InputError."""
+    from logical_robots_tui.writing import write_atomically
+
+    try:
+        write_atomically(path, content)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"The file can't be written: {reason}.", place=str(path)) from error
 
 
 def _check(options: argparse.Namespace) -> int:
+    """check a level for likely mistakes
+
+    Check levels for likely mistakes: unreachable goals, gaps in the rim, things
+    inside walls, unknown names, and names used twice.
+
+    examples:
+      logical-robots level check maze.toml          print errors and warnings
+      logical-robots level check *.toml *.json      check several levels
+      logical-robots level check maze.toml --json   output for scripts
+
+    Positions are x:y in map units from the upper left corner.
+
+    exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
+    """
     results = []
     status = FINE
     for name in options.levels:
@@ -99,32 +249,19 @@ def _line(name: str, finding: LevelFinding) -> str:
     return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
 
 
-_SHOW_EPILOG = """\
-examples:
-  logical-robots level show 05-lighthouse
-  logical-robots level show my-level.toml --svg my-level.svg
-
-In a pipe it prints ASCII characters.
-
-exit status: 0 drawn, 2 the level can't be read or the file can't be written
-"""
-
-
-def _declare_show(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "show",
-        start=_show,
-        summary="draw a level",
-        description="Draw a level at its start, in the terminal or into a file.",
-        epilog=_SHOW_EPILOG,
-    )
-    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    command.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG file instead")
-    command.add_argument("--ascii", action="store_true", help="draw with ASCII characters")
-
-
 def _show(options: argparse.Namespace) -> int:
+    """draw a level
+
+    Draw a level at its start, in the terminal or into a file.
+
+    examples:
+      logical-robots level show 05-lighthouse
+      logical-robots level show my-level.toml --svg my-level.svg
+
+    In a pipe it prints ASCII characters.
+
+    exit status: 0 drawn, 2 the level can't be read or the file can't be written
+    """
     from logical_robots_tui.world import load_level
 
     level = load_level(options.level)

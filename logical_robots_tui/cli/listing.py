@@ -25,29 +25,24 @@ if TYPE_CHECKING:
 
 
 def declare(commands: Commands) -> None:
-    _declare_help(commands)
-    levels = new_command(
-        commands,
-        "levels",
-        start=list_all_levels,
-        summary="list the levels that come with the game",
-        description="List the levels that come with the game.",
-    )
+    help_ = new_command(commands, "help", print_help)
+    help_.add_argument("name", metavar="FUNCTION", nargs="?", help="what to explain")
+    levels = new_command(commands, "levels", list_all_levels)
     levels.add_argument("--json", action="store_true", help="print JSON")
-    programs = new_command(
-        commands,
-        "programs",
-        start=list_all_programs,
-        summary="list the shipped programs and your own",
-        description="List the programs that come with the game and those you saved in it.",
-    )
+    programs = new_command(commands, "programs", list_all_programs)
     programs.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(programs)
     add_no_solutions(programs)
-    _declare_config(commands)
+    config = new_command(commands, "config", print_settings)
+    config.add_argument("--path", action="store_true", help="print only the path of the file")
+    config.add_argument("--default", action="store_true", help="print the defaults instead")
 
 
 def list_all_levels(options: argparse.Namespace) -> int:
+    """list the levels that come with the game
+
+    List the levels that come with the game.
+    """
     from logical_robots_tui.world import list_shipped, load_level
 
     levels = [load_level(name) for name in list_shipped()]
@@ -76,6 +71,10 @@ def _who(level: Level) -> str:
 
 
 def list_all_programs(options: argparse.Namespace) -> int:
+    """list the shipped programs and your own
+
+    List the programs that come with the game and those you saved in it.
+    """
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import list_programs, load_program
 
@@ -96,29 +95,18 @@ def list_all_programs(options: argparse.Namespace) -> int:
     return 0
 
 
-_HELP_EPILOG = """\
-examples:
-  logical-robots help               list everything
-  logical-robots help ArgMin        explain one of them
-  logical-robots help '%'           operators need quotes
-
-exit status: 0, or 2 if there is no such function
-"""
-
-
-def _declare_help(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "help",
-        start=print_help,
-        summary="explain the functions that a program can use",
-        description="Explain the functions, aggregates and operators that a program can use.",
-        epilog=_HELP_EPILOG,
-    )
-    command.add_argument("name", metavar="FUNCTION", nargs="?", help="what to explain")
-
-
 def print_help(options: argparse.Namespace) -> int:
+    """explain the functions that a program can use
+
+    Explain the functions, aggregates and operators that a program can use.
+
+    examples:
+      logical-robots help               list everything
+      logical-robots help ArgMin        explain one of them
+      logical-robots help '%'           operators need quotes
+
+    exit status: 0, or 2 if there is no such function
+    """
     from logical_robots_tui.language.reference import REFERENCE, find_help, similar
 
     if options.name is None:
@@ -153,30 +141,19 @@ def _help_of(entry: FunctionHelp) -> str:
 
 FINE, WRONG = 0, 2
 
-_CONFIG_EPILOG = """\
-examples:
-  logical-robots config             the settings and the keys of all commands
-  logical-robots config --path      the path of the configuration file
-  logical-robots config --default   the defaults, to start your own file
-
-exit status: 0 the file is valid, 2 it has errors, which are printed to stderr
-"""
-
-
-def _declare_config(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "config",
-        start=print_settings,
-        summary="show the settings and keys, and where to change them",
-        description="Print the settings and keys in the format of the configuration file.",
-        epilog=_CONFIG_EPILOG,
-    )
-    command.add_argument("--path", action="store_true", help="print only the path of the file")
-    command.add_argument("--default", action="store_true", help="print the defaults instead")
-
 
 def print_settings(options: argparse.Namespace) -> int:
+    """show the settings and keys, and where to change them
+
+    Print the settings and keys in the format of the configuration file.
+
+    examples:
+      logical-robots config             the settings and the keys of all commands
+      logical-robots config --path      the path of the configuration file
+      logical-robots config --default   the defaults, to start your own file
+
+    exit status: 0 the file is valid, 2 it has errors, which are printed to stderr
+    """
     from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings, settings_path
 
     path = settings_path()

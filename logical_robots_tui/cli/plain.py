@@ -5,18 +5,15 @@ from __future__ import annotations
 import asyncio
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
-    Frame,
     Game,
     NoSuchTickError,
-    Source,
     goals,
     level_key,
     load_program,
@@ -36,6 +33,12 @@ from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import Level, load_level
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from logical_robots_tui.game import Frame, Source
 
 MOST = 5000
 """The default tick limit of ``run``."""
@@ -105,7 +108,7 @@ class _TextGame:
         note_level(progress, level)
         keep_if_own(progress, self._key, program.text)
         self._commands: dict[str, Callable[[int], object]] = {
-            "back": self._back,
+            "back": lambda ticks: self._go(lambda: self._game.back(ticks)),
             "restart": lambda _: self._go(self._game.restart),
             "where": lambda _: _say(*self._places()),
             "apply": lambda _: self._apply(),
@@ -149,9 +152,6 @@ class _TextGame:
         for hit in self._game.hits:
             _say(f"Stopped: {hit.breakpoint.words}. {hit.values}")
         _say(f"Tick {frame.tick}.")
-
-    def _back(self, ticks: int) -> None:
-        self._go(lambda: self._game.back(ticks))
 
     def _go(self, move: Callable[[], Frame]) -> None:
         try:

@@ -31,29 +31,9 @@ if TYPE_CHECKING:
 
 SIZES = ("small", "medium", "large")
 
-EPILOG = """\
-examples:
-  logical-robots play                  continue, or start the first level
-  logical-robots play 02-open-space    play another level
-  logical-robots play my-level.toml my-program.l
-  logical-robots play 13-high-ground --team blue=my-program.l
-  logical-robots play --daily          play the labyrinth of today
-  logical-robots play --plain          play in lines of text, also in a pipe:
-  echo run | logical-robots play 01-first-steps first-steps --plain
-
-exit status: 0 after quitting, 2 if the game can't be opened
-"""
-
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "play",
-        start=start,
-        summary="open the game in this terminal",
-        description="Open the game in this terminal.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "play", start)
     command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
     add_programs(command, nargs="*")
     command.add_argument(
@@ -96,7 +76,21 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
-    """Open the game; raise InputError if there is no terminal or an argument can't be used."""
+    """open the game in this terminal
+
+    Open the game in this terminal.
+
+    examples:
+      logical-robots play                  continue, or start the first level
+      logical-robots play 02-open-space    play another level
+      logical-robots play my-level.toml my-program.l
+      logical-robots play 13-high-ground --team blue=my-program.l
+      logical-robots play --daily          play the labyrinth of today
+      logical-robots play --plain          play in lines of text, also in a pipe:
+      echo run | logical-robots play 01-first-steps first-steps --plain
+
+    exit status: 0 after quitting, 2 if the game can't be opened
+    """
     if options.restricted:
         from logical_robots_tui.cli.restricted import clear_environment
 
@@ -111,7 +105,16 @@ def start(options: argparse.Namespace) -> int:
     if options.plain:
         if options.restricted:
             _restrict(options, "logical_robots_tui.cli.plain")
-        return _play_in_lines(options)
+        from logical_robots_tui.cli.plain import play_in_lines
+
+        return play_in_lines(
+            options.level,
+            options.programs,
+            dict(options.teams),
+            options.data_dir,
+            start=options.start_number,
+            solutions=not options.no_solutions,
+        )
     games = _restrict(options, "logical_robots_tui.tui.app.app") if options.restricted else None
     return _play_on_screen(options, games)
 
@@ -176,9 +179,7 @@ def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int
 
     free = not options.restricted
     permissions = Permissions(
-        programs=free,
-        clipboard=free or options.allow_clipboard,
-        solutions=not options.no_solutions,
+        programs=free, clipboard=free or options.allow_clipboard, solutions=not options.no_solutions
     )
     return play(
         options.level,
@@ -199,19 +200,6 @@ def play_replay(options: argparse.Namespace, replay: Replay) -> int:
 
     permissions = Permissions(solutions=not options.no_solutions)
     return play(None, (), folder_of(options.data_dir), permissions, replay=replay)
-
-
-def _play_in_lines(options: argparse.Namespace) -> int:
-    from logical_robots_tui.cli.plain import play_in_lines
-
-    return play_in_lines(
-        options.level,
-        options.programs,
-        dict(options.teams),
-        options.data_dir,
-        start=options.start_number,
-        solutions=not options.no_solutions,
-    )
 
 
 def _day(text: str) -> date:

@@ -35,25 +35,9 @@ FORMAT = 1
 CONFIRMED, NOT_CONFIRMED = 0, 1
 CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
 
-EPILOG = """\
-examples:
-  logical-robots progress                     list your results
-  logical-robots progress --json > ada.json   export them with your programs
-  logical-robots progress --check ada.json    play those programs again
-
-exit status: 0 done or all confirmed, 1 a result is not confirmed, 2 bad file
-"""
-
 
 def declare(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "progress",
-        start=start,
-        summary="list and export your results, or check an export",
-        description="List your results in each level, export them, or check an exported file.",
-        epilog=EPILOG,
-    )
+    command = new_command(commands, "progress", start)
     layout = command.add_mutually_exclusive_group()
     layout.add_argument("--json", action="store_true", help="print JSON, with your programs")
     layout.add_argument("--csv", action="store_true", help="print CSV")
@@ -67,6 +51,17 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """list and export your results, or check an export
+
+    List your results in each level, export them, or check an exported file.
+
+    examples:
+      logical-robots progress                     list your results
+      logical-robots progress --json > ada.json   export them with your programs
+      logical-robots progress --check ada.json    play those programs again
+
+    exit status: 0 done or all confirmed, 1 a result is not confirmed, 2 bad file
+    """
     if options.check is not None:
         return _check(options.check, as_json=options.json)
     file = folder_of(options.data_dir) / FILE_NAME

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,10 @@ from logical_robots_tui.world.sensing import ROBOT_RADIUS
 from logical_robots_tui.world.walls import row_clearances
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
     from numpy.typing import NDArray
+
 
 _UNTOLD = {
     "robots": "; each needs a unique name",

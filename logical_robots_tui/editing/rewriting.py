@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from itertools import pairwise
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
@@ -35,6 +34,10 @@ from logical_robots_tui.world.levels.drawing import (
     find_drawing,
 )
 from logical_robots_tui.world.levels.native import read_native
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 
 _INSTEAD = {"angle": "heading", "heading": "angle"}
 
@@ -127,17 +130,14 @@ def _update(table: Any, before: Record, after: Record) -> None:
             del table[_INSTEAD[key]]
         there = table.get(key)
         if isinstance(value, dict) and isinstance(there, dict):
-            _update(there, _as_record(before.get(key)), value)
+            earlier = before.get(key)
+            _update(there, earlier if isinstance(earlier, dict) else {}, value)
         elif isinstance(value, list) and isinstance(there, Array) and len(value) == len(there):
             for i, item in enumerate(value):
                 if there[i] != item:
                     there[i] = item
         else:
             table[key] = tomlkit.value(toml_text(key, value))
-
-
-def _as_record(value: object) -> Record:
-    return value if isinstance(value, dict) else {}
 
 
 def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from logical_robots_tui.editing.level_text import (
     record_of,
     words_of,
 )
-from logical_robots_tui.world import RobotState, WorldState
-from logical_robots_tui.world.changing import Pose
 from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
@@ -37,6 +34,12 @@ from logical_robots_tui.world.levels.native import (
     read_words,
 )
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from logical_robots_tui.world import WorldState
+    from logical_robots_tui.world.changing import Pose
 
 
 def set_words(level: Level, **values: Any) -> Level:
@@ -75,13 +78,7 @@ def resize(
         kind: tuple(replace(one, x=one.x + left, y=one.y + top) for one in getattr(level, kind))
         for kind in KINDS
     }
-    return replace(
-        level,
-        width=width,
-        height=height,
-        walls=walls,
-        **moved,
-    )
+    return replace(level, width=width, height=height, walls=walls, **moved)
 
 
 def _overlap(new: int, old: int, shift: int) -> tuple[slice, slice]:
@@ -251,7 +248,9 @@ def as_it_stands(level: Level, state: WorldState) -> Level:
         return level
     bodies = {body.name: body for body in state.robots}
     robots = tuple(
-        robot if (body := bodies.get(robot.name)) is None else _now(robot, body)
+        replace(robot, x=body.x, y=body.y, angle=body.angle)
+        if (body := bodies.get(robot.name)) is not None
+        else robot
         for robot in level.robots
     )
     return replace(level, robots=robots)
@@ -278,10 +277,6 @@ class Poses:
             if robot.name in known and known[robot.name] != _pose(robot)
         }
         return {name: self._stood.get((name, pose), pose) for name, pose in moved.items()}
-
-
-def _now(robot: Robot, body: RobotState) -> Robot:
-    return replace(robot, x=body.x, y=body.y, angle=body.angle)
 
 
 def _pose(robot: Robot) -> Pose:

@@ -5,18 +5,19 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
-from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import suppress
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import Answer, Task, execute
 
-_AHEAD = 2
-"""Tasks for each thread of a worker, so that none waits for the coordinator."""
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
+
+_AHEAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
 _COUNT_SECONDS = 2.0  # for which the number of threads is good
 _FETCH_SECONDS = 1.0
 _CONNECT_SECONDS = 30.0
@@ -85,7 +86,6 @@ class ClusterEngine:
             future.release()  # it is recorded now: should its worker die, nothing runs again
 
     def close(self, *, at_once: bool = False) -> None:
-        """Cancel the remaining tasks, and leave the cluster."""
         with suppress(Exception):  # the scheduler may be gone
             self._client.cancel(list(self._tasks))
         with suppress(Exception):

@@ -144,13 +144,11 @@ class Coordinator:
         self._done += len(done)
         self._left += len(left)
         group = _Group(cell, tuple(left))
-        given_up = [s for s in left if self._attempts(group, s) >= ATTEMPTS]
+        attempts = {start: self._failures.get(self._manifest.job(cell, start), 0) for start in left}
+        given_up = [start for start in left if attempts[start] >= ATTEMPTS]
         if left and not (self._manifest.given_first and 0 in given_up):
             left = [start for start in left if start not in given_up]
             self._waiting.append(group._replace(starts=tuple(left)))
-
-    def _attempts(self, group: _Group, start: int) -> int:
-        return self._failures.get(self._manifest.job(group.cell, start), 0)
 
     def _next(self, engine: Engine) -> tuple[_Group, tuple[int, ...]]:
         group = self._waiting.popleft()

@@ -125,8 +125,6 @@ def digest(text: str) -> str:
 
 
 class Folder:
-    """A folder with a manifest, its inputs and the results."""
-
     def __init__(self, path: Path) -> None:
         self.path = path
 
@@ -192,13 +190,7 @@ class Folder:
             if any(not {*pair} <= {*players} for pairs in manifest.rounds for pair in pairs):
                 raise ValueError("there is no such player")
             return manifest
-        except (
-            msgspec.MsgspecError,
-            AttributeError,
-            TypeError,
-            ValueError,
-            RecursionError,
-        ) as error:
+        except _UNREADABLE as error:
             hint = "Run the same command with -o again; results in the ledger are kept."
             raise InputError("this manifest is damaged", place=str(file), hint=hint) from error
 

@@ -6,21 +6,23 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from multiprocessing import resource_tracker
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, Task, execute
 from logical_robots_tui.processes.helper import collect_seldom
 
-_MOST_FALSE_STARTS = 2  # in a row
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
-_GRACE = 60.0
-"""Seconds after the time of a task after which a worker that says nothing is ended."""
+
+_MOST_FALSE_STARTS = 2  # in a row
+_GRACE = 60.0  # seconds after the time of a task after which a worker that says nothing is ended
 
 
 class LocalEngine:
@@ -57,8 +59,6 @@ class LocalEngine:
 
 
 class _Worker:
-    """A worker process and its task."""
-
     def __init__(self) -> None:
         self.task: Task | None = None
         self.future: Future[Answer] | None = None

@@ -37,9 +37,7 @@ from logical_robots_tui.world.levels.load import read_level
 CHUNK_SECONDS = 5.0
 """Time after which a worker gives back what it has; at most this and one run are lost with it."""
 
-_SLOW_TICKS = 10
-"""Ticks with too many steps after which a run ends."""
-
+_SLOW_TICKS = 10  # ticks with too many steps after which a run ends
 _MOST_CELLS = 1_000_000  # of all series of a run
 
 Outcome: TypeAlias = Literal[

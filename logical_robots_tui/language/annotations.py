@@ -13,6 +13,7 @@ from logical_robots_tui.language.tree import (
     Boolean,
     Expression,
     List,
+    Name,
     Number,
     PredicateName,
     Statement,
@@ -44,7 +45,7 @@ def check_annotations(program: Sequence[Statement], text: str) -> Iterator[Diagn
     for each in program:
         if not isinstance(each, Annotation):
             continue
-        name = each.name
+        name = each.name if each.span is None else Name(each.name, each.span.start)
         if name in _CHOSEN_BY_THE_GAME:
             yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
         elif name == "@Engine":

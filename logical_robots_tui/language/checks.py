@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, TypeGuard
+from typing import TYPE_CHECKING, NamedTuple, TypeGuard
 
 from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
@@ -20,7 +20,7 @@ from logical_robots_tui.language.definitions import (
     rules_of,
 )
 from logical_robots_tui.language.diagnostics import closest, distance
-from logical_robots_tui.language.inference import Inference
+from logical_robots_tui.language.inference.tracing import Inference
 from logical_robots_tui.language.signatures import (
     collisions,
     duplicates,
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.language.adapter import Parsed
     from logical_robots_tui.language.diagnostics import Diagnostic
+    from logical_robots_tui.language.inference.names import Mention
     from logical_robots_tui.language.signatures import Runs, Signature
     from logical_robots_tui.language.tree import Expression, Node, Statement
 
@@ -70,8 +71,20 @@ _OUTSIDE = frozenset(
 """What the package offers to programs that are trusted with the machine."""
 
 
-def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
-    """Return errors and warnings that would compile silently, in text order.
+class Checked(NamedTuple):
+    """What was found in a program.
+
+    Attributes:
+        problems: Errors and warnings that would compile silently, in text order.
+        mentions: The names that it compares with labels and robots' names.
+    """
+
+    problems: list[Diagnostic]
+    mentions: tuple[Mention, ...]
+
+
+def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
+    """Check a program.
 
     Args:
         parsed: The program.
@@ -81,6 +94,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
     program = parsed.statements
     known = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
     inference = Inference(program, text, parsed.doubtful)
+    mentions = inference.mentions
     problems = [
         *parsed.problems,
         *check_annotations(program, text),
@@ -98,7 +112,8 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
     if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in definitions(program)):
         problems += main_predicate(program, text)
     unique = {(p.line, p.column, p.message): p for p in problems}
-    return sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
+    in_order = sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
+    return Checked(in_order, mentions)
 
 
 _FLAG = "FlagValue"  # the value set by @DefineFlag

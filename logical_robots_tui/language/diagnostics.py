@@ -80,6 +80,15 @@ def closest(name: str, known: Iterable[str], cutoff: float = 0.76) -> str:
     return by_lower[found[0]] if found else ""
 
 
+def most_similar(text: str, texts: Iterable[str]) -> str:
+    """Return the text most similar to another, or ""; first of all one with other capitals."""
+    known = sorted(filter(None, texts))
+    lower, most = text.lower(), min(2, len(text) // 3)
+    by_case = (each for each in known if each.lower() == lower)
+    near = (each for each in known if distance(each.lower(), lower) <= most)
+    return next(by_case, "") or next(near, "") or closest(text, known)
+
+
 def distance(left: str, right: str) -> int:
     """Return the optimal string alignment distance (insert, delete, change, swap letters)."""
     rows = [list(range(len(right) + 1))]

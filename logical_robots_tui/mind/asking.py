@@ -127,6 +127,12 @@ class Asking:
             if rows[0][0]:
                 yield predicate, steps
 
+    def place_of(self, predicate: str) -> str:
+        """Return "Line 4: " for a predicate of the program, or "" for others."""
+        found = (each.line for each in self._program.predicates if each.name == predicate)
+        line = next(found, None)
+        return f"Line {line}: " if line else ""
+
     def close(self) -> None:
         self.plain_tables.close()
         if self._tuned is not None:

@@ -207,6 +207,7 @@ def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iter
     for predicate, steps in asking.still_grew(moment, view, within):
         yield Notice(
             "recursion",
-            f"The recursion of {predicate} was still growing after {steps} steps; "
-            f"later rows are missing. @Recursive({predicate}, N) sets the number of steps.",
+            f"{asking.place_of(predicate)}the recursion of {predicate} was still growing after "
+            f"{steps} steps; later rows are missing. Add a condition that ends it, or allow more "
+            f"steps with @Recursive({predicate}, N).",
         )

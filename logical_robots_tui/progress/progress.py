@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Callable
 from datetime import UTC, datetime
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, State, Store, Version
+
+if TYPE_CHECKING:
+    import sqlite3
+    from collections.abc import Callable
+    from pathlib import Path
+
 
 FILE_NAME = "progress.sqlite"
 
@@ -74,7 +77,6 @@ class Progress:
         self._store.close()
 
     def record(self, level: str) -> LevelRecord:
-        """Return the record of a level, without the versions."""
         level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:

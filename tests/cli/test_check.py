@@ -21,6 +21,10 @@ Robot(robot_name:, desire:, memory: "") :-
 DOUBTFUL = """\
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :- Sensor(robot_name:);
 """
+HERE = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
+  memory: {order: 1}) :- Sensor(robot_name:);
+"""
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -50,6 +54,23 @@ def test_all_that_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
         "                                                     ^^^^^",
         "  Did you mean Sqrt?",
     ]
+
+
+def test_what_the_web_platform_would_not_do_is_told_on_request(
+    command: Command, tmp_path: Path
+) -> None:
+    path = written(tmp_path, "here.l", HERE)
+    assert command("check", path).out == ""
+    told = command("check", path, "--web")
+    assert told.status == 0
+    assert told.out.splitlines() == [
+        f"{path}:2:12: warning: order is a word of SQL, "
+        "which the web platform can't read as a field",
+        "    memory: {order: 1}) :- Sensor(robot_name:);",
+        "             ^^^^^",
+        "  Choose another name.",
+    ]
+    assert command("check", path, "--web", "--json").data["ok"] is True
 
 
 def test_a_warning_is_told_but_the_program_is_fine(command: Command, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from textual.document._history import EditHistory
 
 from logical_robots_tui.game import Source, load_program, measuring
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.app.session_state import Opening
 from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
@@ -358,13 +359,13 @@ async def opened(
     file = level if isinstance(level, Path) else LEVELS / f"{level}.json"
     path = data_dir / "programs" / f"{name}.l"
     source = load_program(path) if path.exists() else source_of(text, path.parent, name)
-    app = LogicalRobotsApp(
-        await asyncio.to_thread(load_level, file),
-        {"": source},
+    opening = Opening(
+        level=await asyncio.to_thread(load_level, file),
+        sources={"": source},
         data_dir=data_dir,
         welcome=welcome,
-        settings=settings,
         clock=VirtualClock(),
     )
+    app = LogicalRobotsApp(opening, settings=settings)
     async with app.run_test(size=size, notifications=True) as pilot:
         yield Opened(app, pilot, data_dir)

@@ -40,11 +40,8 @@ _SOON = 0.5  # seconds before the progress bar appears
 def new_run_command(
     commands: Commands,
     name: str,
-    *,
     start: Callable[[argparse.Namespace], int],
-    summary: str,
-    description: str,
-    epilog: str,
+    *,
     first_tick: int | None = None,
     ticks: tuple[int, str] | None = None,
     robot: str = "",
@@ -56,15 +53,8 @@ def new_run_command(
     `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``,
     `robot` the help of ``--robot``; by default there is no such option.
     """
-    command = new_command(
-        commands,
-        name,
-        start=start,
-        wants_json=(lambda _options: True) if only_json else prefers_json,
-        summary=summary,
-        description=description,
-        epilog=epilog,
-    )
+    wants_json = (lambda _options: True) if only_json else prefers_json
+    command = new_command(commands, name, start, wants_json=wants_json)
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
     add_programs(command)
     if first_tick is not None:

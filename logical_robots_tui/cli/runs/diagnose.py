@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import harmless
+from logical_robots_tui.cli.command import Commands, harmless
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, show
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
+    import argparse
+    from collections.abc import Iterator
+
     from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind import Program
@@ -24,30 +24,29 @@ NOTHING, FOUND = 0, 1
 DEFAULT_TICKS = 3000
 NARROWEST, WIDEST = 40, 96  # columns
 
-EPILOG = """\
-examples:
-  logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
-  logical-robots diagnose 01-first-steps first-steps --json | jq .findings
-
-Warnings come first. A note may well be intended.
-
-exit status: 0 no warnings, 1 warnings, 2 bad level or program
-"""
-
 
 def declare(commands: Commands) -> None:
     new_run_command(
         commands,
         "diagnose",
-        start=start,
-        summary="scan a whole run for likely mistakes",
-        description="Run a program, watch all its rules and conditions, and print what stands out.",
-        epilog=EPILOG,
+        start,
         ticks=(DEFAULT_TICKS, "stop after this many ticks, or at victory"),
     )
 
 
 def start(options: argparse.Namespace) -> int:
+    """scan a whole run for likely mistakes
+
+    Run a program, watch all its rules and conditions, and print what stands out.
+
+    examples:
+      logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
+      logical-robots diagnose 01-first-steps first-steps --json | jq .findings
+
+    Warnings come first. A note may well be intended.
+
+    exit status: 0 no warnings, 1 warnings, 2 bad level or program
+    """
     level, program = open_run(options)
     found = asyncio.run(_diagnose(level, program, options.ticks))
     show(options, _data(found), _lines(found))

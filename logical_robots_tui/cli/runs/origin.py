@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import harmless, line_within
+from logical_robots_tui.cli.command import Commands, cut, harmless, line_within
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
+    from collections.abc import Iterator
+
     from logical_robots_tui.explain.why.sourcing import Path, Read
     from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program
@@ -20,32 +20,10 @@ if TYPE_CHECKING:
 _LONGEST = 60  # characters of a value
 _SHOWN_READS = 5
 
-EPILOG = """\
-examples:
-  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
-    --value memory.visited
-  logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
-    --value 'memory.visited[0]'
-
-The value is the one that the robot remembers after the tick. It is traced back
-through the ticks that only kept it, and through the memories of other robots,
-to the tick and the rule that made it, and from there to what it was made from.
-
-exit status: 0 found, 2 bad level, program, robot or value
-"""
-
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
-        commands,
-        "origin",
-        start=start,
-        summary="trace a value in a memory to the rule that made it",
-        description="Run a program to a tick, then trace a value back to where it was made.",
-        epilog=EPILOG,
-        first_tick=1,
-        robot="whose memory",
-        needs_robot=True,
+        commands, "origin", start, first_tick=1, robot="whose memory", needs_robot=True
     )
     command.add_argument(
         "--value",
@@ -57,6 +35,22 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """trace a value in a memory to the rule that made it
+
+    Run a program to a tick, then trace a value back to where it was made.
+
+    examples:
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value memory.visited
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value 'memory.visited[0]'
+
+    The value is the one that the robot remembers after the tick. It is traced back
+    through the ticks that only kept it, and through the memories of other robots,
+    to the tick and the rule that made it, and from there to what it was made from.
+
+    exit status: 0 found, 2 bad level, program, robot or value
+    """
     level, program = open_run(options)
     origin = asyncio.run(_search(level, program, options))
     data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
@@ -93,7 +87,7 @@ def _link(number: int, link: Link) -> Iterator[str]:
     line = f" in line {link.rule.line}" if link.rule is not None else ""
     yield f"   set in tick {link.tick} by the rule{line}{kept}"
     if link.span is not None:
-        yield harmless(f"   line {link.span.line}: {_cut(link.span.text)}")
+        yield harmless(f"   line {link.span.line}: {cut(link.span.text, _LONGEST)}")
     for read in link.reads[:_SHOWN_READS]:
         yield harmless(f"   from {_read(read)}")
     if more := len(link.reads) - _SHOWN_READS:
@@ -126,10 +120,6 @@ def _data(link: Link) -> dict[str, Any]:
         ],
         "before": link.before,
     }
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
 def _path(text: str) -> Path:

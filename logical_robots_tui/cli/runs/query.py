@@ -30,56 +30,16 @@ FOUND, NOTHING = 0, 1
 DEFAULT_TICKS = 5000
 WIDEST = 60  # characters of a value in a table
 
-_QUERY_EPILOG = """\
-examples:
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 110 \\
-    'Next(robot_name: "Crow", ray:)'
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
-    'Drive("Crow").left_engine + 1'
-  logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
-    'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 40'
-
-exit status: 0 rows found, 1 no rows, 2 bad level, program or query
-"""
-
-_WHEN_EPILOG = """\
-examples:
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
-    'Fresh(robot_name: "Crow")'
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 --robot Crow \\
-    'Sensor(sensor:), sensor.forward_distance < 30'
-  logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
-    'Drive("Crow").left_engine > 1'
-
-A question is anything that query accepts. It holds in the ticks in which it has
-rows; an expression holds where it is not null, false or 0. The run ends at
-victory, or after N ticks.
-
-exit status: 0 found, 1 it never holds, 2 bad level, program or question
-"""
-
 
 def declare(commands: Commands) -> None:
     query = new_run_command(
-        commands,
-        "query",
-        start=_query,
-        summary="query one tick of a run",
-        description="Run a program to a tick, then answer a query in Logica about that tick.",
-        epilog=_QUERY_EPILOG,
-        first_tick=0,
-        robot="only rows in this robot's mind",
+        commands, "query", _query, first_tick=0, robot="only rows in this robot's mind"
     )
     query.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
     when = new_run_command(
         commands,
         "when",
-        start=_when,
-        summary="find the ticks of a run in which something holds",
-        description="Ask a question in Logica at every tick of a run, and print where it holds.",
-        epilog=_WHEN_EPILOG,
+        _when,
         ticks=(DEFAULT_TICKS, "stop after this many ticks"),
         robot="only rows in this robot's mind",
     )
@@ -99,6 +59,21 @@ def _mistakes_in(what: str) -> Iterator[None]:
 
 
 def _query(options: argparse.Namespace) -> int:
+    """query one tick of a run
+
+    Run a program to a tick, then answer a query in Logica about that tick.
+
+    examples:
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 110 \\
+        'Next(robot_name: "Crow", ray:)'
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
+        'Drive("Crow").left_engine + 1'
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
+        'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 40'
+
+    exit status: 0 rows found, 1 no rows, 2 bad level, program or query
+    """
     level, program = open_run(options)
     with _mistakes_in("query"):
         table = asyncio.run(_ask(level, program, options.query, options.tick))
@@ -138,6 +113,25 @@ async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
 
 
 def _when(options: argparse.Namespace) -> int:
+    """find the ticks of a run in which something holds
+
+    Ask a question in Logica at every tick of a run, and print where it holds.
+
+    examples:
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+        'Fresh(robot_name: "Crow")'
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 --robot Crow \\
+        'Sensor(sensor:), sensor.forward_distance < 30'
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+        'Drive("Crow").left_engine > 1'
+
+    A question is anything that query accepts. It holds in the ticks in which it has
+    rows; an expression holds where it is not null, false or 0. The run ends at
+    victory, or after N ticks.
+
+    exit status: 0 found, 1 it never holds, 2 bad level, program or question
+    """
     from logical_robots_tui.mind import QueryError
 
     level, program = open_run(options)
@@ -160,19 +154,20 @@ async def _search(
 
 
 def _lines(question: str, found: Matches) -> list[str]:
-    end = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
-    end += ", up to victory" if found.won_at is not None else ""
+    extent = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
+    extent += ", up to victory" if found.won_at is not None else ""
     lines = []
     if stretches := found.stretches:
         first, last = stretches[0][0], stretches[-1][1]
+        rows = [(str(start), str(end), str(end - start + 1)) for start, end in stretches]
         lines += [
             f"{harmless(question)}",
-            f"holds in {found.holds_in} of {end}: first in tick {first}, last in tick {last}.",
+            f"holds in {found.holds_in} of {extent}: first in tick {first}, last in tick {last}.",
             "",
-            *columns([("FROM", "TO", "TICKS"), *(_row(*each) for each in stretches)]),
+            *columns([("FROM", "TO", "TICKS"), *rows]),
         ]
     else:
-        lines.append(f"{harmless(question)} never holds in {end}.")
+        lines.append(f"{harmless(question)} never holds in {extent}.")
     if found.failed:
         (first, last), *more = found.failed
         where = f"tick {first}" if first == last else f"ticks {first} to {last}"
@@ -181,10 +176,6 @@ def _lines(question: str, found: Matches) -> list[str]:
     if not found.is_reliable:
         lines += ["", UNRELIABLE]
     return lines
-
-
-def _row(first: int, last: int) -> tuple[str, str, str]:
-    return str(first), str(last), str(last - first + 1)
 
 
 def _data(question: str, found: Matches) -> dict[str, Any]:

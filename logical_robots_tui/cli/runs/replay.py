@@ -21,7 +21,7 @@ from logical_robots_tui.cli.command import (
     new_group,
     number_from,
 )
-from logical_robots_tui.cli.level_files import add_force, refuse_existing, write
+from logical_robots_tui.cli.level import add_force, refuse_existing, write
 from logical_robots_tui.cli.runs.common import open_run, progress_bar
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
@@ -49,30 +49,22 @@ def declare(commands: Commands) -> None:
     summary = "record a run in a file, play it again, verify it and show it"
     inner = new_group(commands, "replay", summary=summary, epilog=EPILOG)
     _declare_record(inner)
-    _declare_play(inner)
-    _declare_verify(inner)
-    _declare_show(inner)
-
-
-_RECORD_EPILOG = """\
-examples:
-  logical-robots replay record 01-first-steps first-steps -o first.replay
-  logical-robots replay record 08-formation formation -o chain.replay --ticks 600
-  logical-robots replay record 01-first-steps first-steps -o third.replay --start 3
-
-exit status: 0 recorded, 2 bad level or program, or the file can't be written
-"""
+    play = new_command(inner, "play", _play)
+    play.add_argument("replay", type=Path, metavar="FILE", help="a replay")
+    add_data_dir(play)
+    add_no_solutions(play)
+    verify = new_command(inner, "verify", _verify)
+    verify.add_argument("replay", type=Path, metavar="FILE", help="a replay")
+    verify.add_argument("--json", action="store_true", help="print JSON")
+    show = new_command(inner, "show", _show)
+    show.add_argument("replay", type=Path, metavar="FILE", help="a replay")
+    form = show.add_mutually_exclusive_group()
+    form.add_argument("--svg", type=Path, metavar="OUT", help="write a drawing")
+    form.add_argument("--json", action="store_true", help="print all of it as JSON")
 
 
 def _declare_record(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "record",
-        start=_record,
-        summary="run a program and record the run",
-        description="Run a program in a level until it is won, and record the run.",
-        epilog=_RECORD_EPILOG,
-    )
+    command = new_command(commands, "record", _record)
     command.add_argument("level", metavar="LEVEL", help="a level's name or file")
     add_programs(command)
     command.add_argument(
@@ -95,6 +87,17 @@ def _declare_record(commands: Commands) -> None:
 
 
 def _record(options: argparse.Namespace) -> int:
+    """run a program and record the run
+
+    Run a program in a level until it is won, and record the run.
+
+    examples:
+      logical-robots replay record 01-first-steps first-steps -o first.replay
+      logical-robots replay record 08-formation formation -o chain.replay --ticks 600
+      logical-robots replay record 01-first-steps first-steps -o third.replay --start 3
+
+    exit status: 0 recorded, 2 bad level or program, or the file can't be written
+    """
     from logical_robots_tui.editing.level_text import write_native
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import MOST_TICKS, gather
@@ -128,57 +131,32 @@ def _ticks(replay: Replay) -> str:
     return count_of(replay.last - replay.first, "tick")
 
 
-_PLAY_EPILOG = """\
-The game opens at the end of the replay, with its whole timeline. Go to any tick and
-go on from there, or change the program, as in a game of your own.
-
-exit status: 0 after quitting, 2 if the replay can't be opened
-"""
-
-
-def _declare_play(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "play",
-        start=_play,
-        summary="open a replay in the game",
-        description="Open a replay in the game.",
-        epilog=_PLAY_EPILOG,
-    )
-    command.add_argument("replay", type=Path, metavar="FILE", help="a replay")
-    add_data_dir(command)
-    add_no_solutions(command)
-
-
 def _play(options: argparse.Namespace) -> int:
+    """open a replay in the game
+
+    Open a replay in the game.
+
+    The game opens at the end of the replay, with its whole timeline. Go to any tick and
+    go on from there, or change the program, as in a game of your own.
+
+    exit status: 0 after quitting, 2 if the replay can't be opened
+    """
     from logical_robots_tui.cli.play import play_replay
     from logical_robots_tui.game.replay import load_replay
 
     return play_replay(options, load_replay(options.replay))
 
 
-_VERIFY_EPILOG = """\
-All ticks are computed again: what the program wants in each tick is compared with
-the replay, and the world with a hash of it every 100 ticks.
-
-exit status: 0 the same, 2 the replay can't be used, 3 something is different
-"""
-
-
-def _declare_verify(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "verify",
-        start=_verify,
-        summary="compute a replay again and compare",
-        description="Compute a replay again and compare.",
-        epilog=_VERIFY_EPILOG,
-    )
-    command.add_argument("replay", type=Path, metavar="FILE", help="a replay")
-    command.add_argument("--json", action="store_true", help="print JSON")
-
-
 def _verify(options: argparse.Namespace) -> int:
+    """compute a replay again and compare
+
+    Compute a replay again and compare.
+
+    All ticks are computed again: what the program wants in each tick is compared with
+    the replay, and the world with a hash of it every 100 ticks.
+
+    exit status: 0 the same, 2 the replay can't be used, 3 something is different
+    """
     from logical_robots_tui.game.replay import load_replay
 
     replay = load_replay(options.replay)
@@ -211,32 +189,18 @@ async def _compute(replay: Replay) -> Verifier:
         await game.close()
 
 
-_SHOW_EPILOG = """\
-examples:
-  logical-robots replay show first.replay
-  logical-robots replay show first.replay --json
-  logical-robots replay show first.replay --svg first.svg
-
-exit status: 0 shown, 2 the replay can't be read or the file can't be written
-"""
-
-
-def _declare_show(commands: Commands) -> None:
-    command = new_command(
-        commands,
-        "show",
-        start=_show,
-        summary="print what is in a replay, or draw where the robots drove",
-        description="Print what is in a replay, or draw where the robots drove.",
-        epilog=_SHOW_EPILOG,
-    )
-    command.add_argument("replay", type=Path, metavar="FILE", help="a replay")
-    form = command.add_mutually_exclusive_group()
-    form.add_argument("--svg", type=Path, metavar="OUT", help="write a drawing")
-    form.add_argument("--json", action="store_true", help="print all of it as JSON")
-
-
 def _show(options: argparse.Namespace) -> int:
+    """print what is in a replay, or draw where the robots drove
+
+    Print what is in a replay, or draw where the robots drove.
+
+    examples:
+      logical-robots replay show first.replay
+      logical-robots replay show first.replay --json
+      logical-robots replay show first.replay --svg first.svg
+
+    exit status: 0 shown, 2 the replay can't be read or the file can't be written
+    """
     from logical_robots_tui.game.replay import load_replay
 
     replay = load_replay(options.replay)

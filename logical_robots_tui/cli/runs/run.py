@@ -32,32 +32,28 @@ WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
 SAMPLE = 10  # notices reported in full
 
-EPILOG = """\
-examples:
-  logical-robots run 01-first-steps first-steps            print the result
-  logical-robots run 01-first-steps first-steps --json     print it as JSON
-  logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
-  logical-robots run my-level.toml my-program.l --ticks 900
-  logical-robots run 13-high-ground high-ground high-ground-sparring
-
-exit status: 0 won or match over, 1 not won in time, 2 bad level or program
-"""
-
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
-        commands,
-        "run",
-        start=start,
-        summary="run a program in a level without a screen",
-        description="Run a program in a level without a screen, as fast as possible.",
-        epilog=EPILOG,
-        ticks=(DEFAULT_TICKS, "give up after this many ticks"),
+        commands, "run", start, ticks=(DEFAULT_TICKS, "give up after this many ticks")
     )
     command.add_argument("--times", action="store_true", help="include times in the JSON output")
 
 
 def start(options: argparse.Namespace) -> int:
+    """run a program in a level without a screen
+
+    Run a program in a level without a screen, as fast as possible.
+
+    examples:
+      logical-robots run 01-first-steps first-steps            print the result
+      logical-robots run 01-first-steps first-steps --json     print it as JSON
+      logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
+      logical-robots run my-level.toml my-program.l --ticks 900
+      logical-robots run 13-high-ground high-ground high-ground-sparring
+
+    exit status: 0 won or match over, 1 not won in time, 2 bad level or program
+    """
     level, program = open_run(options)
     with progress_bar(level.title, options.ticks) as show:
         outcome = asyncio.run(

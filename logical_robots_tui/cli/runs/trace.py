@@ -5,14 +5,13 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.cli.command import line_of_json
+from logical_robots_tui.cli.command import Commands, line_of_json
 from logical_robots_tui.cli.runs.common import check_name, new_run_command, open_run
 
 if TYPE_CHECKING:
     import argparse
     import threading
 
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Mind, Program, QueryError, Table
     from logical_robots_tui.world import Level
@@ -22,31 +21,12 @@ if TYPE_CHECKING:
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
 
-EPILOG = """\
-examples:
-  logical-robots trace 01-first-steps first-steps > run.jsonl
-  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --robot Crow \\
-    | jq .decisions
-  logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 \\
-    --predicates Next | jq -c .predicates.Next.rows
-
-A line holds: tick, won, robots (after the tick), sensors and memories (as the
-program saw them), decisions (desire, memory, notices), areas, the rows of the
-requested predicates, and reliable: false once a time limit has cut a thought
-short, so that another run may differ.
-
-exit status: 0 won, 1 not won in time, 2 bad level or program
-"""
-
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
         commands,
         "trace",
-        start=start,
-        summary="print every tick of a run as a line of JSON",
-        description="Print every tick of a run, up to victory, as a line of JSON.",
-        epilog=EPILOG,
+        start,
         ticks=(DEFAULT_TICKS, "stop after this many ticks"),
         robot="only this robot",
         only_json=True,
@@ -62,6 +42,24 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """print every tick of a run as a line of JSON
+
+    Print every tick of a run, up to victory, as a line of JSON.
+
+    examples:
+      logical-robots trace 01-first-steps first-steps > run.jsonl
+      logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --robot Crow \\
+        | jq .decisions
+      logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 \\
+        --predicates Next | jq -c .predicates.Next.rows
+
+    A line holds: tick, won, robots (after the tick), sensors and memories (as the
+    program saw them), decisions (desire, memory, notices), areas, the rows of the
+    requested predicates, and reliable: false once a time limit has cut a thought
+    short, so that another run may differ.
+
+    exit status: 0 won, 1 not won in time, 2 bad level or program
+    """
     level, program = open_run(options)
     for name in options.predicates:
         check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))

@@ -7,18 +7,14 @@ import asyncio
 import json
 import shlex
 import shutil
-from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    harmless,
-    line_within,
-    number_from,
-)
+from logical_robots_tui.cli.command import Commands, cut, harmless, line_within, number_from
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
+    from collections.abc import Iterator, Sequence
+
     from logical_robots_tui.explain import Ask, Explanation, Node
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.mind import Program
@@ -28,37 +24,12 @@ GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, if the terminal's width is unknown
 DEEPEST = 100
 
-EPILOG = """\
-examples:
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
-    --predicate Next
-  logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
-    --predicate Steer --given col0=0.5
-
-A row is explained by one derivation. For each rule without a row you see the
-first condition that failed, and a single change that would have produced a row.
-+ holds, - does not. --tree follows every call, down to what was sensed and
-remembered. Function arguments are called col0, col1 ...
-
-exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
-"""
-
 _MOST_VALUES = 5  # in a line; --json has more
 
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
-        commands,
-        "why",
-        start=start,
-        summary="explain why a robot did what it did, or why not",
-        description="Run a program to a tick, then explain for each rule which parts of it held.",
-        epilog=EPILOG,
-        first_tick=1,
-        robot="in whose mind",
-        needs_robot=True,
+        commands, "why", start, first_tick=1, robot="in whose mind", needs_robot=True
     )
     command.add_argument(
         "--predicate", default="Robot", metavar="P", help="the predicate (default: %(default)s)"
@@ -87,6 +58,25 @@ def declare(commands: Commands) -> None:
 
 
 def start(options: argparse.Namespace) -> int:
+    """explain why a robot did what it did, or why not
+
+    Run a program to a tick, then explain for each rule which parts of it held.
+
+    examples:
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
+        --predicate Next
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
+        --predicate Steer --given col0=0.5
+
+    A row is explained by one derivation. For each rule without a row you see the
+    first condition that failed, and a single change that would have produced a row.
+    + holds, - does not. --tree follows every call, down to what was sensed and
+    remembered. Function arguments are called col0, col1 ...
+
+    exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
+    """
     level, program = open_run(options)
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     check_name("predicate", options.predicate, own)
@@ -179,13 +169,8 @@ def _line(depth: int, node: Node, wide: int) -> str:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
     room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
-    text = harmless(node.text)
-    text = text if len(text) <= room else f"{text[: room - 3]}..."
-    whole, wide = f"{before}{place}{text}", max(wide, 40)
-    left = wide - len(whole) - len(said)
-    told = told if len(told) <= left else f"{told[: max(0, left - 3)]}..."
-    whole = f"{whole}{told}{said}"
-    return whole if len(whole) <= wide else f"{whole[: wide - 3]}..."
+    whole, wide = f"{before}{place}{cut(harmless(node.text), room)}", max(wide, 40)
+    return cut(f"{whole}{cut(told, wide - len(whole) - len(said))}{said}", wide)
 
 
 def _truth(value: Any) -> str:

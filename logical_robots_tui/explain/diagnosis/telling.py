@@ -9,7 +9,7 @@ from typing import Literal
 from logical_robots_tui.explain.diagnosis.counting import Count, Tally, is_always_true
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.diagnostics import closest, distance
+from logical_robots_tui.language.diagnostics import most_similar
 from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value
 
@@ -133,8 +133,8 @@ class _Reporter:
         if not count.left:
             return None
         self._said.add(number)
-        close = _alike(site.literal, count.left)
-        hint = f"Did you mean {_value(close)}?" if close else f"It was {_join(count.left)}."
+        close = most_similar(site.literal, (v for v in count.left if isinstance(v, str)))
+        hint = f'Did you mean "{close}"?' if close else f"It was {_join(count.left)}."
         message = f'{shorten(site.other)} was never "{site.literal}"{_in(site)}.'
         severity: Severity = "warning" if close else self._severity
         return self._finding("never true", severity, site, count, message, hint)
@@ -251,10 +251,3 @@ def _join(values: Iterable[Value]) -> str:
     if more > 0:
         return f"{', '.join(listed)} or one of {more} others"
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} or {listed[-1]}"
-
-
-def _alike(text: str, values: Iterable[Value]) -> str:
-    texts = [value for value in values if isinstance(value, str) and value]
-    by_case = (value for value in texts if value.lower() == text.lower())
-    near = (v for v in texts if distance(v.lower(), text.lower()) <= (2 if len(text) > 5 else 1))
-    return next(by_case, "") or next(near, "") or closest(text, texts)

@@ -13,19 +13,18 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.exporting import done_runs
 from logical_robots_tui.lab.folder import Cell, Manifest, Player, digest
 from logical_robots_tui.lab.specification import Specification, Tournament
-from logical_robots_tui.lab.submissions import entries_of, stems_of
+from logical_robots_tui.lab.submissions import Submission, entries_of, stems_of
 from logical_robots_tui.lab.sweeping import level_with_text
 from logical_robots_tui.mind import Program, ProgramError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
 
     from logical_robots_tui.lab.ledger import Ledger
     from logical_robots_tui.lab.running import Result
-    from logical_robots_tui.lab.submissions import Submission
     from logical_robots_tui.world import Level
 
     Numbers: TypeAlias = NDArray[np.float64]
@@ -110,13 +109,13 @@ def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) 
 
 
 def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifest:
-    """Return the manifest with one more round."""
     players, cells = manifest.players, list(manifest.cells)
     for pair in pairs:
         both = [players[index] for index in pair]
         if any(player.lost for player in both):
             continue
-        for seated in _seatings(both, len(manifest.teams)):
+        for first in (0, 1):
+            seated = [both[(seat + first) % 2] for seat in range(len(manifest.teams))]
             names = (player.name for player in seated)
             cells.append(
                 msgspec.structs.replace(
@@ -128,11 +127,6 @@ def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifes
             )
     rounds = (*manifest.rounds, tuple(pairs))
     return msgspec.structs.replace(manifest, cells=tuple(cells), rounds=rounds)
-
-
-def _seatings(pair: Sequence[Player], seats: int) -> Iterator[list[Player]]:
-    for first in (0, 1):
-        yield [pair[(seat + first) % 2] for seat in range(seats)]
 
 
 def _rounds(players: int) -> int:
@@ -278,11 +272,7 @@ def ranking_of(manifest: Manifest, ledger: Ledger, *, resamples: int = RESAMPLES
 
 
 def ranking_of_shares(
-    players: list[str],
-    pairs: list[tuple[int, int]],
-    shares: Numbers,
-    *,
-    resamples: int = RESAMPLES,
+    players: list[str], pairs: list[tuple[int, int]], shares: Numbers, *, resamples: int = RESAMPLES
 ) -> Ranking:
     """Return the ranking; `shares` are the first player's, pairs x starts, NaN where missing."""
     known = ~np.isnan(shares)

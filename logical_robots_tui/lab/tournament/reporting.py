@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, harmless_text
-from logical_robots_tui.lab.folder import Folder, Manifest
-from logical_robots_tui.lab.ledger import Ledger
 from logical_robots_tui.lab.page import as_code, as_table, shade
 from logical_robots_tui.lab.tournament.ranking import Ranking, ranking_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.lab.folder import Folder, Manifest
+    from logical_robots_tui.lab.ledger import Ledger
 
 _WIDEST = 30  # players of a matrix in a terminal
 _MOST_CYCLES = 20
@@ -41,23 +44,15 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
         numbers = [str(n) for n in range(1, len(names) + 1)]
         rows = [("%", "", *numbers)]
         for number, name in zip(numbers, names, strict=True):
-            cells = [_percent(ranking, name, other) for other in names]
+            pairings = (ranking.pairings.get((name, other)) for other in names)
+            cells = ("·" if each is None else f"{100 * each.share:.0f}" for each in pairings)
             rows.append((number, harmless_text(name), *cells))
-        lines += [
-            "",
-            "The row's share of the points against the column:",
-            *_align(rows, left=(1,)),
-        ]
+        lines += ["", "The row's share of the points against the column:", *_align(rows, left=(1,))]
     for cycle in ranking.cycles[:_MOST_CYCLES]:
         lines.append(_cycle_text(cycle))
     if (more := len(ranking.cycles) - _MOST_CYCLES) > 0:
         lines.append(f"and {more:,} more cycles")
     return lines
-
-
-def _percent(ranking: Ranking, name: str, other: str) -> str:
-    pairing = ranking.pairings.get((name, other))
-    return "·" if pairing is None else f"{100 * pairing.share:.0f}"
 
 
 def _cycle_text(cycle: Sequence[str]) -> str:

@@ -6,19 +6,18 @@ import asyncio
 import os
 import signal
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 
-from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.session_state import Permissions
+from logical_robots_tui.tui.app.session_state import Opening, Permissions
 from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
@@ -36,78 +35,50 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from textual.binding import BindingType
     from textual.geometry import Region, Size
     from textual.theme import Theme
 
-    from logical_robots_tui.game import Source
     from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.world import Level
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
-
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
-
 _TWICE = 2.0  # seconds between two presses that are meant as one wish
 
 _INPUT = (events.InputEvent, events.Paste)
 
 
 class LogicalRobotsApp(DiffApp, inherit_bindings=False):
-    """The game in a terminal.
-
-    `sources` are by team, "" without teams. `text` is the player's version of the program;
-    `theme` applies where the settings name none. The event loop must have the clock's time.
-    """
+    """The game in a terminal; `theme` applies where the settings name none."""
 
     _event_loop: asyncio.AbstractEventLoop | None = None
 
     TITLE = "Logical Robots"
     CSS_PATH = "main_screen.tcss"
     ENABLE_COMMAND_PALETTE = False
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         Binding("ctrl+c", "interrupt", "Leave", show=False, system=True),
         Binding("ctrl+z", "suspend_process", "Suspend", show=False, system=True),
     ]
 
     def __init__(
         self,
-        level: Level,
-        sources: Mapping[str, Source],
+        opening: Opening,
         *,
-        data_dir: Path,
         recorder: ProgressRecorder | None = None,
-        text: str | None = None,
-        welcome: bool = False,
         settings: Settings | None = None,
         theme: str = "",
-        permissions: Permissions | None = None,
-        replay: Replay | None = None,
-        games: OpenGames | None = None,
-        clock: Clock = CLOCK,
     ) -> None:
-        super().__init__(clock)
+        super().__init__(opening.clock)
         if self.no_color:
             # The terminal's own colours would stand among greys; they become greys, too.
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
         self._first_theme = self._settings.theme or theme
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
-        recorder = recorder or ProgressRecorder(data_dir / FILE_NAME)
-        self.main = MainScreen(
-            level,
-            sources,
-            data_dir,
-            recorder,
-            text=text,
-            welcome=welcome,
-            permissions=permissions,
-            replay=replay,
-            games=games,
-            clock=clock,
-        )
-        self._games = games
+        recorder = recorder or ProgressRecorder(opening.data_dir / FILE_NAME)
+        self.main = MainScreen(opening, recorder)
+        self._games = opening.games
         self.animation_level = "none"
         self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
@@ -203,7 +174,6 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return self._key_queue.waiting + sum(queues)
 
     def drop_typed(self) -> None:
-        """Discard the queued keys: nobody types that many."""
         self._key_queue.forget()
 
     def _is_gone(self, event: events.MouseEvent) -> bool:
@@ -218,15 +188,11 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return widget.parent is None and self.mouse_captured is None
 
     def moving_picture(self) -> Region | None:
-        """The labyrinth, unless something covers it."""
         return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:
         self.main.labyrinth.view.drawing = self._settings.drawing or drawing_for(
-            os.environ,
-            self.console.color_system,
-            self.console.encoding,
-            colourless=self.no_color,
+            os.environ, self.console.color_system, self.console.encoding, colourless=self.no_color
         )
 
     def save_unsaved(self) -> None:
@@ -299,19 +265,18 @@ def play(
 
             level = named_start_of(level, start)
         sources, text = programs_to_begin_with(progress, level, programs, teams or {}, own)
-    app = LogicalRobotsApp(
-        level,
-        sources,
+    opening = Opening(
+        level=level,
+        sources=sources,
         data_dir=data_dir,
-        recorder=recorder,
         text=text,
+        welcome=not (level_name or replay) and progress.fact(TOUR) is None,
         permissions=permissions,
         replay=replay,
-        settings=read_settings(settings_path()),
-        theme=progress.fact(THEME) or "",
-        welcome=not (level_name or replay) and progress.fact(TOUR) is None,
         games=games,
     )
+    settings, theme = read_settings(settings_path()), progress.fact(THEME) or ""
+    app = LogicalRobotsApp(opening, recorder=recorder, settings=settings, theme=theme)
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)
     try:

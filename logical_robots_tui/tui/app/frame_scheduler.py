@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from textual.css.query import NoMatches
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.app.session_state import Ui
+from logical_robots_tui.tui.app.session_state import Ui, Work
 from logical_robots_tui.tui.terminal.textual_internals import handle_exception, is_being_removed
 from logical_robots_tui.tui.theme.safe_text import one_line
 
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from textual.worker import Worker
 
     from logical_robots_tui.game import Pace
-    from logical_robots_tui.tui.app.session_state import Work
 
 
 Result = TypeVar("Result")
@@ -46,8 +45,6 @@ def in_background(
 
 
 class ScreenUi(Ui):
-    """Does so on a screen of the app; background work ends with it."""
-
     def __init__(self, screen: Screen[Any]) -> None:
         self._screen = screen
 
@@ -115,7 +112,6 @@ class FrameRate:
         return self._clock.now() - self._hurried_at < _HURRY
 
     def hurry(self) -> None:
-        """Shorten the pause for a moment, so that the effect of a key shows soon."""
         self._hurried_at = self._clock.now()
 
     @contextmanager

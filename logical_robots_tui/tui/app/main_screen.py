@@ -5,21 +5,19 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from textual import on
+from textual import events, on
 from textual.binding import BindingsMap
 from textual.screen import Screen
 from textual.widgets import Input, Static, TextArea
 
-from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game import level_key
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler, ScreenUi
 from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_state import Permissions, SessionListener
+from logical_robots_tui.tui.app.session_state import Opening, SessionListener
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
-from logical_robots_tui.tui.inspector.pages.robots import RobotsView
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
@@ -32,7 +30,12 @@ from logical_robots_tui.tui.layout.arrangement import (
     Layout,
     Pane,
 )
-from logical_robots_tui.tui.layout.command_bar import CommandBar, CommandChosen, PaneTabs
+from logical_robots_tui.tui.layout.command_bar import (
+    CommandBar,
+    CommandChosen,
+    PaneTabs,
+    RobotChosen,
+)
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController
@@ -40,7 +43,7 @@ from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
-from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice, TeamTabs
+from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
 from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, leave, program_draft
 from logical_robots_tui.tui.recovery.offers import Bookmark, Offering, Offers, OtherGames
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
@@ -48,17 +51,11 @@ from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from textual import events
     from textual.app import ComposeResult
     from textual.geometry import Size
     from textual.widget import Widget
 
-    from logical_robots_tui.game import Frame, Source
-    from logical_robots_tui.game.open_games import OpenGames
-    from logical_robots_tui.game.replay import Replay
+    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
@@ -69,36 +66,25 @@ _READABLE = 0.2  # seconds that a number stays while robots run
 
 
 class MainScreen(Screen[None], SessionListener):
-    """Everything that a player sees outside of dialogs; arguments as of the app."""
+    """Everything that a player sees outside of dialogs."""
 
     AUTO_FOCUS = ""
 
-    def __init__(
-        self,
-        level: Level,
-        sources: Mapping[str, Source],
-        data_dir: Path,
-        recorder: ProgressRecorder,
-        *,
-        text: str | None = None,
-        welcome: bool = False,
-        permissions: Permissions | None = None,
-        replay: Replay | None = None,
-        games: OpenGames | None = None,
-        clock: Clock = CLOCK,
-    ) -> None:
+    def __init__(self, opening: Opening, recorder: ProgressRecorder) -> None:
         super().__init__(id="main")
+        clock = opening.clock
         # A class variable would be shared by all players, and a keymap can't remove a binding.
         self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
-        self.permissions = permissions or Permissions()
-        self.data_dir, self.recorder = data_dir, recorder
+        self._opening, self.permissions = opening, opening.permissions
+        self.data_dir, self.recorder = opening.data_dir, recorder
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.scheduler = FrameScheduler(self, self._draw, clock)
-        self.session = Session(level, sources, self.spawn, self.scheduler.soon, clock)
+        self.session = Session(
+            opening.level, opening.sources, self.spawn, self.scheduler.soon, clock
+        )
         self.scheduler.pace = self.session.pace
-        self._text_to_begin_with = self.session.source.text if text is None else text
-        self._is_new_here, self._replay, self._games = welcome, replay, games
+        self._first_text = self.session.source.text if opening.text is None else opening.text
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
         self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
@@ -181,7 +167,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts afterwards."""
-        self.program.editor.load_text(self._text_to_begin_with)
+        self.program.editor.load_text(self._first_text)
         self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
@@ -197,16 +183,16 @@ class MainScreen(Screen[None], SessionListener):
     def _start(self) -> None:
         collect_seldom()
         self.recorder.level_opened(self.session.opened)
-        self.session.apply(self._text_to_begin_with)
-        if self._replay is not None:
-            self.spawn(partial(self.replays.open, self._replay), "replay", exclusive=False)
+        self.session.apply(self._first_text)
+        if (replay := self._opening.replay) is not None:
+            self.spawn(partial(self.replays.open, replay), "replay", exclusive=False)
         else:
             offered: list[Offering] = [self.library, self.editing, self.bookmark]
-            if self._games is not None:
-                offered.insert(0, OtherGames(self._games, self.ui))
+            if (games := self._opening.games) is not None:
+                offered.insert(0, OtherGames(games, self.ui))
             self.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
-        if self._is_new_here:
+        if self._opening.welcome:
             self.tour.begin()
 
     async def on_unmount(self) -> None:
@@ -223,7 +209,7 @@ class MainScreen(Screen[None], SessionListener):
         self.scheduler.soon()
 
     def quit(self) -> None:
-        leave(self.ui, self.app.exit, self.drafts, self.autosave, self.editing)
+        leave(self.ui, self.app.exit, self.drafts, self.autosave.flush, self.editing.flush)
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -317,10 +303,6 @@ class MainScreen(Screen[None], SessionListener):
         self.autosave.edited()
         self.scheduler.soon()
 
-    @on(Editor.Leave)
-    def _editor_left(self) -> None:
-        self.action_command("leave")
-
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
         self.program_controller.keep_copy(event.text)
@@ -332,7 +314,6 @@ class MainScreen(Screen[None], SessionListener):
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:
         self.arrangement.pull(event.pane, event.side, *event.moved)
-        self.arrangement.show()
 
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:
@@ -361,9 +342,8 @@ class MainScreen(Screen[None], SessionListener):
         if event.program == self.program.text and not self.program.has_focus_within:
             self.program.show_place(*event.place)
 
-    @on(RobotsView.Chosen)
-    @on(TeamTabs.Chosen)
-    def _robot_chosen(self, event: RobotsView.Chosen | TeamTabs.Chosen) -> None:
+    @on(RobotChosen)
+    def _robot_chosen(self, event: RobotChosen) -> None:
         self.select(event.robot_name)
 
     def select(self, robot_name: str) -> None:

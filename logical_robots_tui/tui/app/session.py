@@ -25,6 +25,7 @@ from logical_robots_tui.tui.app.session_state import (
     TeamSources,
     nothing,
 )
+from logical_robots_tui.world.levels.load import is_web_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
@@ -191,7 +192,6 @@ class Session:
     # -- moving --------------------------------------------------------------------------------
 
     def toggle_run(self) -> None:
-        """Run, or stop whatever is in progress."""
         if self.busy:
             self.pause()
         else:
@@ -309,7 +309,8 @@ class Session:
 
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
-        self.state = ProgramState.of_applied(program.text, program.warnings)
+        remarks = program.web if is_web_file(self.opened.source) else ()
+        self.state = ProgramState.of_applied(program.text, (*program.warnings, *remarks))
         return program
 
     def _show(self, game: Game, frame: Frame) -> None:

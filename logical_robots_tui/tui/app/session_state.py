@@ -5,15 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
+    from pathlib import Path
 
     from textual.screen import Screen
 
     from logical_robots_tui.game import Frame, Hit, Source
+    from logical_robots_tui.game.open_games import OpenGames
+    from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
@@ -69,7 +73,6 @@ class TeamSources:
         return self._sources[team], self._texts[team]
 
     def with_text(self, text: str) -> Texts:
-        """Return the texts of all teams, with a new one of the team that is looked at."""
         return {**self._texts, self.team: text}
 
     def seen(self, program: Program) -> Program:
@@ -245,3 +248,21 @@ class Permissions(NamedTuple):
     programs: bool = True
     clipboard: bool = True
     solutions: bool = True
+
+
+class Opening(NamedTuple):
+    """What the game opens with.
+
+    `sources` are by team, "" without teams; `text` is the player's version of the program,
+    `welcome` starts the tour. The event loop must have the clock's time.
+    """
+
+    level: Level
+    sources: Mapping[str, Source]
+    data_dir: Path
+    text: str | None = None
+    welcome: bool = False
+    permissions: Permissions = Permissions()
+    replay: Replay | None = None
+    games: OpenGames | None = None
+    clock: Clock = CLOCK

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from platformdirs import user_config_path
 
 from logical_robots_tui.paths import did_you_mean, read_ordinary
-from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.keymap import key_from
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
     from typing import TypeAlias
-
-    from logical_robots_tui.tui.commands.command import Command
 
     Complain: TypeAlias = Callable[[str, str], None]
 
@@ -55,7 +53,6 @@ class Settings(NamedTuple):
 
 
 def settings_path() -> Path:
-    """Return the path of the configuration file, which may not exist."""
     return user_config_path("logical-robots", appauthor=False) / "config.toml"
 
 
@@ -92,11 +89,7 @@ def _settings(found: dict[str, Any], complain: Complain) -> Settings:
         "theme": lambda value: _one_of(value, THEMES),
         "drawing": lambda value: Drawing(_one_of(value, [way.value for way in Drawing])),
         "frames": _frames,
-        "cones": _truth,
-        "trails": _truth,
-        "completion": _truth,
-        "wrap": _truth,
-        "drag_robots": _truth,
+        **dict.fromkeys(("cones", "trails", "completion", "wrap", "drag_robots"), _truth),
         "keys": lambda value: _keys(value, complain),
     }
     taken: dict[str, Any] = {}
@@ -184,19 +177,11 @@ def _line_of(name: str, text: str) -> str:
 
 
 def as_toml(settings: Settings) -> str:
-    """Write settings as a TOML file that lists every command with its keys."""
-    lines = [
-        _set("theme", settings.theme, NIGHT.name),
-        _set("drawing", settings.drawing and settings.drawing.value, "quadrants"),
-        _set("frames", settings.frames),
-        _set("cones", settings.cones),
-        _set("trails", settings.trails),
-        _set("completion", settings.completion),
-        _set("wrap", settings.wrap),
-        _set("drag_robots", settings.drag_robots),
-        "",
-        "[keys]",
-    ]
+    examples = {"theme": NIGHT.name, "drawing": "quadrants"}
+    values = settings._asdict() | {"drawing": settings.drawing and settings.drawing.value}
+    del values["keys"], values["complaints"]
+    lines = [_set(name, value, examples.get(name, "")) for name, value in values.items()]
+    lines += ["", "[keys]"]
     for entry in _CHANGEABLE.values():
         keys = settings.keys.get(entry.id, entry.keys)
         lines.append(f"{_set(entry.id, [key_name(key) for key in keys]):<40}  # {entry.title}")

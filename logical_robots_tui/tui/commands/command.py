@@ -1,10 +1,9 @@
-"""A command, and how one is declared: all about it is said where the function is that does it."""
+"""A command, and how the table of commands declares one."""
 
 from __future__ import annotations
 
 from functools import partial
-from inspect import iscoroutinefunction
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
@@ -13,7 +12,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.tui.app.session_state import Spawn
 
-    Act = TypeVar("Act", bound=Callable[[Any], object])
+Target = TypeVar("Target")
 
 Place: TypeAlias = Literal["anywhere", "editor", "outside"]
 """Where the command bar offers a command: always, only in the text editor, only outside of it."""
@@ -39,7 +38,8 @@ class Command(NamedTuple):
         act: Does it, given the main screen, or the edit mode for one of the level editor.
         bar: Label in the command bar, or "" to leave it out; not shown beside an equal key.
         spare: How early the bar drops it when there is little room; 0 is never.
-        worker: The group of workers that an asynchronous `act` runs in, one at a time.
+        worker: The group of workers that an asynchronous `act` runs in, one at a time; "" for
+            one that is not asynchronous.
     """
 
     id: str
@@ -48,15 +48,15 @@ class Command(NamedTuple):
     group: str
     scope: Scope
     keys: tuple[str, ...]
-    act: Callable[[Any], object]
+    act: Callable[[Any], Any]
     bar: str = ""
     place: Place = "outside"
     spare: int = 0
-    worker: str = "dialog"
+    worker: str = ""
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:
-        if iscoroutinefunction(self.act):
+        if self.worker:
             spawn(partial(self.act, target), self.worker, exclusive=True)
         else:
             self.act(target)
@@ -74,41 +74,29 @@ class Command(NamedTuple):
         return key_name(keys[0]) if keys else ""
 
 
-class Group:
-    """The commands under one heading of the help, in the order in which they are declared."""
+class Group(Generic[Target]):
+    """The commands under one heading of the help, in order; each acts on a `Target`."""
 
     def __init__(self, title: str, scope: Scope = "screen") -> None:
-        self.title = title
-        self.scope = scope
+        self.title, self.scope = title, scope
         self.commands: list[Command] = []
 
     def add(
-        self, name: str, title: str, text: str, act: Callable[[Any], object], *keys: str
-    ) -> None:
-        self.commands.append(Command(name, title, text, self.title, self.scope, keys, act))
-
-    def command(
         self,
+        name: str,
         title: str,
-        *keys: str,
+        keys: str,
+        act: Callable[[Target], object],
+        text: str,
+        *,
         bar: str = "",
         place: Place = "outside",
         spare: int = 0,
-        worker: str = "dialog",
-    ) -> Callable[[Act], Act]:
-        """Declare the command that a function does; its name is the id, its docstring the help.
-
-        The arguments are attributes of `Command`.
-        """
-
-        def declare(act: Act) -> Act:
-            # A function that is called `help` would hide Python's own.
-            said = act.__name__.rstrip("_"), title, (act.__doc__ or "").strip()
-            where = self.title, self.scope
-            self.commands.append(Command(*said, *where, keys, act, bar, place, spare, worker))
-            return act
-
-        return declare
+        worker: str = "",
+    ) -> None:
+        """Declare a command; `keys` are separated by spaces, `text` is the help."""
+        about = name, title, text, self.title, self.scope, tuple(keys.split())
+        self.commands.append(Command(*about, act, bar, place, spare, worker))
 
 
 def key_name(key: str) -> str:

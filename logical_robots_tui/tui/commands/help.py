@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 from textwrap import wrap
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from textual import on
-from textual.command import CommandPalette, DiscoveryHit, Hit, Provider
+from textual import events, on
+from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.errors import NoWidget
 from textual.widgets import Input, Static
 
-from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.keymap import commands
 from logical_robots_tui.tui.labyrinth.drawing.cells import hex_colour
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
@@ -24,12 +24,8 @@ from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from textual import events
     from textual.app import ComposeResult
-    from textual.binding import BindingType
-    from textual.command import Hits
 
-    from logical_robots_tui.tui.commands.command import Command
 
 _INSPECTOR_SIGNS = (
     ("◂", "an input: what the world gives the program"),
@@ -88,7 +84,7 @@ class Help(Dialog[None]):
     Help VerticalScroll { height: 1fr; scrollbar-gutter: stable; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("f1", "leave"),
         ("up", "scroll('up')"),
         ("down", "scroll('down')"),
@@ -141,7 +137,7 @@ class Help(Dialog[None]):
                 if all(word in " ".join(entry.plain.casefold().split()) for word in wanted)
             ]
             if found:
-                content += [_heading(heading), *found]
+                content += [Content.styled(f"\n{heading}", f"bold {INK.title}"), *found]
         if not content:
             content = [Content.styled("Nothing here has that in it.", INK.dim)]
         return Content("\n").join(content)
@@ -151,10 +147,6 @@ def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
     return [
         Content.assemble("  ", (sign, style), "  ", (said, INK.text)) for sign, style, said in signs
     ]
-
-
-def _heading(text: str) -> Content:
-    return Content.styled(f"\n{text}", f"bold {INK.title}")
 
 
 def _entry(entry: Command, width: int) -> Content:
@@ -176,8 +168,6 @@ def _keys(entry: Command) -> Content:
 
 
 class Palette(CommandPalette, ClosedOnce[None]):
-    """The command palette: a text field above the commands that match."""
-
     def on_click(self, event: events.Click) -> None:
         """Hide from Textual a click that is now outside of the screen, which has shrunk."""
         try:

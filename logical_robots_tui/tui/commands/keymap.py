@@ -7,12 +7,10 @@ from typing import TYPE_CHECKING
 
 from textual.binding import Binding
 
-from logical_robots_tui.tui.commands.command import CHARACTERS, key_name
+from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Scope, key_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
-
-    from logical_robots_tui.tui.commands.command import Command, Scope
 
 
 class KeyMap:

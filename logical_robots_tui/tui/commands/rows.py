@@ -1,4 +1,4 @@
-"""The commands for what the inspector shows: rows, values, pins, what a predicate costs."""
+"""What the commands for rows and values of the inspector do."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.commands.command import Group
 from logical_robots_tui.tui.commands.keymap import with_keys
 
 if TYPE_CHECKING:
@@ -23,12 +22,8 @@ _NO_MEMORY = (
     "that {open_value} opens."
 )
 
-rows = Group("Rows and values")
 
-
-@rows.command("Pin or unpin", "at")
 def pin(screen: MainScreen) -> None:
-    """Watch the value under the cursor, a predicate, a question, or a robot's memory."""
     from logical_robots_tui.game import Pin
     from logical_robots_tui.tui.inspector.under_cursor import pin_here
     from logical_robots_tui.tui.theme.safe_text import one_line
@@ -49,9 +44,7 @@ def pin(screen: MainScreen) -> None:
         screen.tell(f"No longer pinned: {one_line(found.words)}.")
 
 
-@rows.command("Open the value", "X")
 def open_value(screen: MainScreen) -> None:
-    """Show the value under the cursor, or the inputs of a decision, as a tree."""
     from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of, memory_of
     from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
@@ -81,9 +74,7 @@ def open_value(screen: MainScreen) -> None:
         screen.tell("Put the cursor on a value, or choose Decision.")
 
 
-@rows.command("Origin", "less_than_sign")
 def origin(screen: MainScreen) -> None:
-    """Trace the memory under the cursor, or a part of it, to the tick and rule that made it."""
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
 
     inspector = screen.inspector
@@ -98,9 +89,7 @@ def origin(screen: MainScreen) -> None:
     inspector.follow_back(asked)
 
 
-@rows.command("Dependency graph", "R")
 async def graph(screen: MainScreen) -> None:
-    """Show which predicate uses which, and open one of them."""
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
     from logical_robots_tui.tui.inspector.predicate_graph import Graph
 
@@ -118,9 +107,7 @@ async def graph(screen: MainScreen) -> None:
         screen.inspector.open(predicate.name)
 
 
-@rows.command("SQL and query plan", "K", worker="sql")
 async def sql(screen: MainScreen) -> None:
-    """Show what each predicate costs, and SQL and query plan of the one inspected."""
     from logical_robots_tui.game import Superseded
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
     from logical_robots_tui.tui.inspector.predicate_graph import query_plan_text
@@ -139,17 +126,13 @@ async def sql(screen: MainScreen) -> None:
         screen.tell(NO_PROGRAM)
 
 
-@rows.command("Rows of one robot", "O")
 def only_robot(screen: MainScreen) -> None:
-    """Show only the rows of the selected robot, or all again."""
     if (table := _table(screen)) is not None:
         robot = "" if table.how.robot else screen.inspector.robot
         screen.inspector.rearrange(replace(table.how, robot=robot))
 
 
-@rows.command("Sort rows", "A")
 def sort(screen: MainScreen) -> None:
-    """Sort by the column under the cursor: ascending, then descending, then not at all."""
     if (table := _table(screen)) is None:
         return
     how, column = table.how, table.column
@@ -163,9 +146,7 @@ def sort(screen: MainScreen) -> None:
         screen.inspector.rearrange(replace(how, sort="", descending=False))
 
 
-@rows.command("Search rows…", "number_sign")
 async def search_rows(screen: MainScreen) -> None:
-    """Show only the rows that contain a text."""
     from logical_robots_tui.tui.layout.dialogs import LinePrompt
 
     if (table := _table(screen)) is not None:
@@ -175,16 +156,12 @@ async def search_rows(screen: MainScreen) -> None:
             screen.inspector.rearrange(replace(table.how, search=text))
 
 
-@rows.command("Transpose the table", "J")
 def transpose(screen: MainScreen) -> None:
-    """Show each column as a line, or as a column again."""
     if (table := _table(screen)) is not None:
         screen.inspector.rearrange(replace(table.how, sideways=not table.how.sideways))
 
 
-@rows.command("Copy rows", "c")
 def copy_rows(screen: MainScreen) -> None:
-    """Copy the rows as CSV, to the terminal's clipboard and into a file."""
     from logical_robots_tui.tui.inspector.widgets.table import as_csv
     from logical_robots_tui.wording import count_of
 
@@ -195,9 +172,7 @@ def copy_rows(screen: MainScreen) -> None:
         screen.program_controller.keep_copy(text)
 
 
-@rows.command("Save rows", "S")
 def save_rows(screen: MainScreen) -> None:
-    """Save the rows as CSV and as JSON."""
     from logical_robots_tui.tui.inspector.widgets.table import as_csv, as_json
     from logical_robots_tui.writing import write_atomically
 
@@ -216,9 +191,7 @@ def save_rows(screen: MainScreen) -> None:
         screen.tell(f"Saved as {path}.csv and .json{_but(table)}.")
 
 
-@rows.command("Break here", "asterisk")
 def break_here(screen: MainScreen) -> None:
-    """Set a breakpoint: this predicate or column changes, or the question holds."""
     from logical_robots_tui.game import Breakpoint
 
     inspector = screen.inspector

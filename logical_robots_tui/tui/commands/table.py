@@ -1,14 +1,325 @@
-"""Every command of the game. To import it loads neither widgets nor the game."""
+"""Every command of the game, in the order of the help. To import it loads no widgets and no game.
+
+A row is the command's id, title, keys, what it does, and its sentence in the help. `s` is the
+main screen, `m` the mode of the level editor. It takes as few lines as it needs.
+"""
 
 from __future__ import annotations
 
-from logical_robots_tui.tui.commands.general import general, looking
-from logical_robots_tui.tui.commands.levels import editing, levels
-from logical_robots_tui.tui.commands.program import learning, program, writing
-from logical_robots_tui.tui.commands.rows import rows
-from logical_robots_tui.tui.commands.running import running, time
+from typing import TYPE_CHECKING
 
-GROUPS = (running, time, program, learning, levels, editing, looking, rows, general, writing)
-"""In the order of the help."""
+from logical_robots_tui.tui.commands import general, levels, rows
+from logical_robots_tui.tui.commands.command import Group
 
-COMMANDS = tuple(entry for group in GROUPS for entry in group.commands)
+if TYPE_CHECKING:
+    from logical_robots_tui.tui.app.main_screen import MainScreen
+    from logical_robots_tui.tui.level_editor.mode import EditMode
+
+# fmt: off
+
+running: Group[MainScreen] = Group("Running")
+running.add("run", "Run or pause", "space f5", general.run,
+    "Run the robots or pause them; also cancels a computation under way.",
+    bar="Run", place="anywhere")
+running.add("step", "Step", "n full_stop f8", general.step, "Compute one tick.", bar="Step")
+running.add("back", "Step back", "p comma", lambda s: s.session.back(),
+    "Go back one tick.", bar="Back", spare=2)
+running.add("restart", "Restart", "r", lambda s: s.session.restart(),
+    "Start the level again at tick 0, with the same program.", bar="Restart")
+running.add("slower", "Slower", "minus", lambda s: s.session.slower(),
+    "Choose the next lower speed.", bar="-", spare=3)
+running.add("faster", "Faster", "plus equals_sign", lambda s: s.session.faster(),
+    "Choose the next higher speed; the highest is unlimited.", bar="Speed", spare=3)
+
+time: Group[MainScreen] = Group("Time")
+time.add("step_ten", "Ten steps", "N", lambda s: general.step(s, 10), "Go forward ten ticks.")
+time.add("back_ten", "Ten steps back", "P", lambda s: s.session.back(10), "Go back ten ticks.")
+time.add("first", "First tick", "left_parenthesis", lambda s: s.timeline_controller.first(),
+    "Go to the first tick, or the earliest that the history still holds.")
+time.add("last", "Last tick", "right_parenthesis", lambda s: s.timeline_controller.last(),
+    "Go to the last tick of the history.")
+time.add("go_to", "Go to tick…", "g", lambda s: s.timeline_controller.ask_for_tick(),
+    "Go to any tick of the history.", worker="dialog")
+time.add("run_until", "Run until tick…", "U", general.run_until,
+    "Run at full speed to a tick, or to victory or a breakpoint if that comes first.",
+    worker="dialog")
+time.add("previous_mark", "Previous mark", "left_curly_bracket",
+    lambda s: s.timeline_controller.to_mark(-1),
+    "Go back to the last event, which may be a change of the selected robot's memory.")
+time.add("next_mark", "Next mark", "right_curly_bracket",
+    lambda s: s.timeline_controller.to_mark(1), "Go forward to the next event in the history.")
+time.add("search_ticks", "Search ticks…", "Q", lambda s: s.search.ask(),
+    "Ask any question in Logica, and go to the next tick in which it holds.", worker="seek")
+time.add("next_match", "Next match", "semicolon", lambda s: s.search.go(1),
+    "Go to the next tick in which the question that was searched for holds.", worker="seek")
+time.add("previous_match", "Previous match", "colon", lambda s: s.search.go(-1),
+    "Go to the previous tick in which the question that was searched for holds.", worker="seek")
+time.add("breakpoints", "Breakpoints", "B", lambda s: s.timeline_controller.breakpoints(),
+    "List, add, switch off or delete breakpoints: events and questions that end a run.")
+time.add("other_future", "Other future", "F", lambda s: s.timeline_controller.change_course(),
+    "Switch to the future that was left when the program changed, and to its program.")
+time.add("compare", "Compare futures", "C", lambda s: s.timeline_controller.compare(),
+    "Go to the first tick in which the two futures differ, and show how and why.")
+time.add("save_replay", "Save a replay", "", lambda s: s.replays.save(),
+    "Save all ticks of the timeline in a file, to play again, to verify or to share.",
+    worker="replay")
+time.add("timeline", "Timeline", "T", lambda s: s.set_focus(s.timeline),
+    "Focus the timeline; arrows, page up and down, home and end move along it.")
+
+programs: Group[MainScreen] = Group("Program and level")
+programs.add("apply", "Apply the program", "ctrl+r f4", lambda s: s.session.apply(s.program.text),
+    "Compile the text in the editor; the robots use it from the next tick on.",
+    bar="Apply", place="anywhere")
+programs.add("mistake", "Go to the mistake", "ctrl+g", lambda s: general.program(s).go_to_mistake(),
+    "Go to the place where the program can't be compiled.")
+programs.add("definition", "Go to the definition", "ctrl+right_square_bracket f12",
+    general.definition, "Go to the definition of the predicate under the cursor.")
+programs.add("find", "Find and replace", "ctrl+f ctrl+o", lambda s: s.program_controller.find(),
+    "Find a text in the program, or replace it everywhere.", worker="dialog")
+programs.add("find_next", "Find next", "f3", lambda s: s.program_controller.find_next(),
+    "Go to the next match.")
+programs.add("select_all", "Select all", "f7", lambda s: general.editor(s).select_all(),
+    "Select the whole text of the program.")
+programs.add("external_editor", "External editor", "E",
+    lambda s: s.program_controller.edit_elsewhere(),
+    "Edit the text in the editor that $VISUAL or $EDITOR names.")
+programs.add("wrap", "Wrap lines", "", general.wrap,
+    "Wrap lines of the program that are too long for the pane, or cut them.")
+programs.add("rename", "Rename the predicate", "", lambda s: s.program_controller.rename(),
+    "Rename the predicate under the cursor wherever it is used.", worker="dialog")
+programs.add("level", "Choose a level", "l", lambda s: s.library.choose_level(),
+    "Show all levels and what you have won, or type the path of a level file.",
+    bar="Level", spare=2, worker="dialog")
+programs.add("next_level", "Next level", "greater_than_sign", lambda s: s.library.next_level(),
+    "Go to the level after this one.", worker="dialog")
+programs.add("daily", "Labyrinth of the day", "", lambda s: s.library.open_daily(),
+    "Open the labyrinth that everybody has today, in one of three sizes.", worker="dialog")
+programs.add("program", "Choose a program", "o", lambda s: s.library.choose_program(),
+    "Choose a program, or type the path of a program file.", bar="Open", spare=4, worker="dialog")
+programs.add("save", "Save the program", "ctrl+s", lambda s: s.library.save(),
+    "Save the text in the editor in its file, or under a name if that is not your own.",
+    bar="Save", place="editor", worker="dialog")
+programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library.save_as(),
+    "Save the text in the editor as a program of your own, under any name.",
+    bar="Save as", spare=9, worker="dialog")
+programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),
+    "Replace the text in the editor by that of its file; undo brings yours back.")
+programs.add("versions", "Earlier versions", "v", lambda s: s.learning.choose_version(),
+    "List your earlier programs for this level, and restore one.",
+    bar="Versions", spare=8, worker="dialog")
+programs.add("reset", "Reset to the starter", "x", lambda s: s.learning.reset(),
+    "Restore the level's starter program; yours is kept as an earlier version.", worker="dialog")
+
+learning: Group[MainScreen] = Group("Learning")
+learning.add("briefing", "Briefing", "b", general.briefing, "Show or hide the task of the level.")
+learning.add("hint", "Hints", "h", lambda s: s.learning.hints(),
+    "Reveal the hints of the level, one at a time.", bar="Hint")
+learning.add("lesson", "Lesson", "t", lambda s: s.learning.lesson(),
+    "Read what the level teaches and, when you have won, what to try next.", bar="Lesson", spare=6)
+learning.add("results", "Results", "m", general.results,
+    "Compare your best results with those of the reference programs.", bar="Results", spare=7)
+learning.add("copy_result", "Copy my result", "", general.copy_result,
+    "Copy the result of your last victory here as a line of text to share.")
+learning.add("solution", "Reference programs", "W", lambda s: s.learning.solution(),
+    "Read the program that the lesson explains, and others; asks first if you have not won.",
+    worker="dialog")
+learning.add("stop_measuring", "Stop the robustness test", "", general.stop_measuring,
+    "Stop trying the program from shifted starts.")
+
+making: Group[MainScreen] = Group("Making levels")
+making.add("edit_level", "Edit the level", "M", lambda s: s.editing.open(),
+    "Edit the labyrinth, even while the robots run; the same key ends it.")
+making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
+    "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog")
+
+editing: Group[EditMode] = Group("In the level editor", "level")
+editing.add("hand", "Hand", "h", levels.take("hand"),
+    "Select and drag objects; turn and resize them by their ◆.")
+editing.add("brush", "Brush", "b", levels.take("brush"), "Paint walls.")
+editing.add("line", "Line", "l", levels.take("line"),
+    "Draw a straight wall from one point to another.")
+editing.add("rectangle", "Rectangle", "r", levels.take("rectangle"),
+    "Draw a rectangle, filled or with a border.")
+editing.add("fill", "Fill", "f", levels.take("fill"),
+    "Fill a region with wall, or clear connected walls.")
+editing.add("eraser", "Eraser", "e", levels.take("eraser"), "Erase walls.")
+editing.add("robot", "Robot", "o", levels.take("robot"), "Place a robot.")
+editing.add("beacon", "Beacon", "c", levels.take("beacon"), "Place a beacon.")
+editing.add("area", "Area", "a", levels.take("area"), "Place an area; drag to size it.")
+editing.add("use", "Use the tool", "enter", lambda m: m.view.use(),
+    "Act as the mouse button at the cursor: begin or end a stroke, take or drop an object.",
+    bar="Use")
+editing.add("undo", "Undo", "u", levels.undo, "Undo the last change.", bar="Undo")
+editing.add("redo", "Redo", "U", levels.redo, "Redo the change undone last.", bar="Redo", spare=5)
+editing.add("narrower_brush", "Narrower brush", "left_square_bracket",
+    levels.set_tools(lambda now: now.wider(-1)), "Make brush and border narrower.")
+editing.add("wider_brush", "Wider brush", "right_square_bracket",
+    levels.set_tools(lambda now: now.wider(1)), "Make brush and border wider.")
+editing.add("ink", "Wall or floor", "k",
+    lambda m: m.editor.configure(is_wall=not m.editor.settings.is_wall),
+    "Draw and fill with wall or with floor.")
+editing.add("outline", "Filled or border", "v",
+    lambda m: m.editor.configure(is_filled=not m.editor.settings.is_filled),
+    "Draw rectangles filled, or only their border.")
+editing.add("grid", "Grid", "g", levels.toggle_grid, "Show or hide the grid.", bar="Grid", spare=6)
+editing.add("grid_size", "Grid size", "G", levels.set_tools(lambda now: now.next_grid()),
+    "Choose the next size of the grid.")
+editing.add("next_object", "Next object", "tab", lambda m: levels.select(m, 1),
+    "Select the next robot, beacon or area.")
+editing.add("previous_object", "Previous object", "shift+tab", lambda m: levels.select(m, -1),
+    "Select the previous robot, beacon or area.")
+editing.add("turn_left", "Turn left", "comma", lambda m: m.editor.turn(-1),
+    "Turn the selected robot to its left.")
+editing.add("turn_right", "Turn right", "full_stop", lambda m: m.editor.turn(1),
+    "Turn the selected robot to its right.")
+editing.add("properties", "Properties…", "i", levels.properties,
+    "Edit name, colour, battery, switches and the like of the selected object.",
+    bar="Properties", spare=1)
+editing.add("duplicate", "Duplicate", "d", lambda m: m.editor.duplicate(),
+    "Place a copy of the selected object.")
+editing.add("delete", "Delete", "x delete backspace", lambda m: m.editor.delete(),
+    "Delete the selected object.", bar="Delete", spare=4)
+editing.add("level_properties", "Level properties…", "m", levels.level_properties,
+    "Edit the level's size, its texts, and what programs may see.", bar="Level", spare=3)
+editing.add("findings", "Findings", "j", levels.findings,
+    "List likely mistakes in the level, and go to one.", bar="Findings", spare=2, worker="dialog")
+editing.add("test", "Test the level", "t", lambda m: m.test(),
+    "Play the level from its start; the same key returns to the editor.", bar="Test")
+editing.add("save_level", "Save the level", "s", levels.save_level,
+    "Save the level in its file.", bar="Save", worker="dialog")
+editing.add("save_level_as", "Save the level as…", "S", levels.save_level_as,
+    "Save the level under another name, as one of your own.", worker="dialog")
+editing.add("discard_changes", "Discard changes", "X", levels.discard_changes,
+    "Go back to the level as it is in its file.", worker="dialog")
+editing.add("stop_editing", "Leave the level editor", "escape", levels.stop_editing,
+    "Cancel the stroke under way, or return to playing.", bar="Leave")
+
+view: Group[MainScreen] = Group("View")
+view.add("labyrinth", "Labyrinth", "1", lambda s: s.go_to(s.labyrinth), "Go to the labyrinth.")
+view.add("editor", "Editor", "2 e", general.program,
+    "Go to the text of the program.", bar="Edit", spare=2)
+view.add("inspector", "Inspector", "3 i", general.inspector, "Go to the inspector.")
+view.add("next_team", "Program of the next team", "", general.next_team,
+    "Show the program of another team, and the mind of its first robot.")
+view.add("hide_teams", "Hide the other teams", "", lambda s: s.team_choice.toggle_others(),
+    "Hide what the other teams think, or show it again.")
+view.add("why", "Why", "w", lambda s: general.inspector(s).why(),
+    "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why")
+view.add("ask", "Ask", "slash", lambda s: general.inspector(s).ask(),
+    "Ask any question in Logica about this tick.", bar="Ask", spare=4)
+view.add("watch", "Watch", "V", lambda s: general.inspector(s).go_to_pins(),
+    "Show what is pinned: its value at this tick and in the ticks around it.")
+view.add("diagnose", "Diagnosis", "", lambda s: general.inspector(s).diagnose(),
+    "Scan the whole run for likely mistakes.")
+view.add("leave", "Leave the editor", "escape", general.leave,
+    "Go from the editor to the labyrinth, where single letters are commands.",
+    bar="Leave", place="editor")
+view.add("next_pane", "Next pane", "ctrl+n right_square_bracket",
+    lambda s: s.go_to(s.arrangement.beside_active(1)),
+    "Go to the next pane; works in the editor too.", bar="Next pane", place="editor")
+view.add("previous_pane", "Previous pane", "left_square_bracket",
+    lambda s: s.go_to(s.arrangement.beside_active(-1)), "Go to the previous pane.")
+view.add("view", "View", "f", lambda s: s.labyrinth.view.look_at_next(),
+    "Show the whole labyrinth, follow a robot, or show only what the robots sense.",
+    bar="View", spare=2)
+view.add("zoom_in", "Zoom in", "z", lambda s: s.labyrinth.view.zoom(1),
+    "Show less of the labyrinth, larger.")
+view.add("zoom_out", "Zoom out", "Z", lambda s: s.labyrinth.view.zoom(-1),
+    "Show more of the labyrinth.")
+view.add("next_robot", "Next robot", "a", lambda s: s.labyrinth.view.select_next(),
+    "Select the next robot: highlight its light, and show a card about it.")
+view.add("maximise", "Enlarge the pane", "k ctrl+t", lambda s: s.arrangement.toggle_large(),
+    "Give the focused pane the whole screen, or share it again.")
+view.add("hide", "Hide the pane", "j", lambda s: s.go_to(s.arrangement.hide(s.arrangement.active)),
+    "Hide the focused pane; if one is hidden, show all again.")
+view.add("wider_program", "Wider program", "D", lambda s: s.arrangement.change(4, 0),
+    "Give the program more columns.")
+view.add("wider_labyrinth", "Wider labyrinth", "L", lambda s: s.arrangement.change(-4, 0),
+    "Give the labyrinth more columns.")
+view.add("taller_inspector", "Taller inspector", "I", lambda s: s.arrangement.change(0, 2),
+    "Give the inspector more rows.")
+view.add("taller_labyrinth", "Taller labyrinth", "G", lambda s: s.arrangement.change(0, -2),
+    "Give the labyrinth more rows.")
+view.add("cones", "Cones", "y", general.cones, "Show or hide what the robots' radars reach.")
+view.add("single_rays", "Single rays", "Y", general.single_rays,
+    "Show or hide each ray of the selected robot.")
+view.add("trails", "Trails", "u", general.trails, "Show or hide where the robots came from.")
+view.add("drawing", "Drawing style", "d", general.drawing,
+    "Draw the labyrinth in quadrants, half blocks, sextants, or plain characters.")
+
+inspecting: Group[MainScreen] = Group("Rows and values")
+inspecting.add("pin", "Pin or unpin", "at", rows.pin,
+    "Watch the value under the cursor, a predicate, a question, or a robot's memory.")
+inspecting.add("open_value", "Open the value", "X", rows.open_value,
+    "Show the value under the cursor, or the inputs of a decision, as a tree.")
+inspecting.add("origin", "Origin", "less_than_sign", rows.origin,
+    "Trace the memory under the cursor, or a part of it, to the tick and rule that made it.")
+inspecting.add("graph", "Dependency graph", "R", rows.graph,
+    "Show which predicate uses which, and open one of them.", worker="dialog")
+inspecting.add("sql", "SQL and query plan", "K", rows.sql,
+    "Show what each predicate costs, and SQL and query plan of the one inspected.", worker="sql")
+inspecting.add("only_robot", "Rows of one robot", "O", rows.only_robot,
+    "Show only the rows of the selected robot, or all again.")
+inspecting.add("sort", "Sort rows", "A", rows.sort,
+    "Sort by the column under the cursor: ascending, then descending, then not at all.")
+inspecting.add("search_rows", "Search rows…", "number_sign", rows.search_rows,
+    "Show only the rows that contain a text.", worker="dialog")
+inspecting.add("transpose", "Transpose the table", "J", rows.transpose,
+    "Show each column as a line, or as a column again.")
+inspecting.add("copy_rows", "Copy rows", "c", rows.copy_rows,
+    "Copy the rows as CSV, to the terminal's clipboard and into a file.")
+inspecting.add("save_rows", "Save rows", "S", rows.save_rows, "Save the rows as CSV and as JSON.")
+inspecting.add("break_here", "Break here", "asterisk", rows.break_here,
+    "Set a breakpoint: this predicate or column changes, or the question holds.")
+
+others: Group[MainScreen] = Group("General")
+others.add("help", "Help", "question_mark f1", general.help_,
+    "Show all keys and what the signs in the labyrinth mean.", bar="Help")
+others.add("palette", "Commands", "ctrl+p", general.palette,
+    "Find any command by typing a part of its name.", bar="Commands", place="anywhere", spare=4)
+others.add("theme", "Theme…", "", general.theme,
+    "Choose the colours of the screen, dark or light; the choice is kept.")
+others.add("screenshot", "Screenshot", "", general.save_picture,
+    "Save the screen as SVG and as text, in the data folder.")
+others.add("tour", "Guided tour", "", lambda s: s.tour.begin(),
+    "Explain the parts of the screen, one by one.")
+others.add("redraw", "Redraw", "ctrl+l", general.redraw, "Paint the whole screen again.")
+others.add("quit", "Quit", "q", lambda s: s.quit(),
+    "Leave the game. Unsaved text is kept and offered the next time.", bar="Quit", spare=1)
+
+writing: Group[MainScreen] = Group("In the program", "text")
+writing.add("complete", "Complete the word", "ctrl+space", general.complete,
+    "Offer predicates, functions and fields that fit.")
+writing.add("copy", "Copy", "ctrl+c", general.copy, "Copy the selection.")
+writing.add("delete_to_end", "Delete to line end", "ctrl+k",
+    lambda s: general.editor(s).action_delete_to_end_of_line_or_delete_line(),
+    "Delete what follows the cursor in its line.", worker="writing")
+writing.add("delete_to_start", "Delete to line start", "ctrl+u",
+    lambda s: general.editor(s).action_delete_to_start_of_line(),
+    "Delete what precedes the cursor in its line.")
+writing.add("undo_edit", "Undo in the program", "ctrl+z", lambda s: general.editor(s).action_undo(),
+    "Undo the last edit.")
+writing.add("redo_edit", "Redo in the program", "ctrl+y", lambda s: general.editor(s).action_redo(),
+    "Redo the edit undone last.")
+writing.add("comment", "Comment lines", "ctrl+underscore",
+    lambda s: general.editor(s).action_toggle_comment(), "Comment or uncomment lines.")
+writing.add("indent", "Indent", "tab", lambda s: general.editor(s).action_indent(),
+    "Indent the selected lines.")
+writing.add("dedent", "Unindent", "shift+tab", lambda s: general.editor(s).action_dedent(),
+    "Unindent the selected lines.")
+writing.add("cut", "Cut", "ctrl+x", lambda s: general.editor(s).action_cut(),
+    "Cut the selection, or the line.")
+writing.add("paste", "Paste", "ctrl+v", lambda s: general.editor(s).action_paste(),
+    "Paste what was cut or copied last.")
+writing.add("select_line", "Select the line", "f6",
+    lambda s: general.editor(s).action_select_line(), "Select the cursor's line.")
+writing.add("text_start", "Start of the program", "ctrl+home",
+    lambda s: general.editor(s).action_go_to_start(), "Go to the first line.")
+writing.add("text_end", "End of the program", "ctrl+end",
+    lambda s: general.editor(s).action_go_to_end(), "Go to the last line.")
+writing.add("delete_word", "Delete the word", "ctrl+w",
+    lambda s: general.editor(s).action_delete_word_left(), "Delete the word on the left.")
+
+_GROUPS = (running, time, programs, learning, making, editing, view, inspecting, others, writing)
+
+COMMANDS = tuple(entry for group in _GROUPS for entry in group.commands)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass
 from math import isclose
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
@@ -21,8 +21,6 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Sequence
-
     from textual.widget import Widget
 
     from logical_robots_tui.clock import Clock
@@ -151,7 +149,7 @@ NO_PROGRAM = "There is no program to query yet."
 
 
 class Page(Vertical):
-    """Shows one thing about the current tick; `pending` is what escape cancels."""
+    """Shows one thing about the current tick; `pending` is the query that escape cancels."""
 
     DEFAULT_CSS = """
     Page { height: 1fr; }
@@ -160,7 +158,7 @@ class Page(Vertical):
     """
 
     title: ClassVar[str]
-    replays: ClassVar[bool] = True
+    replays = True
     """Whether it computes past ticks with the current program, which may not have decided them."""
 
     @dataclass
@@ -202,7 +200,7 @@ class Page(Vertical):
         super().__init__(*children, id=type(self).__name__)
         self.robot = ""
         self.table: ValueTable | None = None
-        self.pending: BackgroundQuery | None = None
+        self.pending = BackgroundQuery(session.clock)
 
     @property
     def depends_on_robot(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.containers import Horizontal
@@ -12,7 +12,7 @@ from textual.widgets import OptionList
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
-from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, definition
+from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, Survey, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
     ASK,
@@ -27,12 +27,10 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 from logical_robots_tui.tui.layout.arrangement import Pane
 
 if TYPE_CHECKING:
-    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Survey
     from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable
@@ -45,9 +43,9 @@ _ROOMY = 150  # columns of the inspector from which a page and the robot stand s
 class InspectorPane(Pane):
     """Follows the current tick a few times a second, with the decision alongside if it fits."""
 
-    command_id: ClassVar[str] = "inspector"
+    command_id = "inspector"
 
-    BINDINGS: ClassVar[list[BindingType]] = [("escape", "stop")]
+    BINDINGS = [("escape", "stop")]
 
     DEFAULT_CSS = """
     InspectorPane #pages { width: 1fr; height: 1fr; }
@@ -219,13 +217,12 @@ class InspectorPane(Pane):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Handle escape only while a query is running."""
         del parameters
-        return action != "stop" or ((query := self.page.pending) is not None and query.is_long)
+        return action != "stop" or self.page.pending.is_long
 
     def action_stop(self) -> None:
         """Cancel the running query; don't restart it at the same tick."""
-        if self.page.pending is not None:
-            self.page.pending.cancel()
-            self._stale = False
+        self.page.pending.cancel()
+        self._stale = False
 
     def follow(self) -> None:
         """Show the current tick: at once, or shortly after while the game runs."""

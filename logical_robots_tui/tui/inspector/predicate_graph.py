@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.geometry import Region
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Program, QueryPlan
 
@@ -37,7 +36,7 @@ _ARROWS = 10  # columns for the two joints with their arrows
 class GraphView(LinesView):
     """A predicate in the middle, its users and the predicates it uses at the sides."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("up", "choose(-1)"),
         ("down", "choose(1)"),
         ("left", "along(-1)"),
@@ -168,7 +167,7 @@ class Graph(Dialog[str]):
     Graph #graph { margin: 1 0 0 0; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [("q,R", "leave")]
+    BINDINGS = [("q,R", "leave")]
 
     heading = "Users → predicate → what it uses"
     keys = "↑↓ choose   ← → go along   enter open in the inspector   esc close"

@@ -13,7 +13,7 @@ from textual.style import Style
 from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from textual import events
 
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.tui.labyrinth.view import LabyrinthView
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.world import Level
@@ -193,8 +192,7 @@ class Briefing(Overlay):
 
 
 _EDGES = 4  # columns of the border and the padding
-_FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")
-"""Line ends within a sentence."""
+_FOLDED = re.compile(r"(?<=[^.:!?\n])\n(?=\S)")  # line ends within a sentence
 
 
 def least_covering(

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
 """Zoom factors; at 1 the whole labyrinth fits."""
 
-_NEAR = 3
-"""The default zoom for following a robot."""
+_NEAR = 3  # the default zoom for following a robot
 
 _CALM = 0.22
 """The share of the view, on each side of its middle, in which a robot moves without scrolling."""
@@ -68,7 +67,6 @@ class Camera(NamedTuple):
 
     @property
     def zoom(self) -> float:
-        """The zoom factor; at 1 the whole labyrinth fits."""
         return ZOOMS[self.step]
 
     def viewport(self, level: Level, columns: int, rows: int) -> Viewport:

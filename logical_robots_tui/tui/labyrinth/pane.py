@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -18,24 +18,20 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
 if TYPE_CHECKING:
-    from textual.binding import BindingType
-
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import Level, Robot, RobotState
 
 
 class LabyrinthPane(Pane, can_focus=True):
-    """The pane that shows the world at the current tick."""
-
-    command_id: ClassVar[str] = "labyrinth"
+    command_id = "labyrinth"
 
     DEFAULT_CSS = """
     LabyrinthPane { layers: picture over; }
     LabyrinthPane LabyrinthView { layer: picture; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("left", "pan(-1, 0)"),
         ("right", "pan(1, 0)"),
         ("up", "pan(0, -1)"),

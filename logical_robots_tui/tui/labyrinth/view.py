@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rich.color import Color
 from rich.style import Style
-from textual.filter import ANSIToTruecolor
-from textual.geometry import Region
+from textual.filter import ANSIToTruecolor, LineFilter
+from textual.geometry import Offset, Region
 from textual.message import Message
 from textual.reactive import reactive
 from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
+from logical_robots_tui.tui.labyrinth.camera import Camera, Overlay, Sight
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Highlight, Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.terminal.direct_paint import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
@@ -32,20 +32,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from textual import events
-    from textual.filter import LineFilter
-    from textual.geometry import Offset
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.camera import Overlay
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.world import RobotState
     from logical_robots_tui.world.changing import Pose
     from logical_robots_tui.world.level import Level
 
 
-_PICK_REACH = 2.5
-"""Columns beside a robot within which it is picked."""
+_PICK_REACH = 2.5  # columns beside a robot within which it is picked
 
 
 class RobotPointed(Message):
@@ -95,7 +89,7 @@ class LabyrinthView(Widget):
     """
 
     DEFAULT_CSS = "LabyrinthView { width: 1fr; height: 1fr; }"
-    ALLOW_SELECT: ClassVar[bool] = False
+    ALLOW_SELECT = False
 
     rays: reactive[bool] = reactive(True, repaint=False)
     marks: reactive[bool] = reactive(True, repaint=False)

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 from textual.containers import Container
 from textual.content import Content
 from textual.errors import NoWidget
-from textual.geometry import Size
+from textual.geometry import Offset, Size
 from textual.message import Message
 
 from logical_robots_tui.tui.theme.safe_text import visible
 
 if TYPE_CHECKING:
     from textual import events
-    from textual.geometry import Offset
     from textual.widget import Widget
 
 
@@ -102,8 +101,7 @@ class Pane(Container):
 LEAST_WIDTH, LEAST_HEIGHT = 40, 12
 _WIDE_FROM = (110, 24)
 _TALL_FROM = 46
-_NARROWEST, _LOWEST = 30, 6
-"""The smallest columns and rows of a pane, with its border."""
+_NARROWEST, _LOWEST = 30, 6  # the smallest columns and rows of a pane, with its border
 
 _WIDEST_TEXT, _HIGHEST_TABLE = 96, 26
 """Columns of the program and rows of the inspector above which the labyrinth gets the rest."""
@@ -134,9 +132,6 @@ class Shares(NamedTuple):
 
     columns: int = 0
     rows: int = 0
-
-    def changed(self, columns: int, rows: int) -> Shares:
-        return self._replace(columns=self.columns + columns, rows=self.rows + rows)
 
 
 class Grid(NamedTuple):
@@ -176,8 +171,6 @@ def _within(number: int, least: int, most: int) -> int:
 
 
 class Arrangement:
-    """Arranges the panes and tracks the active one."""
-
     def __init__(self, panes: tuple[Pane, Pane, Pane]) -> None:
         self.container = Container(*panes, id="panes")
         """The container of the panes."""
@@ -230,6 +223,7 @@ class Arrangement:
 
     def toggle_large(self) -> None:
         self.is_one_large = not self.is_one_large
+        self.show()
 
     def hide(self, pane: Pane) -> Pane:
         """Hide a pane and return the pane to focus; if one is already hidden, show all instead."""
@@ -242,10 +236,11 @@ class Arrangement:
         return inspector if pane is labyrinth else labyrinth
 
     def change(self, columns: int, rows: int) -> None:
-        self._shares = self._shares.changed(columns, rows)
+        self._shares = Shares(self._shares.columns + columns, self._shares.rows + rows)
+        self.show()
 
     def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
-        """Move an edge of a pane, and what is beyond it, at the next ``show``; outer edges stay.
+        """Move an edge of a pane, and what is beyond it; outer edges stay.
 
         `columns` count to the right, `rows` down.
         """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.message import Message
@@ -28,10 +28,15 @@ class CommandChosen(Message):
     command_id: str
 
 
+@dataclass
+class RobotChosen(Message):
+    robot_name: str
+
+
 class Labels(Widget):
     """Lines of labels for commands; a click runs the command."""
 
-    ALLOW_SELECT: ClassVar[bool] = False
+    ALLOW_SELECT = False
 
     def __init__(self, widget_id: str | None = None) -> None:
         super().__init__(id=widget_id)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 from textual import events, on
 from textual.await_complete import AwaitComplete
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
 Result = TypeVar("Result")
 
@@ -39,8 +38,8 @@ class ClosedOnce(Screen[Result]):
 class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[Result]):
     """A box over the game with a title; closing it without an answer returns None."""
 
-    heading: ClassVar[str] = ""
-    keys: ClassVar[str] = "esc close"
+    heading = ""
+    keys = "esc close"
 
     DEFAULT_CSS = """
     Dialog { align: center middle; background: $background 60%; }
@@ -58,7 +57,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
     Dialog OptionList:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [("escape", "leave")]
+    BINDINGS = [("escape", "leave")]
 
     def __init__(self, title: str = "") -> None:
         super().__init__()
@@ -124,8 +123,6 @@ class Prompt(Dialog[Result]):
 
 
 class LinePrompt(Prompt[str]):
-    """Asks for a line of text, and returns it."""
-
     keys = "enter accept   esc close"
 
     def take(self, text: str) -> None:

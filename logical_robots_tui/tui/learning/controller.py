@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 
 class LearningController:
-    """The learning commands for the current level."""
-
     def __init__(
         self,
         session: Session,
@@ -78,7 +76,8 @@ class LearningController:
             if await self._ui.ask(asked) != "yes":
                 return
         try:
-            sources = await asyncio.to_thread(_references, level.solution)
+            names = await asyncio.to_thread(reference_names, level.solution)
+            sources = [await asyncio.to_thread(load_program, name) for name in names]
         except InputError as error:
             self._ui.warn(str(error))
             return
@@ -124,8 +123,3 @@ class LearningController:
             self._recorder.keep(self._program.text, starter.text)
             self._open_program(starter, starter.text)
             self._ui.tell("The starter program is back.")
-
-
-def _references(solution: str) -> list[Source]:
-    """Return the reference programs to compare results with. Blocks."""
-    return [load_program(name) for name in reference_names(solution)]

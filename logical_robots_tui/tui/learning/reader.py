@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from textwrap import wrap
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from textual import events
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.widget import Widget
 
 
@@ -36,7 +35,7 @@ class Reader(Dialog[None]):
     Reader MarkdownParagraph { margin: 0 0 1 0; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [("q,t,W,K", "leave"), ("space", "page")]
+    BINDINGS = [("q,t,W,K", "leave"), ("space", "page")]
 
     keys = "↑↓ scroll   space next page   esc close"
 
@@ -85,7 +84,7 @@ class Hints(Dialog[None]):
     Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [("h,enter,space", "more"), ("q", "leave")]
+    BINDINGS = [("h,enter,space", "more"), ("q", "leave")]
 
     def __init__(
         self, title: str, hints: Sequence[str], revealed: int, reveal: Callable[[int], None]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import Static
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual import events
-    from textual.binding import BindingType
 
     from logical_robots_tui.tui.layout.arrangement import Arrangement, Pane
 
@@ -68,11 +67,7 @@ class Tour(Static, can_focus=True):
         border: heavy $warning; border-title-color: $ink-warn; background: $panel;
     }
     """
-    BINDINGS: ClassVar[list[BindingType]] = [
-        ("enter,right", "move(1)"),
-        ("left", "move(-1)"),
-        ("escape", "end"),
-    ]
+    BINDINGS = [("enter,right", "move(1)"), ("left", "move(-1)"), ("escape", "end")]
 
     def __init__(self, *, moved: Callable[[], None], ended: Callable[[], None]) -> None:
         super().__init__(id="tour", markup=False)
@@ -131,8 +126,6 @@ class Tour(Static, can_focus=True):
 
 
 class TourController:
-    """Shows the parts of the screen during the tour."""
-
     def __init__(
         self,
         mount: Callable[[Tour], object],

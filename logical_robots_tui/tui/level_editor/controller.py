@@ -6,7 +6,7 @@ import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.session_state import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener, Ui
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -14,15 +14,12 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.drafts import Draft, Drafts
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
     from logical_robots_tui.tui.recovery.offers import Offers
     from logical_robots_tui.world import Level
 
 
 class LevelEditing(SessionListener):
-    """Starts and ends level editing."""
-
     def __init__(
         self,
         session: Session,
@@ -88,7 +85,6 @@ class LevelEditing(SessionListener):
             self.mode.autosave.flush()
 
     def close(self) -> None:
-        """Write the draft, and stop writing."""
         if self.mode is not None:
             self.mode.autosave.stop()
 

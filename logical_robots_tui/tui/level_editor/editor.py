@@ -9,17 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.editing import things
 from logical_robots_tui.editing.level_text import KINDS, Thing
-from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
+from logical_robots_tui.editing.strokes import Point, fill, paint, paint_rectangle
 from logical_robots_tui.editing.things import Poses, Ref, as_it_stands
-from logical_robots_tui.world import Area, Beacon, LevelError, Robot
+from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, WorldState
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.editing.edits import Edits
-    from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.world import Level, WorldState
 
 
 class Tool(Enum):
@@ -65,16 +63,12 @@ class Settings:
         return self.is_wall and self.tool is not Tool.ERASER
 
     def wider(self, steps: int) -> Settings:
-        return replace(self, width=_beside(WIDTHS, self.width, steps))
+        at = min(range(len(WIDTHS)), key=lambda place: abs(WIDTHS[place] - self.width))
+        return replace(self, width=WIDTHS[min(max(at + steps, 0), len(WIDTHS) - 1)])
 
     def next_grid(self) -> Settings:
         later = [grid for grid in GRIDS if grid > self.grid]
         return replace(self, grid=later[0] if later else GRIDS[0])
-
-
-def _beside(choices: tuple[int, ...], now: int, steps: int) -> int:
-    at = min(range(len(choices)), key=lambda place: abs(choices[place] - now))
-    return choices[min(max(at + steps, 0), len(choices) - 1)]
 
 
 TURN = math.radians(15)

@@ -7,14 +7,14 @@ from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from logical_robots_tui.editing.checks import check
+from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game import is_shipped
-from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
 from logical_robots_tui.tui.recovery.autosave import Autosave
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.world import LevelError, load_level
+from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.drawing import coarsest_cell
 from logical_robots_tui.world.levels.native import read_native
@@ -22,16 +22,16 @@ from logical_robots_tui.world.levels.native import read_native
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Spawn, Ui
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.tui.app.session_state import Ui
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is checked
 _COARSEST = 10  # map units of the default grid, at most
+_LEAST_WAIT = 0.01  # seconds in which a stroke is painted first
+_AGAIN_AFTER = 0.04  # seconds between two changes of the game, at least
+_SHARE = 3  # pause after a change, as a multiple of its duration
 
 
 class EditView(Protocol):
@@ -86,7 +86,6 @@ class EditMode:
         self.is_on = self.is_testing = False
         self.saving = asyncio.Lock()
         self.editor = LevelEditor(levels.edits, lambda: session.frame.after, self._edited, ui.warn)
-        self.sync = GameSync(session, self.editor, ui.spawn)
         self.autosave = Autosave(
             drafts,
             delay=_DRAFT_DELAY,
@@ -97,7 +96,8 @@ class EditMode:
         )
         self._drafts = drafts
         self._path = saved.source or key or f"new {saved.name} {token_hex(4)}"
-        self._is_unwanted = self._is_over = self._has_begun = False
+        self._is_unwanted = self._is_over = self._has_begun = self._is_change_due = False
+        self._change_from = 0.0
         self._checked: Level | None = None
         self.view = view(self)
 
@@ -116,7 +116,7 @@ class EditMode:
 
     def leave(self) -> None:
         self.editor.finish()
-        self.sync.flush()
+        self.change_game()
         self.is_on = False
         self.view.leave(is_testing=self.is_testing)
 
@@ -132,7 +132,6 @@ class EditMode:
 
     def end(self) -> None:
         self._is_over = True
-        self.sync.stop()
         if self.is_on or self.is_testing:
             self.is_testing = False
             self.leave()
@@ -199,7 +198,7 @@ class EditMode:
 
     def _edited(self) -> None:
         self._is_unwanted = False
-        self.sync.edited()
+        self._change_game_soon()
         self._noted()
 
     def _noted(self) -> None:
@@ -218,28 +217,9 @@ class EditMode:
             self._checked, self.findings = level, found
             self.redraw()
 
-
-def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
-    return ("level", path) if level is None else Draft("level", title, path, write_native(level))
-
-
-_LEAST_WAIT = 0.01  # seconds in which a stroke is painted first
-_AGAIN_AFTER = 0.04  # seconds between two changes of the game, at least
-_SHARE = 3  # pause after a change, as a multiple of its duration
-
-
-class GameSync:
-    """Keeps the game in step with the edited level, which the picture may precede."""
-
-    def __init__(self, session: Session, editor: LevelEditor, spawn: Spawn) -> None:
-        self._session, self._editor, self._spawn = session, editor, spawn
-        self._levels = session.levels
-        self._next_at = 0.0
-        self._is_due = self._is_over = False
-
-    def edited(self) -> None:
-        """Update the game after a change: at once, or soon if only walls changed."""
-        before, after = self._levels.shown, self._levels.edited
+    def _change_game_soon(self) -> None:
+        """Let the game follow a change: at once, or a little later if only walls changed."""
+        before, after = self.levels.shown, self.levels.edited
         only_walls = (
             before.robots is after.robots
             and before.beacons is after.beacons
@@ -247,24 +227,26 @@ class GameSync:
             and before.walls.shape == after.walls.shape
         )
         if not only_walls:
-            self.flush()
-        elif not self._is_due:
-            self._is_due = True
-            self._spawn(self._flush_soon, "live", exclusive=False)
+            self.change_game()
+        elif not self._is_change_due:
+            self._is_change_due = True
+            self.ui.spawn(self._change_game_later, "live", exclusive=False)
 
-    def flush(self) -> None:
-        before, after = self._levels.shown, self._levels.edited
+    async def _change_game_later(self) -> None:
+        await asyncio.sleep(max(self._change_from - self.session.clock.now(), _LEAST_WAIT))
+        self._is_change_due = False
+        self.change_game()
+
+    def change_game(self) -> None:
+        """Let the game have the edited level, which the picture may precede."""
+        before, after = self.levels.shown, self.levels.edited
         if after is before or self._is_over:
             return
-        began = self._session.clock.now()
-        self._session.change_level(after, self._editor.poses.between(before, after))
-        now = self._session.clock.now()
-        self._next_at = now + max(_AGAIN_AFTER, _SHARE * (now - began))
+        began = self.session.clock.now()
+        self.session.change_level(after, self.editor.poses.between(before, after))
+        now = self.session.clock.now()
+        self._change_from = now + max(_AGAIN_AFTER, _SHARE * (now - began))
 
-    def stop(self) -> None:
-        self._is_over = True
 
-    async def _flush_soon(self) -> None:
-        await asyncio.sleep(max(self._next_at - self._session.clock.now(), _LEAST_WAIT))
-        self._is_due = False
-        self.flush()
+def _draft_of(path: str, title: str, level: Level | None) -> Draft | Key:
+    return ("level", path) if level is None else Draft("level", title, path, write_native(level))

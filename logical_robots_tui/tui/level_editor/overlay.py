@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, rgb_number, text_id
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
 from logical_robots_tui.tui.level_editor.editor import PAINTING, Tool, handle_of, reach_of
 
 if TYPE_CHECKING:
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.editing.checks import LevelFinding
-    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
 _LEAST_COLUMNS = 4  # between two dots of the grid

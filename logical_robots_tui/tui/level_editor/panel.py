@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widget import Widget
 
 from logical_robots_tui.tui.commands.keymap import command, commands
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.layout.command_bar import Labels
-from logical_robots_tui.tui.level_editor.editor import PAINTING, Tool
-from logical_robots_tui.tui.level_editor.mode import EditView
+from logical_robots_tui.tui.level_editor.editor import PAINTING, LevelEditor, Tool
+from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -26,10 +26,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
-    from logical_robots_tui.tui.level_editor.mode import EditMode
 
 
 _CHOSEN = "$here-ink on $here"
@@ -99,7 +96,7 @@ class InfoLine(Widget):
     DEFAULT_CSS = """
     InfoLine { dock: bottom; height: 1; background: $panel; text-wrap: nowrap; layer: picture; }
     """
-    ALLOW_SELECT: ClassVar[bool] = False
+    ALLOW_SELECT = False
 
     def __init__(self, editor: LevelEditor) -> None:
         super().__init__()
@@ -229,7 +226,7 @@ class EditPanel(EditView):
             editor.press(*editor.cursor, self._units)
         else:
             editor.release()
-            self._mode.sync.flush()
+            self._mode.change_game()
 
     def go_to(self, point: Point) -> None:
         self._mode.editor.cursor = point
@@ -280,7 +277,7 @@ class EditPanel(EditView):
 
     def release(self) -> None:
         self._mode.editor.release()
-        self._mode.sync.flush()
+        self._mode.change_game()
         self._mode.redraw()
 
     def open(self) -> None:
@@ -290,7 +287,6 @@ class EditPanel(EditView):
 
     @property
     def cursor(self) -> tuple[float, float]:
-        """The cursor in map units."""
         return self._mode.editor.cursor
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:

@@ -16,7 +16,7 @@ from textual.widgets.option_list import Option
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.paths import typed_path
+from logical_robots_tui.paths import pasted_path, typed_path
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
@@ -135,7 +135,7 @@ class Chooser(Dialog[T], Generic[T]):
         return None if highlighted is None else self._shown[highlighted]
 
     def _list(self, wanted: str | None) -> None:
-        text = self._filter.value.strip()
+        text = pasted_path(self._filter.value)
         words = text.casefold().split()
         self._shown = [
             name for name in self._all if all(word in self._searchable(name) for word in words)

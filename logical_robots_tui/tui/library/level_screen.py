@@ -14,7 +14,7 @@ from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.victory import references_for
-from logical_robots_tui.paths import is_file, typed_path
+from logical_robots_tui.paths import is_file, pasted_path, typed_path
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
@@ -171,7 +171,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     @property
     def _typed(self) -> str:
-        return self.query_one("#filter", Input).value.strip()
+        return pasted_path(self.query_one("#filter", Input).value)
 
     @property
     def _chosen(self) -> LevelCard | None:

@@ -11,7 +11,7 @@ from textual.geometry import Offset
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.language.reference import REFERENCE
-from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.language.source_text import Prepared, prepare
 from logical_robots_tui.schema import RECORDS
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.program.lexer import KEYWORDS
@@ -20,8 +20,6 @@ from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from logical_robots_tui.language.source_text import Prepared
 
 
 class Word(NamedTuple):

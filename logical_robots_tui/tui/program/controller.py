@@ -35,8 +35,6 @@ _LONGEST = 30
 
 
 class ProgramController:
-    """Find, replace, rename, and the external editor."""
-
     def __init__(
         self,
         pane: ProgramPane,

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from rich.text import Text
-from textual.binding import Binding, BindingType
+from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
 from textual.widgets import TextArea
-from textual.widgets.text_area import Selection, TextAreaTheme
+from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 
+from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.program.completion import (
     Completion,
     Place,
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from textual import events
     from textual.strip import Strip
     from textual.theme import Theme
-    from textual.widgets.text_area import Edit, EditResult
 
 
 def follow_rows(
@@ -125,8 +125,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
     return "\n".join(changed), count
 
 
-_A_PASTE = 0.005
-"""Keys that follow each other faster, in seconds, were not typed."""
+_A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
 _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
@@ -134,14 +133,12 @@ _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 
 
 class Editor(TextArea):
-    """Edits the text of a program; escape leaves it."""
-
     DEFAULT_CSS = """
     Editor { border: none; padding: 0; background: $surface; }
     Editor:focus { border: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("ctrl+underscore,ctrl+slash", "toggle_comment"),
         ("ctrl+@,ctrl+space", "complete"),
         ("tab", "indent"),
@@ -150,20 +147,13 @@ class Editor(TextArea):
         ("ctrl+end", "go_to_end"),
     ]
 
-    class Leave(Message):
-        """The player leaves the editor."""
-
     @dataclass
     class Copied(Message):
         text: str
 
     def __init__(self) -> None:
         super().__init__(
-            id="text",
-            show_line_numbers=True,
-            soft_wrap=True,
-            compact=True,
-            max_checkpoints=500,
+            id="text", show_line_numbers=True, soft_wrap=True, compact=True, max_checkpoints=500
         )
         self.cursor_blink = False
         self.indent_width = WIDTH
@@ -248,7 +238,7 @@ class Editor(TextArea):
         event.stop()
         event.prevent_default()
         if event.key == "escape":
-            self.post_message(self.Leave())
+            self.post_message(CommandChosen("leave"))
         elif action is not None:
             await self.run_action(action)
         else:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
-from textual.message import Message
 from textual.widgets import Static, TextArea
 
 from logical_robots_tui.tui.layout.arrangement import Pane
-from logical_robots_tui.tui.layout.command_bar import Labels
+from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor, follow_rows
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
@@ -21,6 +20,8 @@ from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from textual.message import Message
 
     from logical_robots_tui.mind import Diagnostic
     from logical_robots_tui.tui.app.session import Session
@@ -37,12 +38,6 @@ class TeamTabs(Labels):
     DEFAULT_CSS = """
     TeamTabs { height: 1; background: $surface; }
     """
-
-    @dataclass
-    class Chosen(Message):
-        """A team was clicked; `robot_name` is its first robot."""
-
-        robot_name: str
 
     def __init__(self) -> None:
         super().__init__("teams")
@@ -70,12 +65,10 @@ class TeamTabs(Labels):
         return self.line(labels, gap=1)
 
     def chosen(self, command_id: str) -> Message:
-        return self.Chosen(command_id)
+        return RobotChosen(command_id)
 
 
 class TeamChoice:
-    """Selects the team of the selected robot."""
-
     def __init__(
         self, session: Session, look_at: Callable[[str], None], tell: Callable[[str], None]
     ) -> None:
@@ -112,9 +105,7 @@ class TeamChoice:
 
 
 class ProgramPane(Pane):
-    """Shows and edits the text of the current program."""
-
-    command_id: ClassVar[str] = "editor"
+    command_id = "editor"
 
     DEFAULT_CSS = """
     ProgramPane #help-line {
@@ -144,7 +135,6 @@ class ProgramPane(Pane):
         self.editor.load_text(text)
 
     def put(self, text: str) -> None:
-        """Replace the text of the same program; undo restores the old one."""
         self.editor.put(text)
 
     def show(self, state: ProgramState, name: str, *, saved: bool) -> None:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
-from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.game import Source
-    from logical_robots_tui.game.drafts import Drafts, Key
     from logical_robots_tui.tui.app.session_state import Ui
 
 State = TypeVar("State")
@@ -68,7 +67,6 @@ class Autosave(Generic[State]):
             self.report(error)
 
     def stop(self) -> None:
-        """Write the draft, and stop writing."""
         if self._pending is not None:
             self._pending.cancel()
         self.flush()
@@ -119,15 +117,10 @@ def program_draft(unsaved: UnsavedText) -> Draft | Key:
     return Draft("program", source.name, source.draft, text, level=level)
 
 
-class Unsaved(Protocol):
-    def flush(self) -> None:
-        """Save it now."""
-
-
-def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *unsaved: Unsaved) -> None:
+def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *flushes: Callable[[], None]) -> None:
     """End the game; ask first if unsaved work can't be kept."""
-    for each in unsaved:
-        each.flush()
+    for flush in flushes:
+        flush()
     lost = drafts.unwritten()
     if lost:
         ui.spawn(partial(_ask, ui, end, *lost[0]), "leaving", exclusive=True)

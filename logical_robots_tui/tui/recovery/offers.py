@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Place, compile_program, level_key, load_program, place_of
-from logical_robots_tui.game.drafts import Draft
+from logical_robots_tui.game.drafts import Draft, Drafts
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
-from logical_robots_tui.world import load_level
+from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 
@@ -24,13 +24,11 @@ if TYPE_CHECKING:
     from textual import events
 
     from logical_robots_tui.game import Game, Source
-    from logical_robots_tui.game.drafts import Drafts
     from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.tui.layout.dialogs import Question
-    from logical_robots_tui.world import Level
 
 Found = TypeVar("Found")
 

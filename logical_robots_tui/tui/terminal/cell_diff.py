@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from rich.style import Style
     from textual.geometry import Region
 
-_CLOSE = 3
-"""Equal cells between two changed ones that are cheaper to rewrite than to skip."""
+_CLOSE = 3  # equal cells between two changed ones that are cheaper to rewrite than to skip
 
 _ATTRIBUTES = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "21", "51", "52", "53")
 """Codes of Rich's attributes, by bit."""
@@ -273,11 +272,8 @@ def _move(at: tuple[int, int] | None, row: int, column: int) -> str:
     return "" if not steps else "\x1b[C" if steps == 1 else f"\x1b[{steps}C"
 
 
-_LEVELS = (0, 95, 135, 175, 215, 255)
-"""Channel values of the colour cube with 256 colours."""
-
-_FOR_A_HUE = 5
-"""How much worse a colour may be than a grey, to keep its hue."""
+_LEVELS = (0, 95, 135, 175, 215, 255)  # channel values of the colour cube with 256 colours
+_FOR_A_HUE = 5  # how much worse a colour may be than a grey, to keep its hue
 
 _GREYS = tuple(8 + 10 * step for step in range(24))
 

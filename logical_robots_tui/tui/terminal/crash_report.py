@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import FrameType
 
-_RESERVE = 16 * 1024**2
-"""Bytes of address space reserved for ending cleanly when out of memory."""
-
+_RESERVE = 16 * 1024**2  # bytes of address space reserved for ending cleanly when out of memory
 _GRACE = 1.0  # seconds for a clean end after a hangup
 
 

@@ -13,7 +13,7 @@ from collections import deque
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from rich.console import COLOR_SYSTEMS
+from rich.console import COLOR_SYSTEMS, RenderableType
 from textual import events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
 from textual.driver import Driver
@@ -25,7 +25,6 @@ from logical_robots_tui.tui.terminal.driver import ListeningDriver
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from rich.console import RenderableType
     from rich.segment import Segment
     from textual.geometry import Region
     from textual.screen import Screen
@@ -246,9 +245,7 @@ class DiffApp(CrashSafeApp):
         self._send()
 
 
-def _pieces(
-    update: LayoutUpdate | ChopsUpdate,
-) -> Iterator[tuple[int, int, Sequence[Segment]]]:
+def _pieces(update: LayoutUpdate | ChopsUpdate) -> Iterator[tuple[int, int, Sequence[Segment]]]:
     """Yield the (row, first column, segments) that a Textual update paints."""
     if isinstance(update, LayoutUpdate):
         for y, strips in enumerate(update.strips, update.region.y):

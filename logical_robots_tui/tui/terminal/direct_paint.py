@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER
+from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER, Cells
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from textual.geometry import Region
     from textual.widget import Widget
 
-    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
     from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
 
 

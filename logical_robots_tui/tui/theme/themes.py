@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 _READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
 """Contrasts (WCAG 2) of text, secondary text, lines, and shades."""
 
-_HIGHLIGHTED = 3.0
-"""The contrast that is enough on a highlighted row."""
+_HIGHLIGHTED = 3.0  # the contrast that is enough on a highlighted row
 
 _HUES = {
     "number": "#86cfe0",
@@ -235,8 +234,7 @@ NIGHT = Theme(
     },
 )
 
-_TONE = 0.4
-"""The share of a theme's background in that of the labyrinth."""
+_TONE = 0.4  # the share of a theme's background in that of the labyrinth
 
 THEMES = (NIGHT.name, *BUILTIN_THEMES)
 """The themes to choose from."""

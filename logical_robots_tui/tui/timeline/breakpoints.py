@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from textual import on
 from textual.content import Content
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
@@ -130,7 +129,7 @@ class BreakpointList(Dialog[None]):
     BreakpointList #none { color: $ink-dim; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("a,plus", "add"),
         ("space", "switch"),
         ("d,delete,backspace", "delete"),
@@ -230,10 +229,7 @@ class BreakpointForm(Dialog[Breakpoint]):
     }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        ("down", "app.focus_next"),
-        ("up", "app.focus_previous"),
-    ]
+    BINDINGS = [("down", "app.focus_next"), ("up", "app.focus_previous")]
 
     heading = "Stop when…"
     keys = _KEYS[True]
@@ -262,9 +258,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         )
         yield Static(id="robots", classes="names", markup=False)
         yield Input(
-            placeholder="column, or nothing for the whole row",
-            id="column",
-            select_on_focus=False,
+            placeholder="column, or nothing for the whole row", id="column", select_on_focus=False
         )
 
     def on_mount(self) -> None:

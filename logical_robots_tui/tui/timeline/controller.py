@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import SessionListener
+from logical_robots_tui.tui.app.session_state import SessionListener, Ui
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Game, Hit, MarkKind, SearchResult
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Ui
 
 _SOUGHT: tuple[MarkKind, ...] = (
     "victory",

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.game import NoSuchTickError, Superseded
-from logical_robots_tui.game.debugging.proof_difference import compare_proofs
+from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Difference, Divergence, Game
-    from logical_robots_tui.game.debugging.proof_difference import Comparison
     from logical_robots_tui.game.history.course import Matter
 
 _LONGEST = 600  # characters of a value

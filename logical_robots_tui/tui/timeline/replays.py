@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, Superseded, compile_program, load_program
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.world import LevelError, load_level
+from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import Ui
-    from logical_robots_tui.world import Level
 
 
 def level_of(replay: Replay) -> Level:
@@ -61,8 +60,6 @@ def _source_of(name: str, text: str, own: Path) -> Source:
 
 
 class Replays:
-    """Opens replays, and saves the timeline as one."""
-
     def __init__(self, session: Session, ui: Ui, folder: Path) -> None:
         self._session, self._ui, self._folder = session, ui, folder
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby, islice
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 from textual.message import Message
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from textual import events
-    from textual.binding import BindingType
 
     from logical_robots_tui.game import Mark
     from logical_robots_tui.game.history.history import History
@@ -32,11 +31,7 @@ SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "program": ("¶", f"bold {INK.title}", "another program is used from here on"),
     "edit": ("✎", f"bold {INK.title}", "the labyrinth was changed by hand"),
     "stuck": ("⊘", f"bold {INK.warn}", f"a robot is stuck: blocked for {STUCK_AFTER} ticks"),
-    "circling": (
-        "↻",
-        f"bold {INK.warn}",
-        f"a robot goes in circles: {ROUNDS} times the same",
-    ),
+    "circling": ("↻", f"bold {INK.warn}", f"a robot goes in circles: {ROUNDS} times the same"),
     "area": ("◇", INK.good, "an area was switched"),
     "notice": ("!", f"bold {INK.warn}", "a notice"),
     "memory": ("┷", INK.record, "a memory changed; only the selected robot's, if one is selected"),
@@ -124,7 +119,7 @@ class Timeline(Widget, can_focus=True):
     Timeline:focus { background: $panel; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("left", "screen.command('back')"),
         ("right", "screen.command('step')"),
         ("pageup", "screen.command('back_ten')"),
@@ -134,8 +129,8 @@ class Timeline(Widget, can_focus=True):
         ("up", "screen.command('previous_mark')"),
         ("down", "screen.command('next_mark')"),
     ]
-    FOCUS_ON_CLICK: ClassVar[bool] = False
-    ALLOW_SELECT: ClassVar[bool] = False
+    FOCUS_ON_CLICK = False
+    ALLOW_SELECT = False
 
     @dataclass
     class Pointed(Message):

@@ -9,8 +9,7 @@ import pytest
 from textual.widgets import Checkbox, Input, Select, TextArea
 
 from logical_robots_tui.paths import ARENAS, shipped_folder
-from logical_robots_tui.tui.level_editor.form import Ticks
-from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm
+from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm, Ticks
 from logical_robots_tui.world import Visibility
 from tests.tui.app.test_key_queue import press_at_once
 from tests.tui.conftest import opened

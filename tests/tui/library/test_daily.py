@@ -9,7 +9,7 @@ import pytest
 
 from logical_robots_tui.game.victory import result_line
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.tui.commands import program as commands
+from logical_robots_tui.tui.commands.general import copy_result
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.world import load_level
 from tests.short import AHEAD
@@ -24,7 +24,7 @@ async def test_today_s_labyrinth_is_opened_in_the_chosen_size(data_dir: Path) ->
         await game.ready()
         today = f"daily-{date.today().isoformat()}-small"
         game.main.recorder.progress.set_fact(f"won {today}", "900")
-        game.main.run_worker(commands.daily(game.main))
+        game.main.run_worker(game.main.library.open_daily())
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("s")
         await game.until(lambda: game.session.level.name == today)
@@ -35,7 +35,7 @@ async def test_closing_the_question_changes_nothing(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         before = game.session.level
-        game.main.run_worker(commands.daily(game.main))
+        game.main.run_worker(game.main.library.open_daily())
         await game.until(lambda: isinstance(game.app.screen, Question))
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
@@ -45,11 +45,11 @@ async def test_closing_the_question_changes_nothing(data_dir: Path) -> None:
 async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: Path) -> None:
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
-        commands.copy_result(game.main)
+        copy_result(game.main)
         await game.sees("win this level first")
         await game.press(*["plus"] * 6, "space")
         await game.until(lambda: game.main.recorder.latest is not None)
-        commands.copy_result(game.main)
+        copy_result(game.main)
         assert game.app.clipboard.startswith("Logical Robots · A short way · 49 ticks · 1 rule · ")
 
 

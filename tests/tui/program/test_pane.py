@@ -10,6 +10,7 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.mind import Program
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.app.session_state import Permissions
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
@@ -40,6 +41,21 @@ async def test_the_listing_of_the_paper_is_pasted_as_printed_and_applied(data_di
         )
         await game.press("f8")
         await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
+
+
+ORDERED = STILL.replace("memory: 1", "memory: {order: 1}")
+
+
+async def test_in_a_level_of_the_web_platform_what_fails_there_is_marked(data_dir: Path) -> None:
+    async with opened(data_dir, text=ORDERED) as game:
+        await game.until(lambda: title(game).startswith("Program · applied, 1 warning"))
+        await game.sees("order is a word of SQL")
+
+
+async def test_in_a_level_of_this_game_it_is_not_marked(data_dir: Path) -> None:
+    level = shipped_folder("levels") / "01-first-steps.toml"
+    async with opened(data_dir, level=level, text=ORDERED) as game:
+        await game.until(lambda: title(game).startswith("Program · applied · "))
 
 
 async def test_a_paste_of_ten_thousand_lines_can_be_undone_and_done_again(data_dir: Path) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.game.source import Source
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.app.session_state import Opening
 from logical_robots_tui.tui.inspector.predicate_list import DECISION
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
@@ -44,7 +45,9 @@ async def match(
         path = folder / f"{'red' if same else team}ly.l"
         path.write_text(program, "utf-8")
         sources[team] = Source(path.stem, program, path, shipped=False)
-    app = LogicalRobotsApp(load_level(file), sources, data_dir=data_dir, clock=VirtualClock())
+    app = LogicalRobotsApp(
+        Opening(level=load_level(file), sources=sources, data_dir=data_dir, clock=VirtualClock())
+    )
     async with app.run_test(size=size, notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
         await game.ready()

@@ -11,6 +11,7 @@ from logical_robots_tui.cli.main import main
 from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.app.session_state import Opening
 from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
@@ -25,8 +26,11 @@ if TYPE_CHECKING:
 @asynccontextmanager
 async def played(replay: Replay, data_dir: Path) -> AsyncIterator[Opened]:
     level, sources = level_of(replay), sources_of(replay, data_dir / "programs")
-    clock = VirtualClock()
-    app = LogicalRobotsApp(level, sources, data_dir=data_dir, replay=replay, clock=clock)
+    app = LogicalRobotsApp(
+        Opening(
+            level=level, sources=sources, data_dir=data_dir, replay=replay, clock=VirtualClock()
+        )
+    )
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         game = Opened(app, pilot, data_dir)
         await game.ready()

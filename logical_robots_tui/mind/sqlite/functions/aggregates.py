@@ -70,10 +70,12 @@ class _Concat(_Collect):
     def __init__(self) -> None:
         super().__init__()
         self.texts: list[str] = []
+        self.is_empty = True
 
     def step(self, value: Scalar) -> int:
         if value is None:
             return 0
+        self.is_empty = False
         if isinstance(value, str) and not isinstance(element(value), list):
             self.texts.append(value)
             return self.room.take(value)
@@ -83,7 +85,9 @@ class _Concat(_Collect):
         return size
 
     def finalize(self) -> str | None:
-        return "".join(self.texts) if self.texts else super().finalize()
+        if self.is_empty:
+            return None
+        return "".join(self.texts) if self.texts else to_json(self.items)
 
 
 class _Pairs:

@@ -5,20 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from textual import on
+from textual import events, on
 from textual.content import Content
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.page import (
-    NO_PROGRAM,
-    BackgroundQuery,
-    Cancelled,
-    Page,
-    progress,
-)
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Cancelled, Page, progress
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -26,8 +20,6 @@ from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-
-    from textual import events
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
@@ -84,8 +76,6 @@ class QueryLine(Input):
 
 
 class AskPage(Page):
-    """The query line, errors in the query, and the answer."""
-
     DEFAULT_CSS = """
     AskPage QueryLine { margin: 0 1; background: $panel; width: 1fr; }
     AskPage #answer-to {
@@ -105,7 +95,6 @@ class AskPage(Page):
         above = (self.line, self._answer_to)
         super().__init__(session, questions, self.line, above=above, below=(answer,))
         self.table = answer
-        self.pending = self._background = BackgroundQuery(session.clock)
 
     @property
     def asked(self) -> str:
@@ -129,18 +118,18 @@ class AskPage(Page):
         def report() -> None:
             self.head(frame.tick)
             self._name_query(query)
-            self._say_instead(progress("asking", self._background.seconds))
+            self._say_instead(progress("asking", self.pending.seconds))
 
         try:
             inquiry, program = self._questions.about()
-            table = await self._background.run(inquiry.ask(program, query, frame), report)
+            table = await self.pending.run(inquiry.ask(program, query, frame), report)
         except Superseded:
             if self._session.game is not None:
                 return
             self._say_instead(NO_PROGRAM)
         except Cancelled:
             self._query = ""
-            seconds = self._background.seconds
+            seconds = self.pending.seconds
             self._say_instead(f"Stopped after {seconds:.1f} s. Enter asks it again.")
         except ProgramError as error:
             self._name_query("")
@@ -156,8 +145,8 @@ class AskPage(Page):
         self.head(frame.tick, more)
 
     def _leave(self) -> None:
-        if self._background.is_long:
-            self._background.cancel()
+        if self.pending.is_long:
+            self.pending.cancel()
         else:
             self.screen.set_focus(self.table)
 

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import zip_longest
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 
 from logical_robots_tui.mind import Table
-from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.page import Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, radar_plot
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from textual.binding import BindingType
-
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions, Survey
     from logical_robots_tui.values import Value
 
 _RADAR_ROWS = 8
@@ -33,7 +28,7 @@ _LONGEST = 400
 
 
 class DecisionPage(Page):
-    BINDINGS: ClassVar[list[BindingType]] = [("enter", "screen.command('open_value')")]
+    BINDINGS = [("enter", "screen.command('open_value')")]
 
     view: LinesView
     depends_on_robot = True

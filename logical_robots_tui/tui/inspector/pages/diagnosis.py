@@ -13,7 +13,7 @@ from logical_robots_tui.game import Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Placed
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Placed, Questions
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -25,15 +25,12 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
 
 _START = "(start)"
 _EVERY = 10  # ticks between two progress reports
 
 
 class DiagnosisPage(Page):
-    """Findings about the ticks in the history, computed on demand."""
-
     DEFAULT_CSS = """
     DiagnosisPage #extent { height: auto; padding: 0 1; color: $ink-dim; }
     DiagnosisPage #findings { height: 1fr; border: none; padding: 0; background: $surface; }

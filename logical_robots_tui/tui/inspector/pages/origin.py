@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import Static
@@ -12,11 +12,11 @@ from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import BackgroundQuery, Cancelled, Page, Placed, progress
-from logical_robots_tui.tui.inspector.pages.robots import RobotsView
+from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, progress
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import cell
+from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -24,8 +24,6 @@ from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from textual.binding import BindingType
 
     from logical_robots_tui.explain.why.sourcing import Read
     from logical_robots_tui.game import Frame, Game, Link, Origin
@@ -44,7 +42,7 @@ _INCOMPLETE = "This is not all of it: more values were read than are traced here
 class LinksView(CursorView):
     """The links of the chain, the value itself first; enter goes to one, escape leaves."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [("enter", "open"), ("escape,backspace", "leave")]
+    BINDINGS = [("enter", "open"), ("escape,backspace", "leave")]
 
     def __init__(
         self,
@@ -93,8 +91,6 @@ class LinksView(CursorView):
 
 
 class OriginPage(Page):
-    """The chain of assignments that a value goes back to."""
-
     DEFAULT_CSS = """
     OriginPage #origin-of { height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; }
     """
@@ -106,7 +102,6 @@ class OriginPage(Page):
         self._of = Static(id="origin-of")
         view = LinksView(self._pointed, self._open, self._leave)
         super().__init__(session, questions, view, above=(self._of,))
-        self.pending = self._query = BackgroundQuery(session.clock)
         self.asked: MemoryPart | None = None
         self._course: tuple[Game, int] | None = None
         self._came_from = ROBOTS, 0
@@ -150,15 +145,15 @@ class OriginPage(Page):
         def report() -> None:
             back = asked.tick - at
             words = f"at tick {at}, {count_of(back, 'tick')} back"
-            self._say_instead(progress(words, self._query.seconds))
+            self._say_instead(progress(words, self.pending.seconds))
 
         try:
             work = origin_in_game(course[0], asked.robot, asked.path, asked.tick, reached)
-            origin = await self._query.run(work, report)
+            origin = await self.pending.run(work, report)
         except Superseded:
             await self.show(self._session.frame)
         except Cancelled:
-            self._say_instead(f"Stopped at tick {at}, after {self._query.seconds:.1f} s.")
+            self._say_instead(f"Stopped at tick {at}, after {self.pending.seconds:.1f} s.")
         except QueryError as error:
             self._say_instead(str(error))
         else:
@@ -182,13 +177,13 @@ class OriginPage(Page):
             self.post_message(Placed(part.text, (span.start, span.stop)))
 
     def _open(self, link: Link) -> None:
-        self.post_message(RobotsView.Chosen(link.robot))
+        self.post_message(RobotChosen(link.robot))
         self.post_message(Timeline.Pointed(link.tick))
         self.post_message(self.Opened(WHY))
 
     def _leave(self) -> None:
-        if self._query.is_long:
-            self._query.cancel()
+        if self.pending.is_long:
+            self.pending.cancel()
             return
         page, tick = self._came_from
         if tick != self._session.frame.tick:

@@ -11,7 +11,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.game import Superseded
 from logical_robots_tui.mind import QueryError, Table
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.plots import format_number
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -20,12 +20,9 @@ from logical_robots_tui.tui.theme.themes import INK
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions, Survey
 
 
 class PredicatePage(Page):
-    """The rows of a predicate, or the calls of a function."""
-
     DEFAULT_CSS = """
     PredicatePage #value {
         height: auto; max-height: 40%; border-top: solid $ink-faint; padding: 0 1;

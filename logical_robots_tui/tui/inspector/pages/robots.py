@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
-from textual.message import Message
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.inspector.page import Page
+from logical_robots_tui.tui.inspector.page import Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_number
+from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
 
@@ -23,12 +22,10 @@ if TYPE_CHECKING:
     from typing import Any
 
     from textual import events
-    from textual.binding import BindingType
 
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
     from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
     from logical_robots_tui.world import Level, RobotState
 
@@ -38,11 +35,7 @@ _CHOSEN = "on $row"
 class RobotsView(LinesView):
     """A line for each robot, notes below; up, down or a click selects a robot."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [("up", "choose(-1)"), ("down", "choose(1)")]
-
-    @dataclass
-    class Chosen(Message):
-        robot_name: str
+    BINDINGS = [("up", "choose(-1)"), ("down", "choose(1)")]
 
     def __init__(self) -> None:
         super().__init__(id="robots")
@@ -72,7 +65,7 @@ class RobotsView(LinesView):
 
     def _post_chosen(self, number: int) -> None:
         if self._shown is not None and 0 <= number < len(self._shown[0].robots):
-            self.post_message(self.Chosen(self._shown[0].robots[number].name))
+            self.post_message(RobotChosen(self._shown[0].robots[number].name))
 
     def draw(self) -> None:
         if self._shown is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
@@ -13,7 +13,7 @@ from textual.message import Message
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page
+from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import Sample, cell, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -25,12 +25,10 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from textual.binding import BindingType
     from textual.worker import Worker
 
     from logical_robots_tui.game import Frame, Pin, Reading
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
@@ -48,7 +46,7 @@ _MOST_TICKS = 2000
 class WatchView(CursorView):
     """Two lines per pin: its value, and a plot of its values at nearby ticks."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("left", "change(-1)"),
         ("right", "change(1)"),
         ("enter", "open"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from textual import on
 from textual.content import Content
 from textual.widgets import Static
 
@@ -15,7 +14,6 @@ from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
-    BackgroundQuery,
     Cancelled,
     Page,
     Placed,
@@ -71,13 +69,15 @@ class WhyPage(Page):
 
     def __init__(self, session: Session, questions: Questions) -> None:
         self._way = Static(id="way")
-        super().__init__(session, questions, WhyView(), above=(self._way,))
-        self.pending = self._query = BackgroundQuery(session.clock)
+        view = WhyView(
+            pointed=self._pointed, deeper=self._deeper, lacking=self._unfold, back=self._back
+        )
+        super().__init__(session, questions, view, above=(self._way,))
         self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: _Question | None = None
         self._answered: _Question | None = None
         self._roots: Sequence[Node] = ()
-        self._lacking: list[tuple[_Question, WhyView.Lacking]] = []
+        self._lacking: list[tuple[_Question, int, Ask]] = []
         self._is_proving = False
 
     def begin(self, predicate: str) -> None:
@@ -90,7 +90,7 @@ class WhyPage(Page):
 
         def report() -> None:
             what = f"taking the rules of {question.asked.predicate} apart"
-            self._say_instead(question, progress(what, self._query.seconds))
+            self._say_instead(question, progress(what, self.pending.seconds))
 
         if self._session.game is None:
             self._say_instead(question, NO_PROGRAM)
@@ -98,7 +98,7 @@ class WhyPage(Page):
         try:
             inquiry, program = self._questions.about()
             why = inquiry.why(program, question.robot, frame, question.asked)
-            found = await self._query.run(why, report)
+            found = await self.pending.run(why, report)
             if self._session.running:
                 self._show(question, found, _proving(found))
                 self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
@@ -108,7 +108,7 @@ class WhyPage(Page):
         except Superseded:
             return
         except Cancelled:
-            self._say_instead(question, f"Stopped after {self._query.seconds:.1f} s.")
+            self._say_instead(question, f"Stopped after {self.pending.seconds:.1f} s.")
         except QueryError as error:
             self._say_instead(question, str(error))
 
@@ -118,16 +118,16 @@ class WhyPage(Page):
         def report() -> None:
             if self._answered is not question:
                 self._show(question, found, _proving(found))
-            self._name_way(question, progress("unfolding", self._query.seconds))
+            self._name_way(question, progress("unfolding", self.pending.seconds))
 
         robot, asked, frame = question.robot, question.asked, question.frame
         trouble = ""
         self._is_proving = True
         try:
-            proof = await self._query.run(self._proof(robot, frame, asked), report)
+            proof = await self.pending.run(self._proof(robot, frame, asked), report)
             self._show(question, proof.explanation, proof.nodes)
         except Cancelled:
-            trouble = f"stopped after {self._query.seconds:.1f} s"
+            trouble = f"stopped after {self.pending.seconds:.1f} s"
         except QueryError as error:
             trouble = str(error)
         except Superseded:
@@ -188,36 +188,30 @@ class WhyPage(Page):
             way = way.append(Content.styled(f"  ← {before}", INK.faint))
         self._way.update(way, layout=False)
 
-    @on(WhyView.Deeper)
-    def _deeper(self, event: WhyView.Deeper) -> None:
-        event.stop()
-        self._steps.append(event.asked)
+    def _deeper(self, asked: Ask) -> None:
+        self._steps.append(asked)
         self.post_message(self.Changed())
 
-    @on(WhyView.Back)
-    def _back(self, event: WhyView.Back) -> None:
-        event.stop()
+    def _back(self) -> None:
         if len(self._steps) > 1:
             self._steps.pop()
             self.post_message(self.Changed())
 
-    @on(WhyView.Lacking)
-    def _unfold(self, event: WhyView.Lacking) -> None:
-        event.stop()
+    def _unfold(self, key: int, asked: Ask) -> None:
         if self._answered is not None and not self._is_proving:
-            self._lacking.append((self._answered, event))
+            self._lacking.append((self._answered, key, asked))
             if len(self._lacking) == 1:
                 in_background(self, self._unfold_all, "unfold")
 
     async def _unfold_all(self) -> None:
         """Prove the lines one by one: a newer query would cancel an older one."""
         while self._lacking:
-            question, event = self._lacking[0]
+            question, key, asked = self._lacking[0]
             try:
                 if self._answered is question:
-                    nodes = await self._proved(question, event.asked)
+                    nodes = await self._proved(question, asked)
                     if self._answered is question:
-                        self.view.unfold(event.key, nodes)
+                        self.view.unfold(key, nodes)
             except Superseded:
                 self._lacking.clear()
             finally:
@@ -234,15 +228,13 @@ class WhyPage(Page):
             return (Node("note", str(error)),)
         return proof.nodes
 
-    @on(WhyView.Pointed)
-    def _pointed(self, event: WhyView.Pointed) -> None:
-        event.stop()
-        question, node = self._answered, event.node
-        if question is None or node is not self.view.pointed:
+    def _pointed(self, node: Node, moved: bool) -> None:
+        question = self._answered
+        if question is None:
             return
         highlight = sight(node, question.robot, question.frame)
         self.post_message(Sighted(highlight, question.frame))
-        if event.moved and node.span is not None:
+        if moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from textual import events
-    from textual.binding import BindingType
     from textual.content import Content
 
 _CURSOR = "on $here"
@@ -100,7 +99,7 @@ class LinesView(ScrollView, can_focus=True):
 class CursorView(LinesView):
     """Lines with a cursor on an item: one line, or several that belong together."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("up", "move(-1)"),
         ("down", "move(1)"),
         ("pageup", "page(-1)"),

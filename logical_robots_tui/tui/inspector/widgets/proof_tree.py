@@ -49,8 +49,6 @@ class ProofLine(NamedTuple):
 
 
 class ProofTree:
-    """The lines of a proof, some of them expanded."""
-
     def __init__(self) -> None:
         self.lines: list[ProofLine] = []
         self._roots: tuple[Node, ...] = ()

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from textual.geometry import Region, Size
-from textual.message import Message
 
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.proof_tree import (
@@ -19,9 +17,8 @@ from logical_robots_tui.tui.inspector.widgets.proof_tree import (
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
-    from textual.binding import BindingType
     from textual.content import Content
 
     from logical_robots_tui.explain import Ask, Node
@@ -30,34 +27,25 @@ if TYPE_CHECKING:
 class WhyView(CursorView):
     """A proof; renders only visible lines. Arrows, enter and backspace expand and ask."""
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("right", "inward"),
         ("left", "outward"),
         ("enter", "deeper"),
         ("backspace", "back"),
     ]
 
-    @dataclass
-    class Pointed(Message):
-        node: Node
-        moved: bool
-
-    @dataclass
-    class Deeper(Message):
-        asked: Ask
-
-    @dataclass
-    class Lacking(Message):
-        """A line was expanded whose proof is not known yet."""
-
-        key: int
-        asked: Ask
-
-    class Back(Message):
-        """The player returns to the question before."""
-
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        *,
+        pointed: Callable[[Node, bool], None],
+        deeper: Callable[[Ask], None],
+        lacking: Callable[[int, Ask], None],
+        back: Callable[[], None],
+    ) -> None:
+        """`pointed` gets whether the player has moved the cursor, `lacking` the key of a line."""
         super().__init__(id="why")
+        self._tell_pointed, self._tell_deeper, self._tell_lacking = pointed, deeper, lacking
+        self.action_back = back
         self._tree = ProofTree()
         self._key = 0
         self._has_way_back = False
@@ -124,7 +112,7 @@ class WhyView(CursorView):
         height = 1 + min(len(line.children), self.size.height - 1)
         self.scroll_to_region(Region(0, number, 1, height), animate=False, force=True)
         if line.lacks and line.node.asked is not None:
-            self.post_message(self.Lacking(line.key, line.node.asked))
+            self._tell_lacking(line.key, line.node.asked)
 
     def close(self, number: int) -> None:
         self._tree.close(number)
@@ -181,14 +169,11 @@ class WhyView(CursorView):
         if node is None:
             return
         if node.asked is not None:
-            self.post_message(self.Deeper(node.asked))
+            self._tell_deeper(node.asked)
         elif node.values:
             self.post_message(CommandChosen("open_value"))
         else:
             self.toggle_fold(self._at)
-
-    def action_back(self) -> None:
-        self.post_message(self.Back())
 
     def _restore_cursor(self) -> None:
         at = self._tree.number(self._key)
@@ -200,4 +185,4 @@ class WhyView(CursorView):
 
     def _post_pointed(self, *, moved: bool) -> None:
         if self.pointed is not None:
-            self.post_message(self.Pointed(self.pointed, moved=moved))
+            self._tell_pointed(self.pointed, moved)

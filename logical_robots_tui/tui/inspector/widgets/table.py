@@ -5,9 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
@@ -26,10 +26,7 @@ from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from textual import events
-    from textual.binding import BindingType
 
     from logical_robots_tui.mind import Table
     from logical_robots_tui.values import Value
@@ -159,13 +156,11 @@ _CHANGED = Style(underline=True, bold=True)
 
 
 class ValueTable(ScrollView, can_focus=True):
-    """A table with a cursor on one value."""
-
     DEFAULT_CSS = """
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
+    BINDINGS = [
         ("up", "go(-1, 0)"),
         ("down", "go(1, 0)"),
         ("left", "go(0, -1)"),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 from textual import on
@@ -19,10 +19,7 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
     from logical_robots_tui.game import Path, Pin
@@ -65,11 +62,7 @@ class ValueTree(Dialog[None]):
     ValueTree #radar { width: auto; height: auto; padding: 1 1; display: none; }
     """
 
-    BINDINGS: ClassVar[list[BindingType]] = [
-        ("at", "pin"),
-        ("less_than_sign", "origin"),
-        ("q,X", "leave"),
-    ]
+    BINDINGS = [("at", "pin"), ("less_than_sign", "origin"), ("q,X", "leave")]
 
     keys = "↑↓ move   enter or space fold   @ pin   < where from   esc close"
 
@@ -94,7 +87,6 @@ class ValueTree(Dialog[None]):
             yield self._picture
 
     def on_mount(self) -> None:
-        """Expand short values."""
         for branch in self._branches:
             part = _Part(branch.value, branch, (), radar=_radar(branch.value))
             node = self._add(self._tree.root, branch.title, part)

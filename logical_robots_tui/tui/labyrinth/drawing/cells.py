@@ -52,7 +52,6 @@ class Palette(NamedTuple):
         return mix((255, 255, 255), colour, (1 - 0.42) / (1 - seen)) if seen < 0.42 else colour
 
     def strong(self, colour: RGB) -> RGB:
-        """Return a colour legible as text."""
         return mix(self.bright, self.legible(colour), 0.55)
 
 
@@ -237,9 +236,9 @@ class Cells:
                 run_blank = run_blank and blank
             elif text:
                 if run:
-                    segments.append(Segment(run, _STYLES[run_style]))
+                    segments.append(Segment(run, _style_of(run_style)))
                 run, run_style, run_blank = text, style, blank
-        segments.append(Segment(run, _STYLES[run_style]))
+        segments.append(Segment(run, _style_of(run_style)))
         return Strip(segments, len(chars))
 
     def row(self, row: int, first: int, stop: int) -> Iterator[tuple[str, int]]:
@@ -253,20 +252,10 @@ class Cells:
         return ["".join(_texts[number] for number in line) for line in self.text.tolist()]
 
 
-class _Styles(dict[int, Style]):
-    """Cache of styles by packed style."""
-
-    def __missing__(self, number: int) -> Style:
-        if len(self) > 20_000:
-            self.clear()
-        style = Style.from_color(colour_of(number >> 24 & PAPER), colour_of(number & PAPER))
-        if number & BOLD:
-            style += Style(bold=True)
-        self[number] = style
-        return style
-
-
-_STYLES = _Styles()
+@lru_cache(maxsize=20_000)
+def _style_of(packed: int) -> Style:
+    style = Style.from_color(colour_of(packed >> 24 & PAPER), colour_of(packed & PAPER))
+    return style + Style(bold=True) if packed & BOLD else style
 
 
 @lru_cache(maxsize=8192)

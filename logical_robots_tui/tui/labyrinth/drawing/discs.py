@@ -33,8 +33,7 @@ BLOCKS = {
 }
 """For a number of dots in a cell the character of each pattern; bit i is dot i, row by row."""
 
-_FLAT = 40.0
-"""Squared error, summed over the dots, below which a cell is given one colour only."""
+_FLAT = 40.0  # squared error, summed over the dots, below which a cell is given one colour only
 
 
 def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]:
@@ -54,9 +53,7 @@ def pack(colour: Floats) -> NDArray[np.int64]:
     return packed
 
 
-def fit(
-    dots: NDArray[np.uint8],
-) -> tuple[NDArray[np.int64], Floats, Floats]:
+def fit(dots: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Floats, Floats]:
     """Divide each cell's dots, (cells, dots of a cell, 3), into the two best colour groups.
 
     Returns an index into ``BLOCKS``, ink (lighter) and paper (darker) per cell; blank for about
@@ -69,7 +66,9 @@ def fit(
     if count == 1 or not cells:
         return np.zeros(cells, np.int64), mean, mean
 
-    patterns, members = _patterns(count)
+    # All ways to split the dots in two, and for each a row of its members.
+    patterns = np.arange(1, 2**count - 1, 2, dtype=np.int64)
+    members = (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
     sizes = members.sum(axis=1)[:, None]
     sums = (members @ by_dot).reshape(len(patterns), cells, 3)
     rest = total - sums
@@ -96,12 +95,6 @@ def fit(
 _BRIGHTNESS = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 
 
-def _patterns(count: int) -> tuple[NDArray[np.int64], Floats]:
-    """Return all ways to split dots in two, and for each a row of its members."""
-    patterns = np.arange(1, 2**count - 1, 2, dtype=np.int64)
-    return patterns, (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
-
-
 _BLOCK_IDS = {
     count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
 }
@@ -122,12 +115,7 @@ def refit(cells: Cells, dots: NDArray[np.uint8], which: NDArray[np.int64]) -> No
     cells.tone.ravel()[which] = pack(dots[which].mean(axis=1, dtype=np.float32))
 
 
-def blend(
-    image: Floats,
-    window: tuple[slice, slice],
-    colour: RGB,
-    weights: Floats,
-) -> None:
+def blend(image: Floats, window: tuple[slice, slice], colour: RGB, weights: Floats) -> None:
     """Mix a colour into part of an image; weights are 0 to 1, one per dot."""
     part = image[window]
     part += (np.array(colour, np.float32) - part) * weights[..., None]

@@ -153,12 +153,10 @@ class WallTable:
 
     @property
     def width(self) -> int:
-        """Width in map units."""
         return len(self._walls[0])
 
     @property
     def height(self) -> int:
-        """Height in map units."""
         return len(self._walls)
 
     def change(self, walls: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:

@@ -20,17 +20,15 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
     text_id,
 )
 from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
-from logical_robots_tui.tui.labyrinth.drawing.rays import mark_ends
+from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, mark_ends
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterator, Sequence
 
     from numpy.typing import NDArray
 
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
     from logical_robots_tui.world.dynamics import RobotState
     from logical_robots_tui.world.level import Level
@@ -132,8 +130,7 @@ class FreeCells:
         return None
 
 
-_MIN_COLUMNS, _MIN_ROWS = 24, 8
-"""Below this a view is too small for names."""
+_MIN_COLUMNS, _MIN_ROWS = 24, 8  # below this a view is too small for names
 
 _NAMES_AT_MOST = 4
 """One in so many cells may show the name of a robot; of a larger crowd only the selected one's."""
@@ -150,12 +147,7 @@ class StaticLabels:
     """Beacons' symbols and names, areas' names, placed once; `ground` is (down, across, 3)."""
 
     def __init__(
-        self,
-        level: Level,
-        active: Sequence[bool],
-        viewport: Viewport,
-        look: Look,
-        ground: Floats,
+        self, level: Level, active: Sequence[bool], viewport: Viewport, look: Look, ground: Floats
     ) -> None:
         palette, glyphs = look.palette, look.drawing.glyphs
         self.room = FreeCells(viewport.rows, viewport.columns)

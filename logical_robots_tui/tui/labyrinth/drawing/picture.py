@@ -9,7 +9,7 @@ import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, Palette, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import pack, paint_robot, refit, split
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Highlight, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import (
     ASCII_KINDS,
     Ground,
@@ -30,25 +30,19 @@ from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
     draw_ring,
     draw_trails,
 )
-from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight, Look
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
-    from logical_robots_tui.world.dynamics import RobotState
     from logical_robots_tui.world.level import Level
 
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""
 
-_CROWD = 12
-"""Robots per hurried picture that reuses the light of the one before."""
-
-_UNSEEN = 12
-"""The error of a colour channel, of 255, that is tolerated in hurried pictures."""
+_CROWD = 12  # robots per hurried picture that reuses the light of the one before
+_UNSEEN = 12  # the error of a colour channel, of 255, that is tolerated in hurried pictures
 
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
@@ -103,8 +97,10 @@ class Picture:
         raster = Raster(viewport, *look.drawing.dots)
         self._update_ground(level, frame, traces, raster, look)
         colours = {robot.name: robot_colour(robot.color, look.palette) for robot in level.robots}
+        dead = look.palette.dead
         robots = [
-            (robot, _state_colour(robot, colours, look.palette)) for robot in frame.after.robots
+            (robot, dead if robot.dead else colours.get(robot.name, dead))
+            for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
         light = self._lighting(frame, raster, look, colours, hurried=hurried)
@@ -167,13 +163,7 @@ class Picture:
         return changed
 
     def _lighting(
-        self,
-        frame: Frame,
-        raster: Raster,
-        look: Look,
-        colours: dict[str, RGB],
-        *,
-        hurried: bool,
+        self, frame: Frame, raster: Raster, look: Look, colours: dict[str, RGB], *, hurried: bool
     ) -> _Light:
         """Return the ground in the robots' light; if hurried, perhaps that of an earlier frame."""
         if hurried and self._light and self._light.left and self._light.look == look:
@@ -204,10 +194,6 @@ class Picture:
             self._dots[changed] = dots[changed]
         refit(self._base, dots, changed)
         return self._base.copy()
-
-
-def _state_colour(robot: RobotState, colours: dict[str, RGB], palette: Palette) -> RGB:
-    return palette.dead if robot.dead else colours.get(robot.name, palette.dead)
 
 
 def _draw_highlight(

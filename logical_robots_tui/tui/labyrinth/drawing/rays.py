@@ -12,7 +12,7 @@ import numpy as np
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import shows_body
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Raster, Viewport
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -22,14 +22,10 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
     from logical_robots_tui.world.dynamics import RobotState
 
-_FINE = 16
-"""Steps between two rays in which the shape of a fan is tabulated."""
-
-_STEPS = 12
-"""Steps of brightness."""
+_FINE = 16  # steps between two rays in which the shape of a fan is tabulated
+_STEPS = 12  # steps of brightness
 
 KINDS = {"robot": 3, "beacon": 2, "wall": 1}
 """What a ray may hit; a greater number is more important."""
@@ -164,9 +160,7 @@ def _shape(fan: Fan) -> tuple[Floats, Floats, Floats]:
 
 
 @lru_cache(maxsize=8)
-def _slots(
-    count: int,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
+def _slots(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Floats]:
     """Return each slot's nearest ray, the one before it, and how far it is past that one.
 
     Last, with the slots outside, how far each is from the nearest ray.

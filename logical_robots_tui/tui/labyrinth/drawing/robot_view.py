@@ -11,7 +11,7 @@ import numpy as np
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, mix, rgb_number
 from logical_robots_tui.tui.labyrinth.drawing.discs import blend, fit_dots, split
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_into, robot_colour, write
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
@@ -23,14 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.world.level import Level
 
-_THICK = 12.0
-"""Map units between the ends of two rays that belong to one wall, at least."""
-
-_LEAST = (24, 10)
-"""Columns and rows that a picture of one robot needs."""
+_THICK = 12.0  # map units between the ends of two rays that belong to one wall, at least
+_LEAST = (24, 10)  # columns and rows that a picture of one robot needs
 
 
 def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, mix, rgb_number, text_id
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
     from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
 
@@ -27,15 +26,9 @@ _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.in
 """The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""
 
 _BRAILLE = np.array([text_id(chr(0x2800 + bits)) for bits in range(256)], np.int64)
-
-_RING = 2.2
-"""Radius of the ring around a highlighted robot, in radii of a robot."""
-
-_LEAST_RING = 2.5
-"""The same at least, in columns."""
-
-_FADES = 4
-"""Steps in which a trail fades; each changes every cell of it once."""
+_RING = 2.2  # radius of the ring around a highlighted robot, in radii of a robot
+_LEAST_RING = 2.5  # the same at least, in columns
+_FADES = 4  # steps in which a trail fades; each changes every cell of it once
 
 _FAINTEST, _STRONGEST = 0.35, 0.85
 """Part of a robot's colour in the oldest and the newest part of its trail."""
@@ -117,12 +110,7 @@ def draw_ray(cells: Cells, fan: Fan, ray: float, viewport: Viewport, look: Look)
 
 
 def _draw(
-    cells: Cells,
-    x: Floats,
-    y: Floats,
-    ink: NDArray[np.int64],
-    viewport: Viewport,
-    look: Look,
+    cells: Cells, x: Floats, y: Floats, ink: NDArray[np.int64], viewport: Viewport, look: Look
 ) -> None:
     """Set a dot for each point; the last point in a cell determines its colour."""
     rows, columns = cells.text.shape
@@ -141,11 +129,8 @@ def _draw(
     cells.style[row, column] = ink[inside] << 24 | cells.tone[row, column]
 
 
-_TRAIL = 160
-"""Ticks that a trail is long."""
-
-_FLASH = 12
-"""Ticks for which an area shows that it was switched."""
+_TRAIL = 160  # ticks that a trail is long
+_FLASH = 12  # ticks for which an area shows that it was switched
 
 
 class Traces:

@@ -38,12 +38,10 @@ class Viewport(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Width in map units."""
         return self.columns * self.units
 
     @property
     def height(self) -> float:
-        """Height in map units."""
         return self.rows * self.units * CELL_ASPECT
 
     def centred(self, x: float, y: float) -> Self:
