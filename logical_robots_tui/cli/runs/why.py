@@ -7,14 +7,13 @@ import asyncio
 import json
 import shlex
 import shutil
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless, line_within, number_from
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.explain import Ask, Explanation, Node
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.mind import Program

@@ -5,8 +5,8 @@ All but the required ones can be left out.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
@@ -30,9 +30,6 @@ from logical_robots_tui.mind.tuning.records import (
     untie_aggregates,
 )
 from logical_robots_tui.schema import INPUTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
 
 
 @dataclass(slots=True)
