@@ -15,13 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.game.advancing import (
-    RecordedTick,
-    Worlds,
-    advance,
-    frame_of,
-    start_frame,
-)
+from logical_robots_tui.game.advancing import RecordedTick, Worlds, advance, frame_of, start_frame
 from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.packing import TickState
@@ -47,13 +41,7 @@ class Run:
     computed ticks to disk. `key` is a digest of everything on which they depend.
     """
 
-    def __init__(
-        self,
-        level: Level,
-        program: Program,
-        *,
-        limits: Limits | None = None,
-    ) -> None:
+    def __init__(self, level: Level, program: Program, *, limits: Limits | None = None) -> None:
         self.level = level
         self.program = program
         self.limits = limits or Limits()

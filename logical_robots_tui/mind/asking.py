@@ -49,12 +49,7 @@ class Asking:
     """
 
     def __init__(
-        self,
-        program: Program,
-        limits: Limits,
-        *,
-        plain: bool,
-        frozen: bool = False,
+        self, program: Program, limits: Limits, *, plain: bool, frozen: bool = False
     ) -> None:
         self._program = program
         self.plain_tables = PlainTables(limits)
@@ -76,12 +71,7 @@ class Asking:
                 yield view, failure
 
     def question(
-        self,
-        question: Question,
-        moment: Moment,
-        within: Within,
-        *,
-        in_order: bool,
+        self, question: Question, moment: Moment, within: Within, *, in_order: bool
     ) -> Iterator[tuple[View, Answer]]:
         """Yield each view's rows, truncated to the limits; raise FailureError."""
         tuned = question.tuned

@@ -75,11 +75,7 @@ class Mind:
         self._within = Within.of_thought(self.limits)
 
     def think(
-        self,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        *,
-        stop: threading.Event | None = None,
+        self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None
     ) -> list[Decision]:
         """Decide for every robot that has a sensor row, in the order of the rows.
 

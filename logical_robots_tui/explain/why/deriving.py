@@ -149,10 +149,7 @@ class Telling:
                 yield from self.term(part, way)
 
     def contributors(
-        self,
-        found: Sequence[tuple[Clause, AggregateInput, Way]],
-        result: Value,
-        is_all: bool,
+        self, found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value, is_all: bool
     ) -> tuple[Node, ...]:
         if not found:
             return (Node("note", "goes over nothing"),)

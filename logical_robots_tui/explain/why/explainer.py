@@ -132,10 +132,7 @@ _DEEPEST = 20  # functions that call functions
 
 
 def _calls_of(
-    name: str,
-    callers: Mapping[str, Sequence[str]],
-    derivations: Derivations,
-    most: int,
+    name: str, callers: Mapping[str, Sequence[str]], derivations: Derivations, most: int
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
     probing = derivations.decompose(name, "")
     rows: list[tuple[Value, ...]] = []

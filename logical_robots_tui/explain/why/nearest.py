@@ -45,11 +45,7 @@ class Suggestion:
 
 class Nearest:
     def __init__(
-        self,
-        program: Program,
-        derivations: Derivations,
-        given: Mapping[str, Value],
-        limits: Limits,
+        self, program: Program, derivations: Derivations, given: Mapping[str, Value], limits: Limits
     ) -> None:
         self._program, self._derivations, self._given = program, derivations, given
         self._limits = limits

@@ -41,12 +41,7 @@ def explain(derivations: Derivations, asked: Ask) -> Explanation:
         else:
             rules = (*rules, _note_unexplained(rules[0], probing))
     return Explanation(
-        asked,
-        derivations.robot,
-        probing.made_from,
-        min(len(rows), MOST_ROWS),
-        row,
-        rules,
+        asked, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
     )
 
 

@@ -102,11 +102,7 @@ class _Sourcing:
         self._depth = 0
 
     def in_row(
-        self,
-        asked: Ask,
-        column: str,
-        path: Path,
-        caller: tuple[_Frame, Call] | None,
+        self, asked: Ask, column: str, path: Path, caller: tuple[_Frame, Call] | None
     ) -> tuple[Value, Provenance]:
         self._depth += 1
         if self._depth > _DEEPEST:
@@ -249,11 +245,7 @@ class _Sourcing:
 
 
 def _frame(
-    probing: Probing,
-    rule: Span,
-    clause: Clause,
-    way: Way,
-    caller: tuple[_Frame, Call] | None,
+    probing: Probing, rule: Span, clause: Clause, way: Way, caller: tuple[_Frame, Call] | None
 ) -> _Frame:
     frame = _Frame(probing, rule, clause, way)
     if caller is not None:

@@ -175,10 +175,7 @@ _MOST_LEAVES = 3
 
 
 def findings_of(
-    tally: Tally,
-    observed: Observations,
-    closer: Mapping[tuple[str, int], Tally],
-    level: Level,
+    tally: Tally, observed: Observations, closer: Mapping[tuple[str, int], Tally], level: Level
 ) -> list[Finding]:
     """Return findings, most significant first; `closer` has counts by robot and first tick."""
     found = [

@@ -105,8 +105,7 @@ def bind_viewers(tree: exp.Expr) -> None:
         if bounds and select is not None:
             low, high = (exp.Var(this=name) for name in bounds)
             sql.restrict(
-                select,
-                exp.Between(this=exp.column("id", table.alias_or_name), low=low, high=high),
+                select, exp.Between(this=exp.column("id", table.alias_or_name), low=low, high=high)
             )
 
 

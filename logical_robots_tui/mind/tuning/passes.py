@@ -12,13 +12,7 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.program import STEPS, Tuned
-from logical_robots_tui.mind.tuning import (
-    columns,
-    common_subexpressions,
-    json,
-    planning,
-    sql,
-)
+from logical_robots_tui.mind.tuning import columns, common_subexpressions, json, planning, sql
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.columns import MemoryColumns
 from logical_robots_tui.mind.tuning.records import (
