@@ -205,9 +205,6 @@ class _ClauseBuilder:
 
         return change(node)  # type: ignore[return-value]  # a kind for its kind
 
-    def _is_call(self, node: Node | None) -> bool:
-        return variable_of(node) in self._calls
-
     # -- steps -----------------------------------------------------------------------------------
 
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
@@ -267,7 +264,7 @@ class _ClauseBuilder:
         span = self._builder.span(node)
         if kind == "literal":
             return Term("literal", span, self._column(node))
-        if self._is_call(node):
+        if variable_of(node) in self._calls:
             return self._called_term(variable_of(node), self._column(node))
         if isinstance(node, Aggregate):
             body = self._inner(node) if self._depth < _DEEPEST else None

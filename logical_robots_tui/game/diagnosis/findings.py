@@ -240,15 +240,11 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
         gave = [n for n in called if tally.rules[n].gave is not None and n not in seen]
         facts = [n for n in gave if checkup.rules[n].is_fact]
         deeper = [] if facts or len(gave) != 1 else _multipliers(tally, gave[0], seen)
-        alike = _alike_facts(checkup, facts) if facts else []
-        rules = [checkup.rules[n].span for n in (alike or gave) if not facts or alike]
+        times = Counter(checkup.rules[n].key for n in facts)
+        alike = [n for n in facts if times[checkup.rules[n].key] > 1]
+        rules = [checkup.rules[n].span for n in (alike if facts else gave)]
         return [*deeper, *reversed(rules), site.span]
     return []
-
-
-def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
-    texts = Counter(checkup.rules[n].key for n in facts)
-    return [n for n in facts if texts[checkup.rules[n].key] > 1]
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
