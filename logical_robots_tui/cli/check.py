@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
 import json
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, harmless, new_command
+from logical_robots_tui.cli.command import (
+    Commands,
+    add_data_dir,
+    add_no_solutions,
+    harmless,
+    new_command,
+)
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Diagnostic
     from logical_robots_tui.world import Level
 

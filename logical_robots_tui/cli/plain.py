@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import math
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 
 from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
+    Frame,
     Game,
     NoSuchTickError,
+    Source,
     goals,
     level_key,
     load_program,
@@ -33,12 +36,6 @@ from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import Level, load_level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame, Source
 
 MOST = 5000
 """The default tick limit of ``run``."""

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_no_solutions,
     add_programs,
@@ -25,7 +26,6 @@ from logical_robots_tui.paths import is_folder
 from logical_robots_tui.processes.helper import collect_later
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
 

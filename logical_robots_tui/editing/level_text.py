@@ -73,15 +73,15 @@ def words_of(level: Level) -> Record:
         "further": level.further,
         "divided_charge": level.divided_charge,
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
-        "teams": [_told(team) for team in level.teams],
-        "scores": [_told(score) for score in level.scores],
+        "teams": [_record_of(team) for team in level.teams],
+        "scores": [_record_of(score) for score in level.scores],
     }
     if level.visibility == Visibility():
         del record["visibility"]
     return {key: value for key, value in record.items() if value or key == "title"}
 
 
-def _told(part: Team | Score) -> Record:
+def _record_of(part: Team | Score) -> Record:
     record = {name: value for name, value in asdict(part).items() if value != ""}
     if isinstance(part, Score):
         record["points"] = _number(part.points)

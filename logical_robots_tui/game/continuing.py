@@ -73,11 +73,7 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
 
 
 def programs_to_begin_with(
-    progress: Progress,
-    level: Level,
-    names: Sequence[str],
-    by_team: Mapping[str, str],
-    own: Path,
+    progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], own: Path
 ) -> tuple[dict[str, Source], str | None]:
     """Return the programs to open, by team, and the player's last text of the first.
 

@@ -104,13 +104,13 @@ class _Work:
         process.stdin.write(len(self._request).to_bytes(8, "big") + self._request)
         process.stdin.flush()
         for line in process.stdout:
-            told = json.loads(line)
-            if "tried" in told:
-                report(Trial(told["tried"], told["wins"]))
-            elif told["late"]:
+            answer = json.loads(line)
+            if "tried" in answer:
+                report(Trial(answer["tried"], answer["wins"]))
+            elif answer["late"]:
                 raise MeasuringError
             else:
-                found = told["measures"]
+                found = answer["measures"]
                 return Measures(**found)._replace(goals=tuple(found["goals"])) if found else None
         raise MeasuringError
 

@@ -280,8 +280,7 @@ def target(
         raise InputError("is not a regular file.", place=str(path), hint="Choose another name.")
     if shipped_folder(folder).resolve() in real(path).parents:
         raise InputError(
-            f"The {folder} of the game can't be changed.",
-            hint="Save it in another folder.",
+            f"The {folder} of the game can't be changed.", hint="Save it in another folder."
         )
     return path
 

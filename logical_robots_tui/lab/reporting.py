@@ -7,8 +7,9 @@ import math
 import re
 import sys
 from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from logical_robots_tui.lab.exporting import Done, check_extra, done_runs, harmless_text
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
@@ -16,10 +17,6 @@ from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
 from logical_robots_tui.lab.page import as_code, as_page, as_percent, as_table, shade
 from logical_robots_tui.lab.tournament.reporting import tournament_parts
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 
 _WIDTH = 78
 _MOST_BARS = 40

@@ -25,16 +25,7 @@ MOST_STEPS = 1_000
 
 _CHOSEN_BY_THE_GAME = ("@AttachDatabase", "@Dataset")
 _ANNOTATIONS = frozenset(
-    {
-        "@DefineFlag",
-        "@Ground",
-        "@Limit",
-        "@NoInject",
-        "@NoWith",
-        "@OrderBy",
-        "@Recursive",
-        "@With",
-    }
+    {"@DefineFlag", "@Ground", "@Limit", "@NoInject", "@NoWith", "@OrderBy", "@Recursive", "@With"}
 )
 IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
 """Annotations that have no effect here and don't change results elsewhere."""

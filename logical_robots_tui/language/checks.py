@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeGuard
 
+from logical_robots_tui.language.adapter import Parsed
 from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
     MAIN,
@@ -19,9 +21,11 @@ from logical_robots_tui.language.definitions import (
     prelude,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import closest, distance
+from logical_robots_tui.language.diagnostics import Diagnostic, closest, distance
+from logical_robots_tui.language.inference.names import Mention
 from logical_robots_tui.language.inference.tracing import Inference
 from logical_robots_tui.language.signatures import (
+    Signature,
     collisions,
     duplicates,
     signatures,
@@ -33,10 +37,13 @@ from logical_robots_tui.language.tree import (
     REST,
     Annotation,
     Argument,
+    Expression,
     Functor,
+    Node,
     PredicateName,
     Record,
     Rule,
+    Statement,
     Text,
     Variable,
     text_of,
@@ -46,13 +53,7 @@ from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.adapter import Parsed
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.inference.names import Mention
-    from logical_robots_tui.language.signatures import Runs, Signature
-    from logical_robots_tui.language.tree import Expression, Node, Statement
+    from logical_robots_tui.language.signatures import Runs
 
 _OUTSIDE = frozenset(
     [

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui.language.definitions import definitions, prelude, substitutions
 from logical_robots_tui.language.diagnostics import ProgramError
@@ -23,11 +24,16 @@ from logical_robots_tui.language.tree import (
     Call,
     Conjunction,
     Equation,
+    Expression,
+    Functor,
     List,
+    Node,
     Number,
     PredicateName,
+    Proposition,
     Record,
     Rule,
+    Statement,
     Text,
     Variable,
     arguments,
@@ -37,11 +43,6 @@ from logical_robots_tui.language.tree import (
     walk,
 )
 from logical_robots_tui.schema import INPUTS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from logical_robots_tui.language.tree import Expression, Functor, Node, Proposition, Statement
 
 Field: TypeAlias = "int | str"
 """A column by place or name."""

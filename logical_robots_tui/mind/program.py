@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -10,7 +11,6 @@ from logical_robots_tui.language.inference.names import Mention
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Mapping
 
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.limits import Limits

@@ -23,7 +23,7 @@ Pose: TypeAlias = tuple[float, float, float]
 
 def start_state(level: Level) -> WorldState:
     robots = tuple(_at_start(robot) for robot in level.robots)
-    areas = tuple(_new_area(area) for area in level.areas)
+    areas = tuple(AreaState(area.name, starts_active(area)) for area in level.areas)
     return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
 
 
@@ -89,10 +89,6 @@ def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
 def _at_start(robot: Robot) -> RobotState:
     capacity = float(robot.battery_capacity)
     return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
-
-
-def _new_area(area: Area) -> AreaState:
-    return AreaState(area.name, starts_active(area))
 
 
 def _switch_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:

@@ -242,12 +242,7 @@ def _widen(pairs: Pairs) -> NDArray[np.float64]:
 
 
 def _take(
-    hits: NDArray[np.int64],
-    codes: int,
-    rays: Rays,
-    circles: Circles,
-    pairs: Pairs,
-    chords: Chords,
+    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: Pairs, chords: Chords
 ) -> None:
     """Lower hits where rays enter circles; exact distances decide among three steps."""
     pair, ray, along, half_squared = chords

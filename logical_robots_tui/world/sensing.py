@@ -31,7 +31,7 @@ _View: TypeAlias = dict[str, Any]
 """The part of a sensor that comes from rays."""
 
 
-class _Looked(NamedTuple):
+class _Reading(NamedTuple):
     """The last reading of all robots, as reported in `views`, and the state it depends on."""
 
     robots: Sequence[RobotState]
@@ -87,7 +87,7 @@ class Senses:
         self._beacons = slice(1 + len(level.robots), self._codes - 1 - len(solid))
         switches = {name for area in level.areas for name in (area.on_beacon, area.off_beacon)}
         self._has_switches = any(beacon.name in switches for beacon in level.beacons)
-        self._last: _Looked | None = None
+        self._last: _Reading | None = None
         names = [robot.name for robot in level.robots]
         self._by_name = np.argsort(names) if level.teams else None
 
@@ -105,7 +105,7 @@ class Senses:
         rows = [_row(robot, state, view, clock) for robot, state, view in each]
         return rows, self._on_radar(last.hits) if self._has_switches else frozenset()
 
-    def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Looked:
+    def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Reading:
         """Return what robots see; only robots whose reading may have changed look again."""
         last, anew = self._last, list(range(len(robots)))
         if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
@@ -119,7 +119,7 @@ class Senses:
         views = self._views(rays, hits)
         if last is not None and len(anew) < len(robots):
             hits, views = last.but(anew, hits, views)
-        return _Looked(robots, shown, hits, views)
+        return _Reading(robots, shown, hits, views)
 
     def _circles(self, robots: Sequence[RobotState], shown: list[bool]) -> Circles:
         x, y = self._x.copy(), self._y.copy()
@@ -227,7 +227,7 @@ _MARGIN = 1.0
 """Map units; far more than any rounding error."""
 
 
-def _may_have_changed(robots: Sequence[RobotState], last: _Looked, codes: int) -> list[int]:
+def _may_have_changed(robots: Sequence[RobotState], last: _Reading, codes: int) -> list[int]:
     """Return the indices of robots that moved, or had a moving robot in view, then or now."""
     spots: list[_Spot] = []
     found: list[int] = []

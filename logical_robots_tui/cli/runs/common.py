@@ -10,6 +10,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_json,
     add_no_solutions,
@@ -29,7 +30,6 @@ from logical_robots_tui.errors import InputError
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame, Run
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
+    Commands,
     columns,
     harmless,
     line_of_json,
@@ -21,7 +22,6 @@ from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.runs.common import frame_at, new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Matches
     from logical_robots_tui.mind import Program, Question, Table
     from logical_robots_tui.world import Level

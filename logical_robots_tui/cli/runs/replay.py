@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_no_solutions,
     add_programs,
@@ -27,7 +28,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay, Verifier
 

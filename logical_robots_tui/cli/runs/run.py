@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
+    Commands,
     columns,
     finite,
     harmless,
@@ -23,7 +24,6 @@ from logical_robots_tui.cli.command import (
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, progress_bar
 
 if TYPE_CHECKING:
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level

@@ -8,13 +8,7 @@ from logical_robots_tui.explain.clauses.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import (
-    MAIN,
-    definitions,
-    is_constant,
-    reach,
-    rules_of,
-)
+from logical_robots_tui.language.definitions import MAIN, definitions, is_constant, reach, rules_of
 from logical_robots_tui.language.functors import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (

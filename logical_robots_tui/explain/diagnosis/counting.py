@@ -126,8 +126,8 @@ class Tally:
         for number, probe in enumerate(self.checkup.probes):
             if probe.closeness == "closer" or number in self.given_up:
                 continue
-            told = {probe.after, probe.before, *(column.site for column in probe.columns)}
-            if told & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
+            involved = {probe.after, probe.before, *(column.site for column in probe.columns)}
+            if involved & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
                 found.append(number)
         return found
 

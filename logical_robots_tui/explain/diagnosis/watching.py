@@ -154,11 +154,7 @@ class Watching:
     """
 
     def __init__(
-        self,
-        source: Prepared,
-        expanded: Expanded,
-        functions: frozenset[str],
-        rules: Sequence[Rule],
+        self, source: Prepared, expanded: Expanded, functions: frozenset[str], rules: Sequence[Rule]
     ) -> None:
         self.sites: list[Site] = []
         self.probes: dict[str, tuple[Rule, Probe]] = {}

@@ -8,10 +8,10 @@ from dataclasses import replace
 from logical_robots_tui.explain.why.explanation import Ask, Node
 from logical_robots_tui.explain.why.probing import (
     DECIDED_BY_ONE,
+    AggregateInput,
     Body,
     Call,
     Clause,
-    Collected,
     Step,
     Term,
 )
@@ -149,10 +149,7 @@ class Telling:
                 yield from self.term(part, way)
 
     def contributors(
-        self,
-        found: Sequence[tuple[Clause, Collected, Way]],
-        result: Value,
-        is_all: bool,
+        self, found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value, is_all: bool
     ) -> tuple[Node, ...]:
         if not found:
             return (Node("note", "goes over nothing"),)
@@ -206,7 +203,7 @@ class Telling:
         return Node("value", text, said, values=values, span=term.span, children=children)
 
     def _aggregate(self, body: Body, result: Value, way: Way) -> Iterator[Node]:
-        found: list[tuple[Clause, Collected, Way]] = []
+        found: list[tuple[Clause, AggregateInput, Way]] = []
         given, most = body.arguments(way), MOST_ELEMENTS + 1
         for clause in body.clauses:
             sql = self._queries.get(clause.query)
@@ -221,7 +218,7 @@ class Telling:
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 
-    def _element(self, collected: Collected, way: Way, said: str) -> Node:
+    def _element(self, collected: AggregateInput, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
         by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
         span = collected.term.span if collected.term is not None else None
@@ -230,8 +227,8 @@ class Telling:
 
 
 def winner(
-    found: Sequence[tuple[Clause, Collected, Way]], result: Value
-) -> tuple[Clause, Collected, Way] | None:
+    found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value
+) -> tuple[Clause, AggregateInput, Way] | None:
     """Return the element that determines an aggregate's result."""
     equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
     if not equal or not equal[0][1].by:

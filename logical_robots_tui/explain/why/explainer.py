@@ -22,7 +22,7 @@ from logical_robots_tui.explain.why.probing import (
     decompose,
 )
 from logical_robots_tui.explain.why.proving import explain, prove
-from logical_robots_tui.explain.why.sourcing import Made, Path, source_of
+from logical_robots_tui.explain.why.sourcing import Path, Provenance, source_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way
@@ -109,7 +109,7 @@ class Explainer:
             tuple(map(column_label, columns)), tuple(found[:most]), truncated=len(found) > most
         )
 
-    def source(self, path: Path) -> Made:
+    def source(self, path: Path) -> Provenance:
         """Return the origin of a part of the new memory, () for all; QueryError if unknown."""
         self._within.renew()
         return source_of(self._derivations, path)
@@ -132,10 +132,7 @@ _DEEPEST = 20  # functions that call functions
 
 
 def _calls_of(
-    name: str,
-    callers: Mapping[str, Sequence[str]],
-    derivations: Derivations,
-    most: int,
+    name: str, callers: Mapping[str, Sequence[str]], derivations: Derivations, most: int
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
     probing = derivations.decompose(name, "")
     rows: list[tuple[Value, ...]] = []

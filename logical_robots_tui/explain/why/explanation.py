@@ -105,15 +105,12 @@ class Explanation:
 
     Attributes:
         made_from: The predicate whose rules these are, or "".
-        within: The predicate made with ``:=`` whose copy of the rules is meant, or "".
         rows: How many rows have the given values, up to a limit; `row` is the first.
     """
 
-    predicate: str
+    asked: Ask
     robot: str
     made_from: str
-    within: str
-    given: Mapping[str, Value]
     rows: int
     row: Mapping[str, Value] | None
     rules: tuple[RuleFound, ...]

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.deriving import value_of
 from logical_robots_tui.explain.why.probing import ORDERING, Call, Probing, RuleParts, Span, Term
@@ -45,11 +45,7 @@ class Suggestion:
 
 class Nearest:
     def __init__(
-        self,
-        program: Program,
-        derivations: Derivations,
-        given: Mapping[str, Value],
-        limits: Limits,
+        self, program: Program, derivations: Derivations, given: Mapping[str, Value], limits: Limits
     ) -> None:
         self._program, self._derivations, self._given = program, derivations, given
         self._limits = limits
@@ -248,11 +244,9 @@ class Nearest:
             rows = self._relations.answer(program, f"{written};", self._limits)
         except (ProgramError, FailureError):
             return False
-        row = next((row for row in rows if self._is_wanted(row)), {})
+        wanted = self._given.items()
+        row = next((row for row in rows if all(row.get(c) == value for c, value in wanted)), {})
         return any(value is not None for value in row.values())
-
-    def _is_wanted(self, row: Mapping[str, Any]) -> bool:
-        return all(row.get(column) == value for column, value in self._given.items())
 
     def _span(self, start: int, stop: int) -> Span:
         text = self._program.text

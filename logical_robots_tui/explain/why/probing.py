@@ -80,7 +80,7 @@ class Call:
 
 
 @dataclass(frozen=True, slots=True)
-class Collected:
+class AggregateInput:
     """An aggregate's input, in one clause.
 
     Attributes:
@@ -174,7 +174,7 @@ class Clause:
     steps: tuple[Step, ...]
     head: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, Term] = field(default_factory=dict)
-    collected: tuple[Collected, ...] = ()
+    collected: tuple[AggregateInput, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)
 
     @property

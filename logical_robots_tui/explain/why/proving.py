@@ -15,7 +15,7 @@ from logical_robots_tui.explain.why.derivations import (
 )
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, number_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
-from logical_robots_tui.explain.why.probing import Clause, Collected, Probing, RuleParts
+from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -26,6 +26,7 @@ def explain(derivations: Derivations, asked: Ask) -> Explanation:
     """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
     probing = derivations.decompose(asked.predicate, asked.within)
     given = check_given(asked.given, probing)
+    asked = replace(asked, given=given)
     try:
         rows = derivations.rows(probing, given)
         derivations.prepare(probing)
@@ -40,14 +41,7 @@ def explain(derivations: Derivations, asked: Ask) -> Explanation:
         else:
             rules = (*rules, _note_unexplained(rules[0], probing))
     return Explanation(
-        asked.predicate,
-        derivations.robot,
-        probing.made_from,
-        asked.within,
-        given,
-        min(len(rows), MOST_ROWS),
-        row,
-        rules,
+        asked, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
     )
 
 
@@ -141,7 +135,7 @@ class _Proving:
         is_all = len(ways) <= MOST_ELEMENTS
         yield from self._telling.row(*ways[0], row)
         for column in (each.column for each in ways[0][0].collected):
-            found: list[tuple[Clause, Collected, Way]] = [
+            found: list[tuple[Clause, AggregateInput, Way]] = [
                 (clause, next(c for c in clause.collected if c.column == column), way)
                 for clause, way in ways[:MOST_ELEMENTS]
             ]

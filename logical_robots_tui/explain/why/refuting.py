@@ -117,14 +117,7 @@ class Refuting:
             nodes = (*nodes[:-1], replace(nodes[-1], said=said))
         return nodes
 
-    def _failed(
-        self,
-        clause: Clause,
-        step: Step,
-        before: str,
-        way: Way | None,
-        ways: int,
-    ) -> Node:
+    def _failed(self, clause: Clause, step: Step, before: str, way: Way | None, ways: int) -> Node:
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
         elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
@@ -161,10 +154,7 @@ class Refuting:
         )
 
     def _examples(
-        self,
-        terms: Sequence[Term],
-        query: str,
-        alike: Sequence[tuple[str, Value]],
+        self, terms: Sequence[Term], query: str, alike: Sequence[tuple[str, Value]]
     ) -> Iterator[Node]:
         for term in _flat(terms):
             sql = self._queries.get(query)

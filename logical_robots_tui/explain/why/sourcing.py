@@ -13,10 +13,10 @@ from logical_robots_tui.explain.why.deriving import ask_of, value_of, winner
 from logical_robots_tui.explain.why.explanation import Ask
 from logical_robots_tui.explain.why.probing import (
     DECIDED_BY_ONE,
+    AggregateInput,
     Body,
     Call,
     Clause,
-    Collected,
     Probing,
     Span,
     Step,
@@ -49,7 +49,7 @@ class Read:
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class Provenance:
     """The origin of a value at one moment.
 
     Attributes:
@@ -72,7 +72,7 @@ class _Frame:
     given: dict[str, tuple[_Frame, str, Term | None]] = field(default_factory=dict)
 
 
-def source_of(derivations: Derivations, path: Path) -> Made:
+def source_of(derivations: Derivations, path: Path) -> Provenance:
     """Return the origin of a part of the robot's new memory; raise QueryError."""
     asked = Ask(given={"robot_name": derivations.robot})
     try:
@@ -102,12 +102,8 @@ class _Sourcing:
         self._depth = 0
 
     def in_row(
-        self,
-        asked: Ask,
-        column: str,
-        path: Path,
-        caller: tuple[_Frame, Call] | None,
-    ) -> tuple[Value, Made]:
+        self, asked: Ask, column: str, path: Path, caller: tuple[_Frame, Call] | None
+    ) -> tuple[Value, Provenance]:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise QueryError("This goes through too many predicates to be followed.")
@@ -125,13 +121,13 @@ class _Sourcing:
         frames = [_frame(derived.probing, *each, caller) for each in derived.ways]
         return value, self._aggregate(found, frames, value, path, derived.ways[0][0])
 
-    def _head(self, frame: _Frame, column: str, path: Path) -> Made:
+    def _head(self, frame: _Frame, column: str, path: Path) -> Provenance:
         term = frame.clause.terms.get(column)
         if term is None:
-            return Made(frame.rule, frame.rule, ())
+            return Provenance(frame.rule, frame.rule, ())
         return self._term(frame, term, path)
 
-    def _term(self, frame: _Frame, term: Term, path: Path) -> Made:
+    def _term(self, frame: _Frame, term: Term, path: Path) -> Provenance:
         if term.kind == "variable":
             return self._variable(frame, term.column, path)
         if term.kind == "field":
@@ -154,18 +150,18 @@ class _Sourcing:
             return self._collected(frame, term, term.body, path)
         return self._computed(frame, term)
 
-    def _computed(self, frame: _Frame, term: Term) -> Made:
+    def _computed(self, frame: _Frame, term: Term) -> Provenance:
         reads = [read for part in term.parts for read in self._term(frame, part, ()).reads]
-        return Made(term.span, frame.rule, tuple(reads))
+        return Provenance(term.span, frame.rule, tuple(reads))
 
-    def _branch(self, frame: _Frame, term: Term, path: Path) -> Made:
+    def _branch(self, frame: _Frame, term: Term, path: Path) -> Provenance:
         *branches, otherwise = term.parts
         for condition, value in zip(branches[::2], branches[1::2], strict=True):
             if value_of(frame.way, condition.column):
                 return self._term(frame, value, path)
         return self._term(frame, otherwise, path)
 
-    def _variable(self, frame: _Frame, place: str, path: Path) -> Made:
+    def _variable(self, frame: _Frame, place: str, path: Path) -> Provenance:
         for step in frame.clause.steps:
             if step.kind in ("call", "function") and step.call is not None:
                 columns = [c for c, p in step.call.arguments.items() if p == place]
@@ -178,9 +174,9 @@ class _Sourcing:
             if term is not None:
                 return self._term(outer, term, path)
             return self._variable(outer, outer_place, path)
-        return Made(frame.rule, frame.rule, ())
+        return Provenance(frame.rule, frame.rule, ())
 
-    def _step(self, frame: _Frame, step: Step, place: str, path: Path) -> Made:
+    def _step(self, frame: _Frame, step: Step, place: str, path: Path) -> Provenance:
         if step.kind == "element":
             items = value_of(frame.way, step.terms[0].column)
             number = _index(items, value_of(frame.way, place))
@@ -189,25 +185,25 @@ class _Sourcing:
         others = [term for term in terms if term.column != place]
         if len(others) == 1 and len(step.gives) == 1:
             return self._term(frame, others[0], path)
-        return Made(step.span, frame.rule, ())
+        return Provenance(step.span, frame.rule, ())
 
-    def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> Made:
+    def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> Provenance:
         asked = ask_of(call, frame.way)
         given = asked.given
         if call.predicate in INPUTS:
             robot = str(given.get("robot_name", self._derivations.robot))
             if column == "robot_name":
-                return Made(None, frame.rule, ())
+                return Provenance(None, frame.rule, ())
             what: Literal["sensor", "memory"] = "sensor" if call.predicate == "Sensor" else "memory"
             try:
                 value = part_of(given[column], path)
             except QueryError:
                 value = None
-            return Made(None, frame.rule, (Read(what, robot, path, value),))
+            return Provenance(None, frame.rule, (Read(what, robot, path, value),))
         _, found = self.in_row(asked, column, path, (frame, call))
         return found
 
-    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> Made:
+    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> Provenance:
         ways = self._derivations.elements(frame.probing, body, frame.way)
         found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
         frames = [_inner(frame, body, clause, way) for clause, _, way in found]
@@ -216,15 +212,15 @@ class _Sourcing:
 
     def _aggregate(
         self,
-        found: Sequence[tuple[Clause, Collected, Way]],
+        found: Sequence[tuple[Clause, AggregateInput, Way]],
         frames: Sequence[_Frame],
         value: Value,
         path: Path,
         span: Span,
-    ) -> Made:
+    ) -> Provenance:
         rule = frames[0].rule if frames else None
         if not found:
-            return Made(span, rule, ())
+            return Provenance(span, rule, ())
         operator = found[0][1].operator
         chosen = None
         if operator in DECIDED_BY_ONE:
@@ -245,15 +241,11 @@ class _Sourcing:
             if one.term is not None
             for read in self._term(frame, one.term, ()).reads
         ]
-        return Made(span, rule, tuple(reads))
+        return Provenance(span, rule, tuple(reads))
 
 
 def _frame(
-    probing: Probing,
-    rule: Span,
-    clause: Clause,
-    way: Way,
-    caller: tuple[_Frame, Call] | None,
+    probing: Probing, rule: Span, clause: Clause, way: Way, caller: tuple[_Frame, Call] | None
 ) -> _Frame:
     frame = _Frame(probing, rule, clause, way)
     if caller is not None:

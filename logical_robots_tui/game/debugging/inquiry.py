@@ -53,26 +53,14 @@ class Inquiry:
 
         return await self._do(self._asker, program, work)
 
-    async def why(
-        self,
-        program: Program,
-        robot: str,
-        frame: Frame,
-        asked: Ask,
-    ) -> Explanation:
+    async def why(self, program: Program, robot: str, frame: Frame, asked: Ask) -> Explanation:
         """Explain a predicate's rows, or their absence, or raise QueryError."""
         return await self._explain(
             self._explainer, program, robot, frame, lambda each: each.why(asked)
         )
 
     async def proof(
-        self,
-        program: Program,
-        robot: str,
-        frame: Frame,
-        asked: Ask,
-        *,
-        depth: int = 100,
+        self, program: Program, robot: str, frame: Frame, asked: Ask, *, depth: int = 100
     ) -> Proof:
         """Prove the first row that is asked for, `depth` predicates deep; raises as `why`."""
         return await self._explain(

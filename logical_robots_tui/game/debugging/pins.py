@@ -82,11 +82,7 @@ def path_text(path: Path, what: str = "memory") -> str:
 
 
 def pin_of_cell(
-    predicate: str,
-    columns: Sequence[str],
-    rows: Sequence[Sequence[Value]],
-    row: int,
-    column: str,
+    predicate: str, columns: Sequence[str], rows: Sequence[Sequence[Value]], row: int, column: str
 ) -> Pin | None:
     """Return the pin of a value in a table, which finds its row again at other ticks.
 

@@ -7,8 +7,8 @@ that the difference is not merely a consequence of another.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui import explain
@@ -18,7 +18,6 @@ from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, QueryError
 from logical_robots_tui.mind.relations import alike
-from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.explainer import Explainer
@@ -124,8 +123,7 @@ class ProofDifference:
 def first_difference(
     here: Proof, there: Proof, here_text: str, there_text: str
 ) -> ProofDifference | None:
-    mine, other = here.explanation, there.explanation
-    asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
+    asked = _common_question(here.explanation.asked, there.explanation.asked)
     texts = _in_one_line(here_text), _in_one_line(there_text)
     walks = (_Walk(*texts, values=values) for values in (False, True))
     found = (walk.rules(asked, here.nodes, there.nodes) for walk in walks)
@@ -242,8 +240,7 @@ class _Walk:
         if here.holds is False and here.kind in _DECIDED_AT_ONCE:
             return None
         if here.asked is not None and there.asked is not None:
-            common = _common(here.asked.given, there.asked.given)
-            called = Ask(here.asked.predicate, common, here.asked.within)
+            called = _common_question(here.asked, there.asked)
             if (found := self.rules(called, _rules(here), _rules(there))) is not None:
                 return found
         return self._nodes(asked, _steps(here), _steps(there)) or self._nodes(
@@ -285,10 +282,11 @@ def _sides(here: Sequence[Node], there: Sequence[Node]) -> Iterator[Node | None]
     yield there[0] if there else None
 
 
-def _common(here: Mapping[str, Value], there: Mapping[str, Value]) -> dict[str, Value]:
-    return {
-        name: value for name, value in here.items() if name in there and alike(value, there[name])
-    }
+def _common_question(here: Ask, there: Ask) -> Ask:
+    """Return a question with only those given values that another one shares."""
+    others = there.given
+    same = {c: v for c, v in here.given.items() if c in others and alike(v, others[c])}
+    return replace(here, given=same)
 
 
 def _have_same_values(here: Node, there: Node) -> bool:

@@ -49,9 +49,7 @@ class Diagnosis:
 
 
 async def diagnose(
-    game: Game,
-    *,
-    report: Callable[[int, int], None] = lambda _done, _all: None,
+    game: Game, *, report: Callable[[int, int], None] = lambda _done, _all: None
 ) -> Diagnosis:
     """Diagnose the current program over a game's history; cancelling the call stops it.
 

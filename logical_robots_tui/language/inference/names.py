@@ -6,15 +6,12 @@ that with a level's names.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.diagnostics import Diagnostic, most_similar, printable
 from logical_robots_tui.language.types import SENSOR, Kind, ListOf, Plain, RecordOf, Word
 from logical_robots_tui.schema import NO_LABEL, OBJECTS, WALL
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 ROBOT_NAME = Word("robot_name")
 LABEL = Word("label")

@@ -7,12 +7,13 @@ argument that has the same kind everywhere. What is read from a memory is not.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import operator_name
 from logical_robots_tui.language.definitions import MAIN, definitions, functor_names, rules_of
-from logical_robots_tui.language.diagnostics import closest
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.inference.functions import (
     ALIKE,
     ARITHMETIC,
@@ -29,7 +30,15 @@ from logical_robots_tui.language.inference.names import (
     object_hint,
 )
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-from logical_robots_tui.language.tree import REST, Name
+from logical_robots_tui.language.tree import (
+    REST,
+    Argument,
+    Expression,
+    Name,
+    Proposition,
+    Rule,
+    Statement,
+)
 from logical_robots_tui.language.types import (
     Kind,
     ListOf,
@@ -45,13 +54,6 @@ from logical_robots_tui.language.types import (
     meet,
 )
 from logical_robots_tui.schema import OBJECTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.tree import Argument, Expression, Proposition, Rule, Statement
-
 
 _ROUNDS = 6  # how far a kind is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly

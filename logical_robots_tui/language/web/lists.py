@@ -5,20 +5,15 @@ It refuses an empty list whose elements have no known type, and a list of lists.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from logica.type_inference.research import infer, reference_algebra
 
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.adapter import types_on_duckdb
-from logical_robots_tui.language.source_text import diagnostic_at
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Statement
+from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at
+from logical_robots_tui.language.tree import Statement
 
 _COLLECTING = frozenset({"Array", "List", "Set"})
 _NESTED = "belongs to a list, but is implied to be"

@@ -6,12 +6,13 @@ is said here (`tests/mind/differential/test_web.py`).
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.definitions import calls, definitions, reach, rules_of
-from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
+from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import (
     Aggregate,
     Aggregation,
@@ -20,10 +21,13 @@ from logical_robots_tui.language.tree import (
     Boolean,
     Call,
     Choice,
+    Expression,
     FieldAccess,
+    Node,
     Number,
     Record,
     Rule,
+    Statement,
     Variable,
     equation_sides,
     operands,
@@ -32,14 +36,6 @@ from logical_robots_tui.language.tree import (
 )
 from logical_robots_tui.language.web.lists import refused_lists
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Expression, Node, Statement
-
 
 _remark = partial(diagnostic_for, severity="warning")
 _remark_at = partial(diagnostic_at, severity="warning")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
@@ -21,9 +21,6 @@ from logical_robots_tui.language.types import (
     spell,
 )
 from logical_robots_tui.mind.tuning import json, sql
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:

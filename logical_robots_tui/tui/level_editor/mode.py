@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.level_text import write_native
+from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.game import is_shipped
 from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
@@ -20,9 +22,6 @@ from logical_robots_tui.world.levels.drawing import coarsest_cell
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import Ui
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual.widgets import Input, Static
@@ -19,8 +20,6 @@ from logical_robots_tui.world import Level
 from logical_robots_tui.world.levels.load import NATIVE, SUFFIXES
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from textual.app import ComposeResult
 
     from logical_robots_tui.tui.level_editor.mode import EditMode

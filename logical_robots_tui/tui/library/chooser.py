@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
-from textual import on
+from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
@@ -15,7 +17,7 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import list_programs, load_program
+from logical_robots_tui.game import Source, list_programs, load_program
 from logical_robots_tui.paths import pasted_path, typed_path
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
@@ -24,13 +26,8 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.game import Source
     from logical_robots_tui.progress import Version
 
 T = TypeVar("T")

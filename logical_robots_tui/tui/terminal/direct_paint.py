@@ -6,18 +6,14 @@ the current state of a widget that uses a `PaintTarget`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+
+from textual.geometry import Region
+from textual.widget import Widget
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER, Cells
+from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from textual.geometry import Region
-    from textual.widget import Widget
-
-    from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
 
 
 class PaintTarget:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from logical_robots_tui.mind.limits import weight_of_scalar
-from logical_robots_tui.mind.sqlite.budget import Room
+from logical_robots_tui.mind.sqlite.budget import Aggregate, Room
 from logical_robots_tui.mind.sqlite.functions.casting import (
     Scalar,
     element,
@@ -16,11 +17,6 @@ from logical_robots_tui.mind.sqlite.functions.casting import (
     order_of_scalar,
 )
 from logical_robots_tui.mind.sqlite.stored import to_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.mind.sqlite.budget import Aggregate
 
 _PAIR = 200  # bytes of a pair and its sort key
 

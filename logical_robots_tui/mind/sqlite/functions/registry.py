@@ -9,8 +9,9 @@ import hashlib
 import json
 import math
 import sqlite3
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
@@ -39,9 +40,6 @@ from logical_robots_tui.mind.sqlite.functions.casting import (
 )
 from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.stored import to_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _MOST_COMPARED = 16  # arguments of Least and Greatest
 
