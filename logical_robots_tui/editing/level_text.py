@@ -218,11 +218,10 @@ def lost_in_web(level: Level) -> list[str]:
     return lost
 
 
+_ALWAYS = ("name", "x", "y", "radius", "color", "victory_robots")
+
+
 def _record(thing: Thing) -> Record:
-    record: Record = {name: _number(value) for name, value in asdict(thing).items()}
-    record.pop("team", None)
-    if isinstance(thing, Robot) and not (
-        thing.has_battery or thing.battery_capacity or thing.battery_consumption_rate
-    ):
-        return {name: record[name] for name in ("name", "x", "y", "angle", "color")}
-    return record
+    """Return what a file of the platform says: of the other fields, those that it needs."""
+    record = {name: _number(value) for name, value in asdict(thing).items() if name != "team"}
+    return {name: value for name, value in record.items() if value or name in _ALWAYS}

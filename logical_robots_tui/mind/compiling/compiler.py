@@ -29,7 +29,7 @@ from logical_robots_tui.language.functors import expand_functors
 from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.language.spelling import expand_rows, spell_out
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
-from logical_robots_tui.language.web.remarks import web_remarks
+from logical_robots_tui.language.web import web_remarks
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
     DEPTH,

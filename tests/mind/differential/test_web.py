@@ -13,7 +13,7 @@ from logica.type_inference.research.infer import TypeErrorCaughtException
 
 from logical_robots_tui.language.adapter import parse
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.language.web.remarks import _SQL_WORDS, web_remarks
+from logical_robots_tui.language.web import _SQL_WORDS, web_remarks
 from logical_robots_tui.paths import shipped_folder
 from tests.mind.differential.duckdb_reference import answer_in_one
 from tests.mind.rows import row

@@ -10,6 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 
+from logica.type_inference.research import infer, reference_algebra
+
+from logical_robots_tui.language import error_messages
+from logical_robots_tui.language.adapter import types_on_duckdb
 from logical_robots_tui.language.definitions import calls, definitions, reach, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
@@ -23,6 +27,7 @@ from logical_robots_tui.language.tree import (
     Choice,
     Expression,
     FieldAccess,
+    List,
     Node,
     Number,
     Record,
@@ -34,7 +39,6 @@ from logical_robots_tui.language.tree import (
     variable_of,
     walk,
 )
-from logical_robots_tui.language.web.lists import refused_lists
 from logical_robots_tui.schema import VALUE
 
 _remark = partial(diagnostic_for, severity="warning")
@@ -50,7 +54,7 @@ def web_remarks(program: Sequence[Statement], source: Prepared) -> list[Diagnost
         *_field_names(program, text),
         *_formats(program, text),
         *_Wholes(program, text).overflows(),
-        *refused_lists(program, source),
+        *_lists(program, source),
         *_ties(program, text),
     ]
     unique = {(each.line, each.column, each.message): each for each in found}
@@ -245,6 +249,45 @@ def _union(bounds: Sequence[tuple[int, int] | None]) -> tuple[int, int] | None:
     if not known or len(known) < len(bounds):
         return None
     return min(low for low, _ in known), max(high for _, high in known)
+
+
+# -- lists ----------------------------------------------------------------------------------------
+
+_COLLECTING = frozenset({"Array", "List", "Set"})
+_NESTED = "belongs to a list, but is implied to be"
+
+
+def _lists(program: Sequence[Statement], source: Prepared) -> Iterator[Diagnostic]:
+    """Yield a remark for each empty list without a type, and each list of lists.
+
+    The package's own inference, which the platform runs, finds them.
+    """
+    rules = rules_of(program)
+    lists = [node for node in walk(rules) if _is_list(node)]
+    empty = {each.span for each in lists if isinstance(each, List) and not each.elements}
+    try:
+        found = [*types_on_duckdb(rules, source)] if lists else []
+    except (infer.TypeErrorCaughtException, *error_messages.COMPLAINTS):
+        return  # such as rules of one predicate with different columns
+    for span, kind in found:
+        if isinstance(kind, reference_algebra.BadType):
+            if _NESTED not in str(kind):
+                continue
+            message = "the web platform has no lists of lists"
+            hint = "Put the inner list into a record: [{items: [1]}]."
+        elif span in empty and not reference_algebra.IsFullyDefined(kind):
+            message = "the web platform can't tell the type of the elements of []"
+            hint = "Name the list and say its type: l = [], l ~ [Num]."
+        else:
+            continue
+        length = span.stop - span.start
+        yield _remark_at(source.original, span.start, length, message, hint)
+
+
+def _is_list(node: Node) -> bool:
+    if isinstance(node, Aggregate | Aggregation):
+        return node.operator in _COLLECTING
+    return isinstance(node, List)
 
 
 # -- ties -----------------------------------------------------------------------------------------
