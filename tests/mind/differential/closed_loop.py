@@ -18,7 +18,7 @@ from tests.mind.differential.whole_programs import ASKED, engines
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["PROGRAMS", "differences"]
+__all__ = ["PROGRAMS", "differences", "fields", "same_memory"]
 
 _FOLDER = Path(__file__).with_suffix("")
 
@@ -43,7 +43,7 @@ def differences(text: str, ticks: int, folder: Path) -> Iterator[str]:
         there = {name: (engines(desire), memory) for name, desire, memory in found}
         decisions = mind.think(rows, ours)
         for decision in decisions:
-            here = engines(vars_of(decision.desire)), decision.memory
+            here = engines(fields(decision.desire)), decision.memory
             if not same_memory(here, there[decision.robot_name]):
                 yield f"tick {tick}: here {here}, on DuckDB {there[decision.robot_name]}"
         ours = {d.robot_name: d.memory for d in decisions}
@@ -53,16 +53,16 @@ def differences(text: str, ticks: int, folder: Path) -> Iterator[str]:
     mind.close()
 
 
-def vars_of(desire: Desire | None) -> dict[str, float] | None:
+def fields(desire: Desire | None) -> dict[str, float] | None:
     if desire is None:
         return None
     return {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
 
 
-def same_memory(ours: Any, theirs: Any) -> bool:
+def same_memory(ours: Any, theirs: Any, tolerance: float = 1e-9) -> bool:
     """Compare decisions; JSON in a text is here what it spells."""
     if isinstance(theirs, tuple):
         return all(map(same_memory, ours, theirs))
     if isinstance(theirs, str) and isinstance(ours, dict | list):
         theirs = json.loads(theirs)
-    return same(ours, theirs)
+    return same(ours, theirs, tolerance)
