@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.lab.exporting import Done, Table, csv_of, harmless_text
-from logical_robots_tui.lab.page import as_code, as_table, shade
+from logical_robots_tui.lab.exporting import (
+    Done,
+    Table,
+    as_code,
+    as_table,
+    csv_of,
+    harmless_text,
+    shade,
+)
 from logical_robots_tui.lab.tournament.ranking import Ranking, ranking_of
 
 if TYPE_CHECKING:
