@@ -55,13 +55,7 @@ class Tally(NamedTuple):
 
 
 class _Group(NamedTuple):
-    """Runs of one program in one level.
-
-    Attributes:
-        cell: The program in the level.
-        starts: The starts that are left.
-        is_alone: Whether each is a task of its own, because one of them may end its worker.
-    """
+    """Starts of a cell that are left; alone, each is a task, because it may end its worker."""
 
     cell: Cell
     starts: tuple[int, ...]

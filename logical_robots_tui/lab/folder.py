@@ -33,19 +33,11 @@ Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One program in one level, from all its starts.
+    """One program in one level, from all its starts; texts are named by their digests.
 
-    Attributes:
-        level: Digest of the level's text.
-        program: Digest of the program's text; of several that are the same but for space and
-            comments, of the first. Of a match, "".
-        level_name: What the level is called.
-        program_name: What the program is called.
-        ticks: The last tick of a run.
-        settings: The values of what is varied, by name; in a match the players by team.
-        student: Whose program it is, or "".
-        own: Digest of the student's own text.
-        parts: In a match, digests of the texts of the teams' programs, in the order of the teams.
+    `program` is the first of several that are the same but for space and comments, `own` the
+    student's; a match has "" and, in the order of the teams, `parts`. `settings` are the values
+    of what is varied, by name; in a match the players by team.
     """
 
     level: Digest
@@ -80,12 +72,9 @@ class Player(msgspec.Struct, frozen=True, omit_defaults=True):
 class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     """Everything that is needed to repeat the work, beside the inputs.
 
-    Attributes:
-        starts: The number of shifted starts, beside the given one.
-        given_first: Whether shifted starts are for programs that win from the given one.
-        steps: The most steps of a think.
-        seconds: Seconds after which a run is given up.
-        rounds: Pairs of players by index, for each round of a tournament that is known so far.
+    There are `starts` shifted starts, if `given_first` for programs that win from the given one.
+    A think has `steps`, a run `seconds` at most. `rounds` are pairs of players by index, for each
+    round of a tournament that is known so far.
     """
 
     kind: Literal["sweep", "grade", "tournament"]

@@ -11,11 +11,20 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median
 from typing import Any, NamedTuple
 
-from logical_robots_tui.lab.exporting import Done, check_extra, done_runs, harmless_text
+from logical_robots_tui.lab.exporting import (
+    Done,
+    as_code,
+    as_page,
+    as_percent,
+    as_table,
+    check_extra,
+    done_runs,
+    harmless_text,
+    shade,
+)
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
-from logical_robots_tui.lab.page import as_code, as_page, as_percent, as_table, shade
 from logical_robots_tui.lab.tournament.reporting import tournament_parts
 
 _WIDTH = 78

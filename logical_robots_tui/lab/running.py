@@ -61,18 +61,10 @@ class Asked(msgspec.Struct, frozen=True):
 
 
 class Task(msgspec.Struct, frozen=True):
-    """Runs of one program, or of those of teams, in one level.
+    """Runs in one level, of texts of programs by team, "" if all robots think alike.
 
-    Attributes:
-        level: The text of the level.
-        programs: The texts of the programs by team; of "" if all robots think alike.
-        ticks: The last tick of each run.
-        starts: The numbers of the starts; 0 is the given one.
-        asked: What to measure beside what is always measured.
-        steps: The most steps of a think.
-        seconds: Seconds after which a run is given up.
-        given_first: Whether a program that does not win from the given start is done.
-        fingerprint: Of the engine that must run it.
+    Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
+    think has `steps`, a run `seconds` at most. `fingerprint` is of the engine that must run it.
     """
 
     level: str
@@ -97,11 +89,9 @@ class Series(msgspec.Struct, frozen=True):
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     """The result of a run, determined by its inputs alone.
 
-    Attributes:
-        distance: Map units driven by all robots together.
-        notices: For each kind, the number of ticks with such a notice.
-        first: The first notice: tick, robot and message.
-        forfeit: Teams that have lost because their programs failed.
+    `distance` is map units of all robots together, `notices` the number of ticks with a notice
+    of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
+    because their programs failed.
     """
 
     outcome: Outcome

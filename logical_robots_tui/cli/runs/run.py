@@ -96,12 +96,7 @@ async def play_out(
 
 @dataclass
 class Outcome:
-    """The result of a run so far.
-
-    Attributes:
-        first: The first few notices, as (tick, robot name, kind, message).
-        is_reliable: Whether no time limit cut a thought short.
-    """
+    """The result of a run so far; `first` are a few notices: tick, robot, kind and message."""
 
     level: Level
     program_name: str

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.lab.exporting import Done, Table, csv_of, harmless_text
-from logical_robots_tui.lab.folder import Folder, Manifest
-from logical_robots_tui.lab.ledger import Ledger
-from logical_robots_tui.lab.page import as_code, as_table, shade
+from logical_robots_tui.lab.exporting import (
+    Done,
+    Table,
+    as_code,
+    as_table,
+    csv_of,
+    harmless_text,
+    shade,
+)
 from logical_robots_tui.lab.tournament.ranking import Ranking, ranking_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from logical_robots_tui.lab.folder import Folder, Manifest
+    from logical_robots_tui.lab.ledger import Ledger
 
 _WIDEST = 30  # players of a matrix in a terminal
 _MOST_CYCLES = 20

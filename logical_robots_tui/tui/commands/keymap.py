@@ -11,11 +11,7 @@ from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Scope, 
 
 
 class KeyMap:
-    """All commands, with their keys.
-
-    Args:
-        keys: Other keys, by the id of the command.
-    """
+    """All commands, with their keys or those that a player gave them, by the command's id."""
 
     def __init__(
         self, commands: Iterable[Command], keys: Mapping[str, tuple[str, ...]] | None = None
@@ -85,13 +81,9 @@ _NAMES = {"esc": "escape", " ": "space", "tabulator": "tab", "return": "enter"}
 
 
 def key_from(text: object) -> str:
-    """Return Textual's name for a key.
+    """Return Textual's name for a key such as ``n``, ``?``, ``F5``, ``^R`` or ``space``.
 
-    Args:
-        text: As on a keyboard, such as ``n``, ``?``, ``F5``, ``^R``, ``ctrl+r`` or ``space``.
-
-    Raises:
-        ValueError: There is no such key, or it can't be used; the message says why.
+    Raises ValueError, which says why, if there is no such key or it can't be used.
     """
     if not isinstance(text, str) or not text:
         raise ValueError(f"{text!r} is not a key; write it as a string")

@@ -25,7 +25,7 @@ from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
-from logical_robots_tui.tui.terminal.direct_paint import paint_target_of
+from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world import RobotState

@@ -12,7 +12,7 @@ from textual.widget import Widget
 from logical_robots_tui.game import Goal, goals
 from logical_robots_tui.game.frame import is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
-from logical_robots_tui.tui.terminal.direct_paint import repaint
+from logical_robots_tui.tui.terminal.diff_app import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 

@@ -14,7 +14,7 @@ from textual.widget import Widget
 
 from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER
-from logical_robots_tui.tui.terminal.direct_paint import repaint
+from logical_robots_tui.tui.terminal.diff_app import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 

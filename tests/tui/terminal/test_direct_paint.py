@@ -10,7 +10,7 @@ from textual.geometry import Region
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, CONTINUED, Cells, text_id
 from logical_robots_tui.tui.terminal.cell_diff import Difference
-from logical_robots_tui.tui.terminal.direct_paint import PaintTarget
+from logical_robots_tui.tui.terminal.diff_app import PaintTarget
 from tests.terminal import looks
 
 COLUMNS, ROWS = 14, 6
