@@ -288,10 +288,11 @@ def test_random_casts_texts_records_and_recursions_mean_the_same(
 def test_5000_random_casts_texts_records_and_recursions_mean_the_same(tmp_path: Path) -> None:
     counts = Counter[str]()
 
-    @settings(max_examples=700, deadline=None, suppress_health_check=relaxed)
+    @settings(max_examples=100, deadline=None, suppress_health_check=relaxed)
     @given(typed | graphs)
     def compare(batch: list[tuple[str, str]]) -> None:
         assert not list(compared(batch, tmp_path, counts))
 
-    compare()
+    while counts["compared"] < 5_000:  # a batch may hold one recursion, or ten expressions
+        compare()
     assert counts["errors there"] < counts["compared"] / 10

@@ -25,7 +25,7 @@ from logical_robots_tui.tui.program.editor import find_after, rename
 from tests.mind.hostile.bounds import bounded_work
 from tests.terminal import Terminal
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
-from tests.tui.program.test_pane import ODD
+from tests.tui.program.test_warnings import ODD
 
 if TYPE_CHECKING:
     from pathlib import Path
