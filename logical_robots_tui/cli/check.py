@@ -51,7 +51,7 @@ def start(options: argparse.Namespace) -> int:
       logical-robots check my-program.l --web    and what the web platform would not do
       logical-robots check my-program.l --json   output for scripts and editors
       logical-robots check my-program.l --level 05-lighthouse
-                                                 also warn about names that the level lacks
+                                                 and names that the level lacks
 
     exit status: 0 all programs can run (there may be warnings), 2 one can't
     """
