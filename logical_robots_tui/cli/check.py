@@ -48,7 +48,7 @@ def start(options: argparse.Namespace) -> int:
     examples:
       logical-robots check my-program.l          print errors and warnings
       logical-robots check *.l                   check several programs
-      logical-robots check my-program.l --web    and what the web platform would not do
+      logical-robots check my-program.l --web    and what fails on the web platform
       logical-robots check my-program.l --json   output for scripts and editors
       logical-robots check my-program.l --level 05-lighthouse
                                                  and names that the level lacks
