@@ -9,14 +9,11 @@ import contextlib
 import hashlib
 import os
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.confinement import is_confined
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 FOLDER_VARIABLE = "LOGICAL_ROBOTS_CACHE_DIR"
 """Environment variable that names another folder; if empty, there is no cache on disk."""

@@ -8,12 +8,10 @@ from __future__ import annotations
 import mmap
 import os
 import resource
+from collections.abc import Iterator
 from errno import EACCES, EDQUOT
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from typing import NamedTuple
 
 MOST_FILES = 2_000
 MOST_BYTES = 200 * 2**20

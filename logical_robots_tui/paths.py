@@ -5,15 +5,12 @@ from __future__ import annotations
 import difflib
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from logical_robots_tui.confinement import WHY, check_mine, is_confined
 from logical_robots_tui.errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 _OF_THE_KERNEL = ("/proc", "/sys", "/dev")
 
@@ -67,6 +64,29 @@ def typed_path(text: str) -> Path:
     except RuntimeError as error:
         hint = "Name another folder."
         raise InputError("there is no such home", place=text, hint=hint) from error
+
+
+def pasted_path(text: str) -> str:
+    """Return a typed or pasted text; of a path that a terminal pasted for a file, the path itself.
+
+    Terminals paste the path of a file that is dropped into them in quotes, with backslashes before
+    spaces, or as a ``file://`` address.
+    """
+    import shlex  # only dialogs need them
+    from urllib.parse import unquote
+
+    text = text.strip()
+    if text.startswith("file://"):
+        _host, slash, path = text.removeprefix("file://").partition("/")
+        return unquote(slash + path)
+    if "/" in text and any(sign in text for sign in "\\'\""):
+        try:
+            words = shlex.split(text)
+        except ValueError:  # a quote that is not closed
+            return text
+        if len(words) == 1 and not os.path.lexists(text):
+            return words[0]
+    return text
 
 
 ShippedKind: TypeAlias = Literal["levels", "programs"]

@@ -6,13 +6,10 @@ import fcntl
 import os
 import re
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.confinement import check_name, check_quota
 from logical_robots_tui.paths import is_file, is_there, real
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}")
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import argparse
 import json
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import add_data_dir, add_no_solutions, harmless, new_command
+from logical_robots_tui.cli.command import (
+    Commands,
+    add_data_dir,
+    add_no_solutions,
+    harmless,
+    new_command,
+)
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.mind import Diagnostic
+    from logical_robots_tui.world import Level
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
@@ -22,6 +27,14 @@ WIDEST = 100  # columns of an excerpt
 def declare(commands: Commands) -> None:
     command = new_command(commands, "check", start)
     command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
+    command.add_argument(
+        "--web",
+        action="store_true",
+        help="also print what would fail or mean something else on the web platform",
+    )
+    command.add_argument(
+        "--level", metavar="LEVEL", help="warn about names that no robot can sense in a level"
+    )
     command.add_argument("--json", action="store_true", help="print JSON")
     add_data_dir(command)
     add_no_solutions(command)
@@ -35,19 +48,24 @@ def start(options: argparse.Namespace) -> int:
     examples:
       logical-robots check my-program.l          print errors and warnings
       logical-robots check *.l                   check several programs
+      logical-robots check my-program.l --web    and what the web platform would not do
       logical-robots check my-program.l --json   output for scripts and editors
+      logical-robots check my-program.l --level 05-lighthouse
+                                                 also warn about names that the level lacks
 
     exit status: 0 all programs can run (there may be warnings), 2 one can't
     """
     from logical_robots_tui.cli.command import own_programs
     from logical_robots_tui.game import load_program
+    from logical_robots_tui.world import load_level
 
+    level = load_level(options.level) if options.level else None
     results = []
     status = FINE
     own = own_programs(options)
     for name in options.programs:
         text = load_program(name, own, pipes=True).text
-        found = diagnostics(text)
+        found = diagnostics(text, level, web=options.web)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
         results.append({"file": name, "diagnostics": [asdict(diagnostic) for diagnostic in found]})
@@ -59,14 +77,23 @@ def start(options: argparse.Namespace) -> int:
     return status
 
 
-def diagnostics(text: str) -> tuple[Diagnostic, ...]:
-    """Return a program's errors, or its warnings if it can run."""
+def diagnostics(
+    text: str, level: Level | None = None, *, web: bool = False
+) -> tuple[Diagnostic, ...]:
+    """Return a program's errors, or its warnings if it can run: in a level, and for the web."""
+    from logical_robots_tui.game import warnings_in
     from logical_robots_tui.mind import Program, ProgramError
 
     try:
-        return Program.compile(text).warnings
+        program = Program.compile(text)
     except ProgramError as error:
         return error.diagnostics
+    found = program.warnings if level is None else warnings_in(program, level)
+    return tuple(sorted((*found, *(program.web if web else ())), key=_place))
+
+
+def _place(found: Diagnostic) -> tuple[int, int]:
+    return found.line, found.column
 
 
 def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from logical_robots_tui.cli.command import Commands, new_command
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 SHELLS = ("bash", "zsh", "fish")
 NAMES = ("levels", "programs")

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
 import shutil
 import sys
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui import __version__
 from logical_robots_tui.cli.command import Commands, add_data_dir, folder_of, harmless, new_command
 from logical_robots_tui.paths import is_folder, is_there
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-    from pathlib import Path
-
 
 FINE, PROBLEM = 0, 1
 PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")

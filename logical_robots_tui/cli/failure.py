@@ -9,6 +9,7 @@ import sys
 import traceback
 from contextlib import suppress
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import __version__
@@ -16,8 +17,6 @@ from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from logical_robots_tui.mind import Diagnostic, ProgramError
 
 BAD_INPUT = 2

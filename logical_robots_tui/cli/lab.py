@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import signal
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import timedelta
 from itertools import islice
@@ -17,9 +19,6 @@ from logical_robots_tui.cli.command import Commands, harmless, new_command, numb
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Callable, Iterator
-
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
     from logical_robots_tui.lab.folder import Folder, Manifest
     from logical_robots_tui.lab.ledger import Ledger

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_no_solutions,
     columns,
@@ -18,9 +20,6 @@ from logical_robots_tui.paths import is_there
 from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
-    import argparse
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.language.reference import FunctionHelp
     from logical_robots_tui.world import Level
 

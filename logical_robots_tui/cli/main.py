@@ -7,17 +7,14 @@ import errno
 import logging
 import os
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__
 from logical_robots_tui.cli import failure
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.processes.helper import collect_seldom
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 PROGRAM = "logical-robots"
 

@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import math
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 
 from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import (
     Breakpoint,
+    Frame,
     Game,
     NoSuchTickError,
+    Source,
     goals,
     level_key,
     load_program,
@@ -27,18 +30,12 @@ from logical_robots_tui.game.continuing import (
 )
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.robustness import named_start_of
-from logical_robots_tui.game.source import hide_solutions, target
+from logical_robots_tui.game.source import hide_solutions, target, warnings_in
 from logical_robots_tui.game.victory import Victory, keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import Level, load_level
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from logical_robots_tui.game import Frame, Source
 
 MOST = 5000
 """The default tick limit of ``run``."""
@@ -118,6 +115,7 @@ class _TextGame:
     async def play(self) -> int:
         _say(self._level.title, *self._level.briefing.strip().splitlines())
         _say(*(f"Second goal: {goal.words}." for goal in self._level.second_goals), *self._places())
+        self._tell_warnings(self._game.program)
         _say("Type help for the commands.")
         try:
             while line := await asyncio.to_thread(sys.stdin.readline):
@@ -203,6 +201,11 @@ class _TextGame:
             self._game.use(program)
             keep_if_own(self._progress, self._key, program.text)
             _say("The robots will use it from the next tick.")
+            self._tell_warnings(program)
+
+    def _tell_warnings(self, program: Program) -> None:
+        for found in warnings_in(program.for_team(self._mine), self._level):
+            _say(f"Warning, line {found.line}: {found.message}. {found.hint}".rstrip())
 
     def _tell_events(self, frame: Frame) -> None:
         if frame.tick == self._past.tick + 1:

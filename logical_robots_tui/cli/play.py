@@ -8,9 +8,11 @@ import re
 import sys
 from datetime import date
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_no_solutions,
     add_programs,
@@ -24,9 +26,6 @@ from logical_robots_tui.paths import is_folder
 from logical_robots_tui.processes.helper import collect_later
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
 

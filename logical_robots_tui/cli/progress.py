@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import csv
 import json
 import math
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import msgspec
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     columns,
     finite,
@@ -23,12 +26,6 @@ from logical_robots_tui.cli.command import (
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
-
-if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
-    from logical_robots_tui.cli.command import Commands
 
 FORMAT = 1
 """The version of the exported document."""

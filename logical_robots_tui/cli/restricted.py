@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import resource
 import site
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.confinement import confine
 from logical_robots_tui.errors import InputError
@@ -17,9 +17,6 @@ from logical_robots_tui.game.open_games import OpenGames
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.processes.audit import refuse_all_but
 from logical_robots_tui.processes.helper import is_helper
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 LIMITS = {
     "RLIMIT_AS": 2 * 1024**3,  # bytes of address space; the game needs half of that

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from logical_robots_tui.editing.checks import refusals
 from logical_robots_tui.editing.level_text import write_native, write_web
 from logical_robots_tui.editing.rewriting import rewritten
-from logical_robots_tui.paths import real, shipped_folder
-from logical_robots_tui.world.level import LevelError
+from logical_robots_tui.paths import is_there, real, shipped_folder
+from logical_robots_tui.world.level import Level, LevelError
 from logical_robots_tui.world.levels.fields import MOST_BYTES
-from logical_robots_tui.world.levels.load import SUFFIXES, WEB, load_level, read_text
+from logical_robots_tui.world.levels.load import SUFFIXES, is_web_file, load_level, read_text
 from logical_robots_tui.writing import write_atomically
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from logical_robots_tui.world.level import Level
 
 
 def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
@@ -50,8 +45,21 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
     return replace(level, name=path.stem, source=place)
 
 
+def is_made_here(path: Path) -> bool:
+    """Return whether this game wrote a file, as far as its text shows, or there is none. Blocks.
+
+    Saving in a file of the web platform's format replaces all of it.
+    """
+    if not is_web_file(path) or not is_there(path):
+        return True
+    try:
+        return write_web(load_level(path)) == read_text(path)
+    except LevelError:
+        return False
+
+
 def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
-    is_web = path.suffix.lower() == WEB
+    is_web = is_web_file(path)
     if anew:
         return "", write_web(level) if is_web else write_native(level)
     try:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 import tomlkit
@@ -15,6 +16,7 @@ from logical_robots_tui.world.level import (
     ROBOT_COLOR,
     Area,
     Beacon,
+    Level,
     Robot,
     Score,
     Team,
@@ -23,11 +25,6 @@ from logical_robots_tui.world.level import (
 from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
 from logical_robots_tui.world.levels.native import oddities
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.world.level import Level
 
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 
@@ -76,15 +73,15 @@ def words_of(level: Level) -> Record:
         "further": level.further,
         "divided_charge": level.divided_charge,
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
-        "teams": [_told(team) for team in level.teams],
-        "scores": [_told(score) for score in level.scores],
+        "teams": [_record_of(team) for team in level.teams],
+        "scores": [_record_of(score) for score in level.scores],
     }
     if level.visibility == Visibility():
         del record["visibility"]
     return {key: value for key, value in record.items() if value or key == "title"}
 
 
-def _told(part: Team | Score) -> Record:
+def _record_of(part: Team | Score) -> Record:
     record = {name: value for name, value in asdict(part).items() if value != ""}
     if isinstance(part, Score):
         record["points"] = _number(part.points)
@@ -221,11 +218,10 @@ def lost_in_web(level: Level) -> list[str]:
     return lost
 
 
+_ALWAYS = ("name", "x", "y", "radius", "color", "victory_robots")
+
+
 def _record(thing: Thing) -> Record:
-    record: Record = {name: _number(value) for name, value in asdict(thing).items()}
-    record.pop("team", None)
-    if isinstance(thing, Robot) and not (
-        thing.has_battery or thing.battery_capacity or thing.battery_consumption_rate
-    ):
-        return {name: record[name] for name in ("name", "x", "y", "angle", "color")}
-    return record
+    """Return what a file of the platform says: of the other fields, those that it needs."""
+    record = {name: _number(value) for name, value in asdict(thing).items() if name != "team"}
+    return {name: value for name, value in record.items() if value or name in _ALWAYS}

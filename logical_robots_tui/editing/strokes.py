@@ -7,6 +7,7 @@ keeps them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,8 +18,6 @@ from logical_robots_tui.world.level import Level, LevelError
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER, MOST_SIDE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
         load_program,
         mistake_in_question,
         save_program,
+        warnings_in,
     )
     from logical_robots_tui.game.victory import count_rules, is_shipped, level_key, reference_for
 
@@ -71,7 +72,10 @@ _NAMES = {
     "pace": "Pace",
     "victory": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
-    "source": "Source compile_program list_programs load_program mistake_in_question save_program",
+    "source": (
+        "Source compile_program list_programs load_program mistake_in_question save_program "
+        "warnings_in"
+    ),
     "advancing": "start_frame",
 }
 

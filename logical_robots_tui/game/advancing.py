@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.watching import Watch
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Decision, Mind
-    from logical_robots_tui.values import SensorRow, Value
+    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, WorldState
     from logical_robots_tui.world.changing import Pose
 
@@ -64,7 +64,9 @@ def advance(
         if known:
             frame = frame_of(worlds, past, known[len(done)])
         else:
-            frame = _next_frame(worlds.of(level), mind, past, stop, clock, decide)
+            world = worlds.of(level)
+            world.restore(past.after)
+            frame = play_tick(world, mind, past, stop, decide, clock)
         is_watched = watch.breakpoints and frame.decisions
         hits = watch.hits(past, frame, mind, stop) if is_watched else ()
         done.append(Advance(frame, hits))
@@ -91,60 +93,25 @@ def frame_of(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> 
     )
 
 
-class Thought(NamedTuple):
-    """What a mind thought in a tick, and what the world became by it."""
-
-    mind: Mind
-    rows: Sequence[SensorRow]
-    memories: Mapping[str, Value]
-    decisions: tuple[Decision, ...]
-    state: WorldState
-    milliseconds: float
-
-    @property
-    def remembered(self) -> dict[str, Value]:
-        return {d.robot_name: d.memory for d in self.decisions}
-
-
 def play_tick(
     world: World,
     mind: Mind,
-    memories: Mapping[str, Value],
+    past: Frame,
     stop: threading.Event | None = None,
     decide: Decide | None = None,
     clock: Clock = CLOCK,
-) -> Thought:
-    """Let all robots sense, think and follow `decide` once, or raise Stopped."""
-    rows = world.sense()
+) -> Frame:
+    """Let all robots sense, think and follow `decide` once after a past frame, or raise Stopped."""
+    rows = tuple(world.sense())
     began = clock.now()
-    decisions = tuple(mind.think(rows, memories, stop=stop))
+    decisions = tuple(mind.think(rows, past.memories, stop=stop))
     milliseconds = 1000 * (clock.now() - began)
     if decide is not None:
         decisions = decide(world.tick, decisions)
     world.act({d.robot_name: d.desire for d in decisions if d.desire is not None})
-    return Thought(mind, rows, memories, decisions, world.save(), milliseconds)
-
-
-def _next_frame(
-    world: World,
-    mind: Mind,
-    past: Frame,
-    stop: threading.Event,
-    clock: Clock,
-    decide: Decide | None,
-) -> Frame:
-    world.restore(past.after)
-    thought = play_tick(world, mind, past.memories, stop, decide, clock)
-    return Frame(
-        thought.state.tick,
-        past.after,
-        thought.state,
-        tuple(thought.rows),
-        past.memories,
-        thought.decisions,
-        thought.remembered,
-        thought.milliseconds,
-    )
+    memories = {d.robot_name: d.memory for d in decisions}
+    after, before = world.save(), past.after
+    return Frame(after.tick, before, after, rows, past.memories, decisions, memories, milliseconds)
 
 
 def start_frame(level: Level, world: World | None = None) -> Frame:

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from datetime import date
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.pace import SPEEDS
-from logical_robots_tui.game.source import programs_for, shipped_texts
+from logical_robots_tui.game.source import Source, programs_for, shipped_texts
 from logical_robots_tui.game.victory import level_key
+from logical_robots_tui.progress import Progress
 from logical_robots_tui.records import record, texts_of
-from logical_robots_tui.world import LevelError, list_levels, load_level
+from logical_robots_tui.world import Level, LevelError, list_levels, load_level
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from datetime import date
-    from pathlib import Path
-
     from logical_robots_tui.game.game import Game
-    from logical_robots_tui.game.source import Source
-    from logical_robots_tui.progress import Progress
-    from logical_robots_tui.world import Level
     from logical_robots_tui.world.levels.labyrinths import DailySize
 
 _LAST_LEVEL = "level"
@@ -76,11 +73,7 @@ def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
 
 
 def programs_to_begin_with(
-    progress: Progress,
-    level: Level,
-    names: Sequence[str],
-    by_team: Mapping[str, str],
-    own: Path,
+    progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], own: Path
 ) -> tuple[dict[str, Source], str | None]:
     """Return the programs to open, by team, and the player's last text of the first.
 

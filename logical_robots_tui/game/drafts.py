@@ -9,12 +9,10 @@ import threading
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from pathlib import Path
+from typing import Literal, TypeAlias, get_args
 
 from logical_robots_tui.writing import write_atomically
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 OLD_DRAFTS_KEPT = 50
 """How many discarded drafts are kept in the folder ``old``."""

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.values import SensorRow, Value
+from logical_robots_tui.world import Level, WorldState
+from logical_robots_tui.world.dynamics import AreaState, RobotState
 from logical_robots_tui.world.scoring import points
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from logical_robots_tui.mind.decision import Decision
-    from logical_robots_tui.values import SensorRow, Value
-    from logical_robots_tui.world import Level, WorldState
-    from logical_robots_tui.world.dynamics import AreaState, RobotState
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import threading
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.advancing import (
+    Advance,
+    RecordedTick,
     Worlds,
     advance,
     after_change,
@@ -15,25 +19,20 @@ from logical_robots_tui.game.advancing import (
     is_thought_alike,
     start_frame,
 )
-from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, mistake_in
+from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, Hit, mistake_in
 from logical_robots_tui.game.debugging.watching import Watch
-from logical_robots_tui.game.frame import Superseded, ends
+from logical_robots_tui.game.frame import Frame, Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import Limits, Stopped
+from logical_robots_tui.mind import Limits, Stopped, Table
+from logical_robots_tui.values import Value
+from logical_robots_tui.world import Level, WorldState
+from logical_robots_tui.world.changing import Pose
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Mapping
-
-    from logical_robots_tui.game.advancing import Advance, Decide, RecordedTick
-    from logical_robots_tui.game.debugging.breakpoints import Hit
-    from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Program, Table
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level, WorldState
-    from logical_robots_tui.world.changing import Pose
+    from logical_robots_tui.game.advancing import Decide
+    from logical_robots_tui.mind import Program
 
 _KNOWN_TOGETHER = 16  # ticks taken from history at once
 _SECONDS_SHOWN = 0.008  # of computing at once when each tick is to be shown soon

@@ -8,19 +8,15 @@ import os
 import pickle
 import sys
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.robustness import STARTS, LateError, play_through, try_starts
 from logical_robots_tui.game.victory import measures_of
+from logical_robots_tui.mind import Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level
 
 MOST_TICKS = 20_000
 """Ticks within which every level can be won."""
@@ -108,13 +104,13 @@ class _Work:
         process.stdin.write(len(self._request).to_bytes(8, "big") + self._request)
         process.stdin.flush()
         for line in process.stdout:
-            told = json.loads(line)
-            if "tried" in told:
-                report(Trial(told["tried"], told["wins"]))
-            elif told["late"]:
+            answer = json.loads(line)
+            if "tried" in answer:
+                report(Trial(answer["tried"], answer["wins"]))
+            elif answer["late"]:
                 raise MeasuringError
             else:
-                found = told["measures"]
+                found = answer["measures"]
                 return Measures(**found)._replace(goals=tuple(found["goals"])) if found else None
         raise MeasuringError
 

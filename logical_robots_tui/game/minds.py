@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.mind import Mind
+from logical_robots_tui.mind import Decision, Limits, Mind, Program
+from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Mapping, Sequence
-
-    from logical_robots_tui.mind import Decision, Limits, Program
-    from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import Level
 
 

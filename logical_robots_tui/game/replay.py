@@ -12,9 +12,11 @@ import hashlib
 import json
 import lzma
 from bisect import bisect_left
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import islice
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import msgspec
@@ -22,27 +24,23 @@ import numpy as np
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.advancing import is_thought_alike
-from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.frame import Frame, Superseded
 from logical_robots_tui.game.history.packing import is_state
+from logical_robots_tui.mind import Decision
 from logical_robots_tui.mind.limits import weight_of_text
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.records import texts_of
 from logical_robots_tui.values import Desire
-from logical_robots_tui.world import LevelError, World, WorldState
+from logical_robots_tui.world import Level, LevelError, World, WorldState
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.mind import Decision, Program
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.world import Level
 
 SUFFIX = ".replay"
 EVERY = 100
@@ -154,15 +152,14 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
 
     def to_bytes(self) -> bytes:
         """Return the file's content, reproducible; raise InputError if it is too large."""
-        told = msgspec.msgpack.encode(self)
-        if len(told) > _MOST_UNPACKED:
-            raise InputError(
-                f"The run takes {len(told):,} bytes, more than the {_MOST_UNPACKED:,} of a replay."
-            )
+        content = msgspec.msgpack.encode(self)
+        if len(content) > _MOST_UNPACKED:
+            size = f"{len(content):,} bytes, more than the {_MOST_UNPACKED:,} of a replay"
+            raise InputError(f"The run takes {size}.")
         # A window larger than the content makes it no smaller, but takes 600 MB and 30 ms.
-        window = min(max(len(told), 1 << 12), 1 << 26)
+        window = min(max(len(content), 1 << 12), 1 << 26)
         lzma2 = {"id": lzma.FILTER_LZMA2, "preset": 9, "dict_size": window}
-        body = lzma.compress(told, filters=[lzma2])
+        body = lzma.compress(content, filters=[lzma2])
         return b"%s%d\n%s" % (_MAGIC, _FORMAT, hashlib.sha256(body).digest()) + body
 
     @cached_property
@@ -249,16 +246,16 @@ def _read(content: bytes) -> Replay:
     if hashlib.sha256(body).digest() != rest[:32]:
         raise ValueError("it is damaged")
     packed = lzma.LZMADecompressor(memlimit=_MOST_TO_UNPACK)
-    told = packed.decompress(body, max_length=_MOST_UNPACKED)
+    unpacked = packed.decompress(body, max_length=_MOST_UNPACKED)
     if not packed.eof:
         raise ValueError(f"it holds more than {_MOST_UNPACKED:,} bytes")
-    parts = msgspec.msgpack.decode(told, type=_Parts)
+    parts = msgspec.msgpack.decode(unpacked, type=_Parts)
     if sum(memoryview(stage.state).nbytes for stage in parts.stages) > _MOST_STATES:
         raise ValueError("the states in it are too large")
     columns = sum(_length_of(bytes(memoryview(stage.desires)[:5])) for stage in parts.stages)
-    if columns * _DESIRE_BYTES > len(told) + _MOST_ROBOTS * _DESIRE_BYTES:
+    if columns * _DESIRE_BYTES > len(unpacked) + _MOST_ROBOTS * _DESIRE_BYTES:
         raise ValueError("its robots don't act in every tick")
-    replay = msgspec.msgpack.decode(told, type=Replay)
+    replay = msgspec.msgpack.decode(unpacked, type=Replay)
     if number == b"1":
         texts = (
             Text(each.tick, each.name, text or None, team)
@@ -347,8 +344,8 @@ def _unpack(desires: Sequence[bytes]) -> NDArray[np.float64]:
 
 def _hash_of(state: WorldState) -> bytes:
     parts = ["tick", "robots", "areas", "won_at", *(["tallies"] if state.tallies else [])]
-    told = msgspec.msgpack.encode({part: getattr(state, part) for part in parts})
-    return hashlib.sha256(told).digest()[:_HASH_BYTES]
+    encoded = msgspec.msgpack.encode({part: getattr(state, part) for part in parts})
+    return hashlib.sha256(encoded).digest()[:_HASH_BYTES]
 
 
 class Verifier:

@@ -4,22 +4,15 @@ from __future__ import annotations
 
 import math
 import random
+import threading
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.advancing import play_tick
-from logical_robots_tui.game.frame import driven
+from logical_robots_tui.game.advancing import play_tick, start_frame
+from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.minds import mind_for
-from logical_robots_tui.world import World
-
-if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable
-
-    from logical_robots_tui.game.advancing import Thought
-    from logical_robots_tui.mind import Limits, Program
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
+from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.world import Level, World
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -86,7 +79,7 @@ def play_through(
     patience: int,
     *,
     limits: Limits | None = None,
-    is_over: Callable[[Thought], bool] | None = None,
+    is_over: Callable[[Frame, Mind], bool] | None = None,
     stop: threading.Event | None = None,
 ) -> Played:
     """Play a level without history until won, for at most `patience` ticks. Blocks.
@@ -96,20 +89,17 @@ def play_through(
     """
     world = World(level)
     mind = mind_for(program, level, limits)
-    memories: dict[str, Value] = {robot.name: "" for robot in level.robots}
+    frame = start_frame(level, world)
     distance, is_blocked = 0.0, False
     try:
-        before = world.save()
         while world.tick < patience and world.won_at is None:
-            thought = play_tick(world, mind, memories, stop)
-            if not all(decision.is_reliable for decision in thought.decisions):
+            frame = play_tick(world, mind, frame, stop)
+            if not frame.is_reliable:
                 raise LateError
-            before, after = thought.state, before
-            distance += driven(after, before)
-            is_blocked = is_blocked or any(robot.blocked for robot in before.robots)
-            if is_over is not None and is_over(thought):
+            distance += driven(frame.before, frame.after)
+            is_blocked = is_blocked or any(robot.blocked for robot in frame.after.robots)
+            if is_over is not None and is_over(frame, mind):
                 break
-            memories = thought.remembered
     finally:
         mind.close()
     return Played(world.won_at, distance, world.tick, is_blocked)

@@ -6,6 +6,8 @@ import hashlib
 import json
 import platform
 import sqlite3
+import threading
+from collections.abc import AsyncGenerator, Callable
 from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
@@ -13,27 +15,17 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.game.advancing import (
-    RecordedTick,
-    Worlds,
-    advance,
-    frame_of,
-    start_frame,
-)
+from logical_robots_tui.game.advancing import RecordedTick, Worlds, advance, frame_of, start_frame
 from logical_robots_tui.game.debugging.watching import Watch
-from logical_robots_tui.game.frame import driven
+from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import AsyncGenerator, Callable
-
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Mind, Program
-    from logical_robots_tui.world import Level
 
 T = TypeVar("T")
 
@@ -49,13 +41,7 @@ class Run:
     computed ticks to disk. `key` is a digest of everything on which they depend.
     """
 
-    def __init__(
-        self,
-        level: Level,
-        program: Program,
-        *,
-        limits: Limits | None = None,
-    ) -> None:
+    def __init__(self, level: Level, program: Program, *, limits: Limits | None = None) -> None:
         self.level = level
         self.program = program
         self.limits = limits or Limits()
@@ -75,12 +61,12 @@ class Run:
         """Whether all computed ticks are reproducible: no time limit cut off a thought."""
         return self._recording.lasts
 
-    async def frame(self, tick: int, told: Callable[[int], object] = lambda _tick: None) -> Frame:
-        """Return the frame of a tick; `told` gets the last computed tick as work proceeds."""
+    async def frame(self, tick: int, report: Callable[[int], object] = lambda _tick: None) -> Frame:
+        """Return the frame of a tick; `report` gets the last computed tick as work proceeds."""
         while self._recording.last < tick:
             until = CLOCK.now() + _SECONDS
             await self._thinker.do(partial(self._reached, tick, until=until))
-            told(self._recording.last)
+            report(self._recording.last)
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
 
@@ -168,7 +154,7 @@ class Run:
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:
     """Return the digest of everything on which the ticks of a run depend, including the code."""
-    told = {
+    parts = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
         "robots": [asdict(robot) for robot in level.robots],
@@ -182,7 +168,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "limits": asdict(limits),
     }
     digest = hashlib.sha256(simulation_digest())
-    digest.update(json.dumps(told).encode())
+    digest.update(json.dumps(parts).encode())
     return digest.hexdigest()
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import re
 import threading
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.language.inference.names import Names, unknown_names
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import (
     ARENAS,
@@ -27,9 +29,7 @@ from logical_robots_tui.paths import (
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from logical_robots_tui.mind import Program, Report
+    from logical_robots_tui.mind import Diagnostic, Program, Report
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level
@@ -280,8 +280,7 @@ def target(
         raise InputError("is not a regular file.", place=str(path), hint="Choose another name.")
     if shipped_folder(folder).resolve() in real(path).parents:
         raise InputError(
-            f"The {folder} of the game can't be changed.",
-            hint="Save it in another folder.",
+            f"The {folder} of the game can't be changed.", hint="Save it in another folder."
         )
     return path
 
@@ -318,6 +317,17 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
         return Program.compile(text, stop=stop, report=pass_on)
 
     return await _in_thread(work)
+
+
+def warnings_in(program: Program, level: Level) -> tuple[Diagnostic, ...]:
+    """Return a program's warnings, and those about names that a level does not have."""
+    solid = (area.name for area in level.areas if area.impenetrable)
+    names = Names(
+        frozenset(robot.name for robot in level.robots),
+        frozenset([*(beacon.name for beacon in level.beacons), *solid]),
+    )
+    found = [*program.warnings, *unknown_names(program.mentions, names)]
+    return tuple(sorted(found, key=lambda each: (each.line, each.column)))
 
 
 async def mistake_in_question(program: Program, query: str) -> str:

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
-from logical_robots_tui.game.advancing import Worlds, frame_of
+from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
+from logical_robots_tui.game.frame import Frame
 from logical_robots_tui.mind import Stopped
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.game.advancing import RecordedTick
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Limits, Mind, Program
-    from logical_robots_tui.world import Level
 
 T = TypeVar("T")
 

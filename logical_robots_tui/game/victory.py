@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.paths import shipped_folder
-from logical_robots_tui.progress import Measures
+from logical_robots_tui.progress import Measures, Progress
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.progress import Progress
-    from logical_robots_tui.world import Level
 
 FILE_NAME = "reference.csv"
 FIELDS = ("level", "program", "ticks", "rules", "distance", "wins", "starts", "goals")

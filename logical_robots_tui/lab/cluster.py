@@ -5,17 +5,14 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
+from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import suppress
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import Answer, Task, execute
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _AHEAD = 2  # tasks for each thread of a worker, so that none waits for the coordinator
 _COUNT_SECONDS = 2.0  # for which the number of threads is good

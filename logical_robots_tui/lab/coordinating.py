@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 import msgspec
@@ -12,8 +13,6 @@ from logical_robots_tui.lab.ledger import ATTEMPTS, Entry, Ledger
 from logical_robots_tui.lab.running import Answer, Task, fingerprint
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 
 _MOST_STARTS = 64  # of a task

@@ -5,22 +5,20 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import os
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from errno import ENOSPC
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.ledger import Ledger
 from logical_robots_tui.lab.running import Asked, engine, fingerprint
-from logical_robots_tui.lab.specification import Measure, Starts  # noqa: TC001 - msgspec reads types
+from logical_robots_tui.lab.specification import Measure, Starts
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.writing import write_atomically
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
 _FORMAT = 1
 _MOST_BYTES = 64_000_000  # of a manifest

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from decimal import ROUND_HALF_UP, Decimal
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree
 
 import msgspec
@@ -13,12 +13,10 @@ import msgspec
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student, digest
+from logical_robots_tui.lab.ledger import Ledger
+from logical_robots_tui.lab.running import Result
 from logical_robots_tui.lab.specification import Assignment
 from logical_robots_tui.wording import count_of
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.ledger import Ledger
-    from logical_robots_tui.lab.running import Result
 
 _LONGEST_FILE = 60
 

@@ -6,20 +6,16 @@ import multiprocessing
 import os
 import signal
 import threading
+from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from multiprocessing import resource_tracker
 from time import monotonic
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, Task, execute
 from logical_robots_tui.processes.helper import collect_seldom
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _MOST_FALSE_STARTS = 2  # in a row
 _GRACE = 60.0  # seconds after the time of a task after which a worker that says nothing is ended

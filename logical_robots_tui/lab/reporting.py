@@ -7,8 +7,9 @@ import math
 import re
 import sys
 from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from logical_robots_tui.lab.exporting import (
     Done,
@@ -25,10 +26,6 @@ from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
 from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
 from logical_robots_tui.lab.tournament.reporting import tournament_parts
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 
 _WIDTH = 78
 _MOST_BARS = 40

@@ -13,21 +13,26 @@ from collections import Counter
 from functools import cache, lru_cache
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import msgspec
 
-from logical_robots_tui.game.frame import standing
+from logical_robots_tui.game.frame import Frame, standing
 from logical_robots_tui.game.robustness import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.game.victory import count_rules
-from logical_robots_tui.mind import Diagnostic, Limits, Program, ProgramError, QueryError, Stopped
+from logical_robots_tui.mind import (
+    Diagnostic,
+    Limits,
+    Mind,
+    Program,
+    ProgramError,
+    QueryError,
+    Question,
+    Stopped,
+)
+from logical_robots_tui.world import Level, WorldState
 from logical_robots_tui.world.levels.load import read_level
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game.advancing import Thought
-    from logical_robots_tui.mind import Question
-    from logical_robots_tui.world import Level, WorldState
 
 CHUNK_SECONDS = 5.0
 """Time after which a worker gives back what it has; at most this and one run are lost with it."""
@@ -250,7 +255,7 @@ class _Watcher:
         self._team_of = {robot.name: robot.team for robot in level.robots}
         self._robots = Counter(self._team_of.values())
         self._state: WorldState | None = None
-        self._kept: Thought | None = None
+        self._kept: Frame | None = None
         self._keep_at = 1
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
@@ -262,20 +267,18 @@ class _Watcher:
         self.notices: Counter[str] = Counter()
         self.first: tuple[int, str, str] | None = None
 
-    def is_over(self, thought: Thought) -> bool:
+    def is_over(self, frame: Frame, mind: Mind) -> bool:
         """Record a tick; return whether the run ends with it. Takes a few microseconds."""
-        self._state = thought.state
-        for decision in thought.decisions:
-            if decision.notices:
-                self._note(thought)
-                break
+        self._state = frame.after
+        if any(decision.notices for decision in frame.decisions):
+            self._note(frame)
         if self._can_repeat:
-            self._compare(thought)
+            self._compare(frame)
         for asked, question in self._questions.items():
-            tick = thought.state.tick
-            is_last = self.ended or thought.state.won_at is not None or tick >= self._task.ticks
+            tick = frame.tick
+            is_last = self.ended or frame.after.won_at is not None or tick >= self._task.ticks
             if is_last if not asked.every else tick % asked.every == 0:
-                self._ask(asked, question, tick, thought)
+                self._ask(asked, question, tick, frame, mind)
         return self.ended is not None
 
     def series(self, asked: Asked) -> Series:
@@ -290,11 +293,11 @@ class _Watcher:
         teams = [team.name for team in self._level.teams]
         return tuple(t for t in teams if self._slow[t] >= _SLOW_TICKS or self._failed[t] == ticks)
 
-    def _note(self, thought: Thought) -> None:
-        found = [(d.robot_name, notice) for d in thought.decisions for notice in d.notices]
+    def _note(self, frame: Frame) -> None:
+        found = [(d.robot_name, notice) for d in frame.decisions for notice in d.notices]
         self.notices.update({notice.kind for _, notice in found})
         if self.first is None:
-            self.first = (thought.state.tick, found[0][0], found[0][1].message)
+            self.first = (frame.tick, found[0][0], found[0][1].message)
         failed = {robot: notice.message for robot, notice in found if notice.kind == "failed"}
         slow = {robot for robot, message in failed.items() if _TOO_MANY_STEPS.search(message)}
         self._slow.update({self._team_of[robot] for robot in slow})
@@ -303,23 +306,23 @@ class _Watcher:
         if max(self._slow.values(), default=0) >= _SLOW_TICKS:
             self.ended = "too many steps"
 
-    def _compare(self, thought: Thought) -> None:
+    def _compare(self, frame: Frame) -> None:
         """Compare a tick with the stored one; store it instead when due."""
-        state, kept = thought.state, self._kept
+        state, kept = frame.after, self._kept
         if (
             kept is not None
-            and state.robots[0].x == kept.state.robots[0].x  # most differ in that already
-            and (state.robots, state.areas) == (kept.state.robots, kept.state.areas)
-            and _exactly(thought) == _exactly(kept)
+            and state.robots[0].x == kept.after.robots[0].x  # most differ in that already
+            and (state.robots, state.areas) == (kept.after.robots, kept.after.areas)
+            and _exactly(frame) == _exactly(kept)
         ):
             self.ended = self.ended or "nothing changes"
         if state.tick >= self._keep_at:
             self._keep_at = 2 * state.tick
-            self._kept = thought
+            self._kept = frame
 
-    def _ask(self, asked: Asked, question: Question, tick: int, thought: Thought) -> None:
+    def _ask(self, asked: Asked, question: Question, tick: int, frame: Frame, mind: Mind) -> None:
         try:
-            table = thought.mind.ask(question, thought.rows, thought.memories)
+            table = mind.ask(question, frame.sensors, frame.memories_before)
         except QueryError as error:
             self._failures.setdefault(asked, f"tick {tick}: {error}")
             return
@@ -335,10 +338,10 @@ class _Watcher:
             self._rows[asked] += [(tick, *row) for row in rows]
 
 
-def _exactly(thought: Thought) -> str:
+def _exactly(frame: Frame) -> str:
     """Return world and memories as text that distinguishes 1, 1.0 and true."""
-    memories = [decision.memory for decision in thought.decisions]
-    return repr((thought.state.robots, thought.state.areas, memories))
+    memories = [decision.memory for decision in frame.decisions]
+    return repr((frame.after.robots, frame.after.areas, memories))
 
 
 _TOO_MANY_STEPS = re.compile(r"thinking took more than [\d,]+ steps\.$")

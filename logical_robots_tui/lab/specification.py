@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from datetime import datetime  # noqa: TC003 - msgspec reads the types of fields
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar, get_args, get_origin
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias, TypeVar, get_args, get_origin
 
 import msgspec
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.paths import did_you_mean, read_ordinary
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 Scalar: TypeAlias = bool | int | float | str
 Path_: TypeAlias = tuple[str | int, ...]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import msgspec
 
@@ -23,12 +24,7 @@ from logical_robots_tui.lab.sweeping import level_to_run
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.paths import is_folder, read_ordinary
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from pathlib import Path
-
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level
 
 _MOST_BYTES = 1_000_000
 _LONGEST_NAME = 200

@@ -8,7 +8,7 @@ import re
 from decimal import Decimal
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.measuring import patience_for
@@ -18,7 +18,10 @@ from logical_robots_tui.lab.folder import Cell, Manifest, digest
 from logical_robots_tui.lab.running import Asked
 from logical_robots_tui.lab.specification import (
     BUILT_IN,
+    Experiment,
+    Path_,
     Query,
+    Scalar,
     Specification,
     read_experiment,
     values_of,
@@ -26,9 +29,6 @@ from logical_robots_tui.lab.specification import (
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.specification import Experiment, Path_, Scalar
 
 _TICKS = re.compile(r"(?:(\d+)\s*\*\s*)?reference(?:\s*\+\s*(\d+))?")
 _MOST_CELLS = 100_000

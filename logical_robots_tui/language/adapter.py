@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logica.parser_py import parse as parser
+from logica.type_inference.research import infer, reference_algebra
 
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.package_patches import deep_copy
@@ -126,14 +126,10 @@ def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[S
         place, stop = word.span()
         given = source.text[word.end(1) + 1 : stop - 1]
         annotation = f"{_ANNOTATIONS[word[1]]}({predicate.group()}, {given})"
-        reader = _Reader(annotation, partial(_constant, place), Span(place, stop))
+        reader = _Reader("", whole=Span(place, stop))
         found.append(reader.statement(parser.ParseRule(parser.HeritageAwareString(annotation))))
         text = f"{text[:place]}{' ' * (stop - place)}{text[stop:]}"
     return text, found
-
-
-def _constant(place: int, _: int) -> int:
-    return place
 
 
 def _depth(text: str) -> int:
@@ -198,7 +194,9 @@ class _Reader:
 
     def proposition(self, raw: Raw) -> tree.Proposition:
         if "conjunction" in raw:
-            members = tuple(map(self.proposition, raw["conjunction"]["conjunct"]))
+            read = map(self.proposition, raw["conjunction"]["conjunct"])
+            # The package compiles no conjunction inside another in an aggregate.
+            members = tuple(part for member in read for part in tree.conjuncts(member))
             return tree.Conjunction(members, span=tree.span_of(members))
         if "disjunction" in raw:
             members = tuple(map(self.proposition, raw["disjunction"]["disjunct"]))
@@ -430,6 +428,26 @@ class _Writer:
         piece.start, piece.stop, piece.heritage = *span, self._text
         text: str = piece
         return text
+
+
+def types_on_duckdb(program: Iterable[Statement], source: Prepared) -> Iterator[tuple[Span, Any]]:
+    """Yield the spans of expressions, with the types that the package infers for DuckDB.
+
+    Raises:
+        Exception: One of the package's, if it gives up.
+    """
+    rules = to_package(program, source)
+    engine = infer.TypesInferenceEngine(rules, "duckdb")
+    wanted, given = (reference_algebra.TypeReference("Any") for _ in range(2))
+    engine.predicate_signature["TryCast"] = {0: given, 1: wanted, VALUE: wanted}
+    engine.InferTypes()
+    found: list[Raw] = []
+    infer.Walk(rules, found.append)
+    for node in found:
+        piece: Any = node.get("expression_heritage")
+        if "type" in node and hasattr(piece, "start"):
+            kind = reference_algebra.VeryConcreteType(node["type"]["the_type"])
+            yield Span(piece.start, piece.stop), kind
 
 
 def _column(field: int | str) -> str:

@@ -2,42 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from logica.compiler import universe
 
-from logical_robots_tui.language.diagnostics import closest
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.language.tree import (
     Annotation,
     Boolean,
+    Expression,
     List,
+    Name,
     Number,
     PredicateName,
+    Statement,
     Text,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.tree import Expression, Statement
 
 MOST_STEPS = 1_000
 """The most steps of a recursion."""
 
 _CHOSEN_BY_THE_GAME = ("@AttachDatabase", "@Dataset")
 _ANNOTATIONS = frozenset(
-    {
-        "@DefineFlag",
-        "@Ground",
-        "@Limit",
-        "@NoInject",
-        "@NoWith",
-        "@OrderBy",
-        "@Recursive",
-        "@With",
-    }
+    {"@DefineFlag", "@Ground", "@Limit", "@NoInject", "@NoWith", "@OrderBy", "@Recursive", "@With"}
 )
 IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
 """Annotations that have no effect here and don't change results elsewhere."""
@@ -48,7 +36,7 @@ def check_annotations(program: Sequence[Statement], text: str) -> Iterator[Diagn
     for each in program:
         if not isinstance(each, Annotation):
             continue
-        name = each.name
+        name = each.name if each.span is None else Name(each.name, each.span.start)
         if name in _CHOSEN_BY_THE_GAME:
             yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
         elif name == "@Engine":

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, TypeGuard
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple, TypeGuard
 
+from logical_robots_tui.language.adapter import Parsed
 from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
     MAIN,
@@ -19,9 +21,11 @@ from logical_robots_tui.language.definitions import (
     prelude,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import closest, distance
-from logical_robots_tui.language.inference import Inference
+from logical_robots_tui.language.diagnostics import Diagnostic, closest, distance
+from logical_robots_tui.language.inference.names import Mention
+from logical_robots_tui.language.inference.tracing import Inference
 from logical_robots_tui.language.signatures import (
+    Signature,
     collisions,
     duplicates,
     signatures,
@@ -33,10 +37,13 @@ from logical_robots_tui.language.tree import (
     REST,
     Annotation,
     Argument,
+    Expression,
     Functor,
+    Node,
     PredicateName,
     Record,
     Rule,
+    Statement,
     Text,
     Variable,
     text_of,
@@ -46,12 +53,7 @@ from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, VALUE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.adapter import Parsed
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.signatures import Runs, Signature
-    from logical_robots_tui.language.tree import Expression, Node, Statement
+    from logical_robots_tui.language.signatures import Runs
 
 _OUTSIDE = frozenset(
     [
@@ -70,8 +72,20 @@ _OUTSIDE = frozenset(
 """What the package offers to programs that are trusted with the machine."""
 
 
-def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
-    """Return errors and warnings that would compile silently, in text order.
+class Checked(NamedTuple):
+    """What was found in a program.
+
+    Attributes:
+        problems: Errors and warnings that would compile silently, in text order.
+        mentions: The names that it compares with labels and robots' names.
+    """
+
+    problems: list[Diagnostic]
+    mentions: tuple[Mention, ...]
+
+
+def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
+    """Check a program.
 
     Args:
         parsed: The program.
@@ -81,6 +95,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
     program = parsed.statements
     known = {n: s for n, s in signatures(program).items() if n not in parsed.doubtful}
     inference = Inference(program, text, parsed.doubtful)
+    mentions = inference.mentions
     problems = [
         *parsed.problems,
         *check_annotations(program, text),
@@ -98,7 +113,8 @@ def check(parsed: Parsed, text: str, runs: Runs) -> list[Diagnostic]:
     if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in definitions(program)):
         problems += main_predicate(program, text)
     unique = {(p.line, p.column, p.message): p for p in problems}
-    return sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
+    in_order = sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
+    return Checked(in_order, mentions)
 
 
 _FLAG = "FlagValue"  # the value set by @DefineFlag

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from logica.compiler import expr_translate
 
@@ -23,14 +23,11 @@ from logical_robots_tui.language.tree import (
     Functor,
     PredicateName,
     Rule,
+    Statement,
+    Tree,
     walk,
 )
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.tree import Statement, Tree
 
 _PRELUDE = """
 ->(left:, right:) = {arg: left, value: right};

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +78,15 @@ def closest(name: str, known: Iterable[str], cutoff: float = 0.76) -> str:
     by_lower = {k.lower(): k for k in sorted(known, reverse=True) if k.isidentifier()}
     found = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=cutoff)
     return by_lower[found[0]] if found else ""
+
+
+def most_similar(text: str, texts: Iterable[str]) -> str:
+    """Return the text most similar to another, or ""; first of all one with other capitals."""
+    known = sorted(filter(None, texts))
+    lower, most = text.lower(), min(2, len(text) // 3)
+    by_case = (each for each in known if each.lower() == lower)
+    near = (each for each in known if distance(each.lower(), lower) <= most)
+    return next(by_case, "") or next(near, "") or closest(text, known)
 
 
 def distance(left: str, right: str) -> int:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 from logica.compiler import functors, rule_translate
 from logica.parser_py import parse
 
-from logical_robots_tui.language.diagnostics import closest
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at
-
-if TYPE_CHECKING:
-    from logical_robots_tui.language.diagnostics import Diagnostic
 
 COMPLAINTS = (
     parse.ParsingException,

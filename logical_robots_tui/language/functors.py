@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.definitions import definitions, reach
 from logical_robots_tui.language.tree import (
+    REST,
     Aggregate,
     Aggregation,
     Annotation,
@@ -17,7 +18,10 @@ from logical_robots_tui.language.tree import (
     Head,
     PredicateName,
     Rule,
+    Variable,
+    arguments,
     rebuild,
+    walk,
 )
 from logical_robots_tui.schema import VALUE
 
@@ -72,19 +76,21 @@ def expand(program: Iterable[Statement]) -> Expanded:
     return expanded
 
 
-def expand_recursions(program: list[Statement]) -> list[Statement]:
-    """Expand every ``:=`` if one makes a recursive predicate, which the package can't unroll."""
+def expand_functors(program: list[Statement]) -> list[Statement]:
+    """Expand every ``:=`` if one makes what the package can't: from a recursion, or whole rows."""
     if not any(isinstance(each, Functor) for each in program):
         return program
     expanded = expand(program)
     made = {**expanded.bases, **{copy: first for copy, (first, _) in expanded.origins.items()}}
-    if not any(name in expanded.reach(name) for name in made):
+    recursive = {name for name in expanded.rules if name in expanded.reach(name)}
+    rows = any(isinstance(node, Argument) and node.field == REST for node in walk(program))
+    if not rows and not recursive & {*made, *made.values()}:
         return program
     copies = [
         rename(annotation, {original: name})
         for name, original in made.items()
         for annotation in expanded.annotations
-        if annotation.subject == original
+        if annotation.subject == original and (annotation.name != "@Recursive" or name in recursive)
     ]
     rules = (rule for own in expanded.rules.values() for rule in own)
     return [*expanded.annotations, *copies, *rules]
@@ -109,6 +115,10 @@ def _make(functor: Functor, expanded: Expanded) -> None:
             given[str(argument.field)] = constant
             columns = (Argument(VALUE, argument.value),)
             expanded.rules[constant] = [Rule(Head(constant, columns))]
+    expanded.bases[name] = expanded.bases.get(base, base)
+    if not given and base in expanded.reach(base) and expanded.rules.get(base):
+        expanded.rules[name] = [_same_rows(name, expanded.rules[base][0].head)]
+        return
     used = {base, *expanded.reach(base)}
     touched = {p for p in used - given.keys() if expanded.reach(p) & given.keys()} | {base}
     copies = {p: f"{p}_in_{name}" for p in touched if p in expanded.rules} | {base: name}
@@ -122,7 +132,12 @@ def _make(functor: Functor, expanded: Expanded) -> None:
             first = expanded.origins.get(original, (original, ""))[0]
             expanded.names[first, name] = copy
             expanded.origins[copy] = first, name
-    expanded.bases[name] = expanded.bases.get(base, base)
+
+
+def _same_rows(name: str, head: Head) -> Rule:
+    """Return a rule that gives a predicate the rows of another."""
+    columns = arguments({each.field: Variable(f"c{n}") for n, each in enumerate(head.columns)})
+    return Rule(Head(name, columns), Atom(head.name, columns))
 
 
 def rename(node: N, names: Mapping[str, str]) -> N:

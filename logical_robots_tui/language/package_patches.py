@@ -7,16 +7,14 @@ predicates named like an SQL keyword, such as ``from`` or ``Index``, on which SQ
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logica.compiler import dialects, expr_translate, functors, rule_translate, universe
 from logica.parser_py import parse
 
 from logical_robots_tui.language.tree import Name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _NEVER_CHANGE = {parse.HeritageAwareString, Name, str, int, float, bool, type(None)}
 
@@ -141,6 +139,35 @@ def split(text: parse.HeritageAwareString, separator: str) -> list[parse.Heritag
     return parts
 
 
+_infix = parse.ParseInfix
+
+
+def infix(
+    text: parse.HeritageAwareString, operators: Any = None, disallow_operators: Any = None
+) -> Any:
+    """Parse an expression with an operator; ``a => b`` may be one, as in a body."""
+    if "=>" in text and operators is None and disallow_operators:  # so it is an expression
+        implication = parse.ParsePropositionalImplication(text)
+        if implication:
+            return implication["predicate"]
+    return _infix(text, operators, disallow_operators)
+
+
+_NEWLINE = {"SqLite": "char(10)", "DuckDB": "chr(10)"}
+
+
+_text_literal = expr_translate.QL.StrLiteral
+
+
+def text_literal(self: Any, literal: Any) -> Any:
+    """Return a text in SQL; the package indents lines, also those of texts."""
+    newline = _NEWLINE.get(self.dialect.Name())
+    if newline is None or "\n" not in literal["the_string"]:
+        return _text_literal(self, literal)
+    quoted = _text_literal(self, literal).replace("\n", f"' || {newline} || '")
+    return f"({quoted})"
+
+
 _WORDS = """
     add all alter and as autoincrement between case cast check collate commit constraint create
     current_date current_time current_timestamp default deferrable delete distinct drop else escape
@@ -165,11 +192,11 @@ _MORE_WORDS = """
 _NO_ALIASES = _RESERVED | frozenset(_MORE_WORDS.split())
 """Names that a table can't have in a query."""
 
-_as_it_is = rule_translate.LogicaFieldToSqlField
+_to_sql_field = rule_translate.LogicaFieldToSqlField
 
 
 def sql_field(field: Any) -> Any:
-    name = _as_it_is(field)
+    name = _to_sql_field(field)
     return f'"{name}"' if isinstance(name, str) and name.lower() in _RESERVED else name
 
 
@@ -188,9 +215,11 @@ def install() -> None:
     parse.HeritageAwareString.__getitem__ = _item
     parse.Traverse = _traverse_plain
     parse.SplitRaw = split
+    parse.ParseInfix = infix
     rule_translate.ReplaceVariable = replace_variable
     rule_translate.AllMentionedVariables = mentioned_variables
     for module in (dialects, expr_translate, functors, parse, rule_translate, universe):
         module.copy = SimpleNamespace(deepcopy=deep_copy)
     rule_translate.LogicaFieldToSqlField = sql_field
+    expr_translate.QL.StrLiteral = text_literal
     rule_translate.NamesAllocator.AllocateTable = table_name

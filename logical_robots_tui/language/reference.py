@@ -6,12 +6,10 @@ Each line below reads ``signature -- summary -- example => result``; the result 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
 
 from logical_robots_tui.language.diagnostics import closest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 Kind = Literal["function", "aggregate", "operator"]
 
@@ -49,6 +47,8 @@ x in list -- in a body each element of a list; elsewhere whether x is an element
 x is null -- whether x has no value -- null is null => true
 x is not null -- whether x has a value -- 1 is not null => true
 x -> y -- a pair for ArgMin, ArgMax, Array and WeightedAverage -- (1 -> 2).value => 2
+a => b -- holds unless a holds and b does not; in bodies b has to hold for all x of a -- \
+(x in [1, 2] => x > 0) => true
 ~ P(x) -- holds if P(x) has no rows, or if a condition does not hold -- ~(1 == 2) => true
 if a then x else y -- x if a holds, otherwise y -- (if 1 < 2 then "yes" else "no") => "yes"
 """
@@ -65,6 +65,8 @@ List{2 * x :- x in [4, 2]} => [8, 4]
 Set{x :- P(x)} -- a sorted list of the distinct values -- Set{x :- x in [4, 2, 4]} => [2, 4]
 SomeValue{x :- P(x)} -- the same as AnyValue -- SomeValue{x :- x in [3]} => 3
 AnyValue{x :- P(x)} -- any one of the values -- AnyValue{x :- x in [3]} => 3
+ArrayConcatAgg{x :- P(x)} -- the same as ++=, in braces -- \
+ArrayConcatAgg{x :- x in [[1], [2]]} => [1, 2]
 ArgMin{x -> y :- P(x, y)} -- the x of the smallest y -- ArgMin{x -> -x :- x in [1, 2]} => 2
 ArgMax{x -> y :- P(x, y)} -- the x of the largest y -- ArgMax{x -> -x :- x in [1, 2]} => 1
 Array{i -> x :- P(i, x)} -- a list of x, ordered by i -- Array{-x -> x :- x in [1, 2]} => [2, 1]

@@ -6,13 +6,11 @@ Every change keeps the length of the text, so that offsets are valid in the play
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from sys import maxunicode
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from logical_robots_tui.language.diagnostics import Diagnostic
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}

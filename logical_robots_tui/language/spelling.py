@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 from logical_robots_tui.language.definitions import definitions, prelude, substitutions
 from logical_robots_tui.language.diagnostics import ProgramError
@@ -23,11 +24,16 @@ from logical_robots_tui.language.tree import (
     Call,
     Conjunction,
     Equation,
+    Expression,
+    Functor,
     List,
+    Node,
     Number,
     PredicateName,
+    Proposition,
     Record,
     Rule,
+    Statement,
     Text,
     Variable,
     arguments,
@@ -36,12 +42,10 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.schema import INPUTS
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from logical_robots_tui.language.tree import Expression, Functor, Node, Proposition, Statement
+Field: TypeAlias = "int | str"
+"""A column by place or name."""
 
 TYPES = {
     "BIGINT": "Int",
@@ -172,9 +176,9 @@ def expand_rows(program: list[Statement]) -> list[Statement]:
     return [_Rows(each, columns).rule() if isinstance(each, Rule) else each for each in program]
 
 
-def _columns(program: Sequence[Statement]) -> dict[str, list[str]]:
+def _columns(program: Sequence[Statement]) -> dict[str, list[Field]]:
     open_ = {name for each in program for name in substitutions(each)}
-    known = {name: list(columns) for name, columns in INPUTS.items()}
+    known: dict[str, list[Field]] = {name: [*columns] for name, columns in INPUTS.items()}
     own = {**definitions(prelude()), **definitions(program)}
     for _ in range(_ROUNDS):
         before = len(known)
@@ -189,10 +193,10 @@ def _columns(program: Sequence[Statement]) -> dict[str, list[str]]:
     return known
 
 
-def _columns_of(rule: Rule | Functor, known: Mapping[str, list[str]]) -> list[str] | None:
+def _columns_of(rule: Rule | Functor, known: Mapping[str, list[Field]]) -> list[Field] | None:
     if not isinstance(rule, Rule):
         return None
-    columns: list[str] = []
+    columns: list[Field] = []
     rows = _rows(rule, known)
     for each in rule.head.columns:
         if each.field == REST:
@@ -200,14 +204,12 @@ def _columns_of(rule: Rule | Functor, known: Mapping[str, list[str]]) -> list[st
             if rest is None:
                 return None
             columns += [name for name in rest if name not in columns]
-        elif isinstance(each.field, int) or each.field == VALUE:
-            return None
         else:
             columns.append(each.field)
     return columns
 
 
-def _rows(rule: Rule, known: Mapping[str, list[str]]) -> dict[str, list[str]]:
+def _rows(rule: Rule, known: Mapping[str, list[Field]]) -> dict[str, list[Field]]:
     return {
         row: _left(node, known)
         for node in walk(rule)
@@ -215,14 +217,14 @@ def _rows(rule: Rule, known: Mapping[str, list[str]]) -> dict[str, list[str]]:
     }
 
 
-def _row_of(atom: Atom, known: Mapping[str, list[str]]) -> str:
+def _row_of(atom: Atom, known: Mapping[str, list[Field]]) -> str:
     """Return the variable of ``..r`` in a call of a predicate with known columns, or ""."""
     if atom.name not in known:
         return ""
     return next((variable_of(a.expression) for a in atom.arguments if a.field == REST), "")
 
 
-def _left(atom: Atom, known: Mapping[str, list[str]]) -> list[str]:
+def _left(atom: Atom, known: Mapping[str, list[Field]]) -> list[Field]:
     named = {each.field for each in atom.arguments}
     return [name for name in known[atom.name] if name not in named]
 
@@ -230,7 +232,7 @@ def _left(atom: Atom, known: Mapping[str, list[str]]) -> list[str]:
 class _Rows:
     """Expands the whole rows of a rule."""
 
-    def __init__(self, rule: Rule, known: Mapping[str, list[str]]) -> None:
+    def __init__(self, rule: Rule, known: Mapping[str, list[Field]]) -> None:
         self._rule, self._known = rule, known
         self._rows = _rows(rule, known)
         self._mark = "_of_row"
@@ -269,11 +271,11 @@ class _Rows:
             rows.append(Equation(Variable(row), Record(arguments(named))))
         return rebuild(member, self._change)
 
-    def _variables(self, row: str, columns: Iterable[str]) -> dict[str, Expression]:
+    def _variables(self, row: str, columns: Iterable[Field]) -> dict[Field, Expression]:
         return {column: Variable(f"{row}_{column}{self._mark}") for column in columns}
 
 
 def _without(
-    given: tuple[Argument, ...], rest: Argument, named: Mapping[str, Expression]
+    given: tuple[Argument, ...], rest: Argument, named: Mapping[Field, Expression]
 ) -> tuple[Argument, ...]:
     return (*(each for each in given if each is not rest), *arguments(named))

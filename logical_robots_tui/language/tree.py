@@ -6,14 +6,11 @@ makes another one with changed children.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
 
 REST = "*"
 """The field of ``..r``, the rest of a row."""

@@ -6,15 +6,13 @@ They serve messages about a program, and the SQL that computes what DuckDB would
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import reduce
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui import schema
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 class Plain(Enum):
@@ -34,6 +32,17 @@ class Decimal:
 
     scale: int
     whole: int
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A text of a sensor that is one of a few words; only messages tell it from other texts.
+
+    Attributes:
+        of: What it tells: an ``object``, a ``label`` or a ``robot_name``.
+    """
+
+    of: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +68,7 @@ class RecordOf:
         return dict(self.fields).get(name, Plain.ANY)
 
 
-Kind: TypeAlias = "Plain | Decimal | ListOf | RecordOf"
+Kind: TypeAlias = "Plain | Decimal | Word | ListOf | RecordOf"
 
 MOST_DIGITS = 38  # of a decimal number
 
@@ -72,6 +81,10 @@ def is_nested(kind: Kind) -> bool:
 
 def is_number(kind: Kind) -> bool:
     return isinstance(kind, Decimal) or kind is Plain.REAL or is_whole(kind)
+
+
+def is_text(kind: Kind) -> bool:
+    return kind is Plain.TEXT or isinstance(kind, Word)
 
 
 def is_whole(kind: Kind) -> bool:
@@ -106,6 +119,8 @@ def _either(one: Kind, other: Kind) -> Kind:
         if is_whole(one) and is_whole(other):
             return max(one, other, key=digits)
         return _common_decimal(one, other)
+    if is_text(one) and is_text(other):
+        return Plain.TEXT
     if isinstance(one, ListOf) and isinstance(other, ListOf):
         return ListOf(_either(one.element, other.element), one.title)
     if isinstance(one, RecordOf) and isinstance(other, RecordOf):
@@ -121,6 +136,44 @@ def _common_decimal(one: Kind, other: Kind) -> Decimal:
         return Decimal(scale, MOST_DIGITS - scale)
     whole = max(k.whole if isinstance(k, Decimal) else digits(k) for k in (one, other))
     return Decimal(min(scale, MOST_DIGITS - whole), whole)
+
+
+def meet(one: Kind, other: Kind) -> Kind:
+    """Return the type of what has two types at once; any type if that is not known."""
+    if one == other or (is_number(one) and is_number(other)):
+        return one
+    if is_text(one) and is_text(other):
+        return other if one is Plain.TEXT else one
+    return Plain.ANY
+
+
+def clash(one: Kind, other: Kind) -> bool:
+    """Return whether no value has both types, null and what it is part of aside."""
+    if isinstance(one, ListOf) and isinstance(other, ListOf):
+        return clash(one.element, other.element)
+    if isinstance(one, RecordOf) and isinstance(other, RecordOf):
+        theirs = dict(other.fields)
+        return any(clash(kind, theirs.get(name, Plain.ANY)) for name, kind in one.fields)
+    return "" not in (family(one), family(other)) and family(one) != family(other)
+
+
+def family(kind: Kind) -> str:
+    """Return the word for types whose values can be compared, or "" if it is not known."""
+    if is_number(kind):
+        return "number"
+    if is_text(kind):
+        return "text"
+    if isinstance(kind, ListOf):
+        return "list"
+    if isinstance(kind, RecordOf):
+        return "record"
+    return "Boolean" if kind is Plain.TRUTH else ""
+
+
+def describe(kind: Kind) -> str:
+    """Return a type in words: "a list of numbers"."""
+    element = family(kind.element) if isinstance(kind, ListOf) else ""
+    return f"a {family(kind)} of {element}s" if element else f"a {family(kind)}"
 
 
 def spell(kind: Kind) -> str:

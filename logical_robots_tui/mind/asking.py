@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.failures import FailureError, failures_in_words
-from logical_robots_tui.mind.program import TRUTH_MARK
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.program import TRUTH_MARK, Program, Question, Tuned
+from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
+from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import Interner, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables
 from logical_robots_tui.mind.table import plan_lines
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.program import Program, Question, Tuned
-    from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 _PLAN = "EXPLAIN QUERY PLAN "
 _MOST_TOGETHER = 20_000  # rows for all views from one query
@@ -53,12 +49,7 @@ class Asking:
     """
 
     def __init__(
-        self,
-        program: Program,
-        limits: Limits,
-        *,
-        plain: bool,
-        frozen: bool = False,
+        self, program: Program, limits: Limits, *, plain: bool, frozen: bool = False
     ) -> None:
         self._program = program
         self.plain_tables = PlainTables(limits)
@@ -80,12 +71,7 @@ class Asking:
                 yield view, failure
 
     def question(
-        self,
-        question: Question,
-        moment: Moment,
-        within: Within,
-        *,
-        in_order: bool,
+        self, question: Question, moment: Moment, within: Within, *, in_order: bool
     ) -> Iterator[tuple[View, Answer]]:
         """Yield each view's rows, truncated to the limits; raise FailureError."""
         tuned = question.tuned
@@ -126,6 +112,12 @@ class Asking:
                 continue
             if rows[0][0]:
                 yield predicate, steps
+
+    def place_of(self, predicate: str) -> str:
+        """Return "Line 4: " for a predicate of the program, or "" for others."""
+        found = (each.line for each in self._program.predicates if each.name == predicate)
+        line = next(found, None)
+        return f"Line {line}: " if line else ""
 
     def close(self) -> None:
         self.plain_tables.close()

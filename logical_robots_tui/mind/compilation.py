@@ -10,6 +10,7 @@ import select
 import signal
 import threading
 from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
@@ -20,8 +21,6 @@ from logical_robots_tui.processes.helper import Helper
 from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
-
     from _typeshed import DataclassInstance
 
 Report: TypeAlias = "Callable[[int, int], None]"

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, weight_of
+from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, Limits, weight_of
+from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
     from logical_robots_tui.mind.asking import Asking
-    from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-    from logical_robots_tui.values import Value
 
 
 NoticeKind: TypeAlias = Literal[
@@ -207,6 +204,7 @@ def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iter
     for predicate, steps in asking.still_grew(moment, view, within):
         yield Notice(
             "recursion",
-            f"The recursion of {predicate} was still growing after {steps} steps; "
-            f"later rows are missing. @Recursive({predicate}, N) sets the number of steps.",
+            f"{asking.place_of(predicate)}the recursion of {predicate} was still growing after "
+            f"{steps} steps; later rows are missing. Add a condition that ends it, or allow more "
+            f"steps with @Recursive({predicate}, N).",
         )

@@ -5,18 +5,13 @@ from __future__ import annotations
 import logging
 import re
 import sqlite3
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.diagnostics import Stopped, printable
 from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
-from logical_robots_tui.mind.sqlite.moment import TooHeavyError
+from logical_robots_tui.mind.sqlite.moment import TooHeavyError, Within
 from logical_robots_tui.mind.sqlite.stored import TooDeepError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.mind.sqlite.moment import Within
 
 _log = logging.getLogger(__name__)
 _logged: set[type[Exception]] = set()  # each class of our bugs is logged once

@@ -5,13 +5,10 @@ JSON text tells little about sizes: an empty record has two characters and takes
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 _LEAST_WEIGHT = 8_000  # also for one of a thousand robots
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+import threading
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.asking import Asking
+from logical_robots_tui.mind.asking import Answer, Asking
 from logical_robots_tui.mind.decision import (
     Decision,
     Notice,
@@ -19,16 +20,12 @@ from logical_robots_tui.mind.decision import (
 )
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.program import Program, Question
 from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.table import QueryPlan, Table, table_of
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable
-
-    from logical_robots_tui.mind.asking import Answer
-    from logical_robots_tui.mind.program import Program, Question
     from logical_robots_tui.mind.relations import Relations
 
 _ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
@@ -78,11 +75,7 @@ class Mind:
         self._within = Within.of_thought(self.limits)
 
     def think(
-        self,
-        rows: Sequence[SensorRow],
-        memories: Memories,
-        *,
-        stop: threading.Event | None = None,
+        self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None
     ) -> list[Decision]:
         """Decide for every robot that has a sensor row, in the order of the rows.
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
+from logical_robots_tui.language.inference.names import Mention
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Mapping
 
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.limits import Limits
@@ -112,6 +113,8 @@ class Program:
         memory: The visibility of memories that ``@Visible`` sets, or None.
         sensor: The visibility of sensors that ``@Visible`` sets, or None.
         warnings: Warnings, in text order.
+        web: What would fail or mean something else on the web platform, in text order.
+        mentions: The names that it compares with labels and robots' names, in text order.
         needed: The predicates with rows that `Robot` uses, each after those that it uses itself;
             `Robot` is last.
         uses: For each of the program's predicates those that it mentions, including the game's
@@ -131,6 +134,8 @@ class Program:
     memory: Literal["own", "seen", "all"] | None = None
     sensor: Literal["own", "all"] | None = None
     warnings: tuple[Diagnostic, ...] = ()
+    web: tuple[Diagnostic, ...] = ()
+    mentions: tuple[Mention, ...] = ()
     needed: tuple[str, ...] = ()
     uses: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.failures import failures_in_words
+from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
-from logical_robots_tui.mind.sqlite.database import TooSlowError
+from logical_robots_tui.mind.sqlite.database import Answer, Scalar, TooSlowError
+from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from logical_robots_tui.mind.asking import Asking
-    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
-    from logical_robots_tui.mind.sqlite.database import Answer, Scalar
-    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-    from logical_robots_tui.values import Value
 
 GIVEN = "WhyGiven"
 """The table of the values that are given, one row."""

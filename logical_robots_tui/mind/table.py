@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,16 +9,14 @@ from __future__ import annotations
 import os
 import sys
 import sysconfig
+from collections.abc import Callable
 from errno import EACCES
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import unquote
 
 from logical_robots_tui.confinement import WHY
 from logical_robots_tui.paths import shipped_folder
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _DEVICES = frozenset(("/dev/null", "/dev/tty", "/dev/urandom"))

@@ -6,12 +6,12 @@ import fcntl
 import os
 import select
 import signal
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from asyncio import AbstractEventLoop
-    from collections.abc import Iterator
     from mmap import mmap
 
 

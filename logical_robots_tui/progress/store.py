@@ -11,16 +11,13 @@ import fcntl
 import os
 import sqlite3
 import threading
+from collections.abc import Callable, Iterator, Sequence
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, TypeVar
+from pathlib import Path
+from typing import Literal, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.records import texts_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from pathlib import Path
-
 
 State: TypeAlias = Literal["new", "in work", "won"]
 

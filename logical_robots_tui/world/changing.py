@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from logical_robots_tui.world.dynamics import (
     AreaState,
@@ -13,12 +14,8 @@ from logical_robots_tui.world.dynamics import (
     is_inside,
     starts_active,
 )
+from logical_robots_tui.world.level import Area, Level, Robot
 from logical_robots_tui.world.scoring import tallies_at_start
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from logical_robots_tui.world.level import Area, Level, Robot
 
 Pose: TypeAlias = tuple[float, float, float]
 """Position in map units (x, y), and heading in radians."""
@@ -26,7 +23,7 @@ Pose: TypeAlias = tuple[float, float, float]
 
 def start_state(level: Level) -> WorldState:
     robots = tuple(_at_start(robot) for robot in level.robots)
-    areas = tuple(_new_area(area) for area in level.areas)
+    areas = tuple(AreaState(area.name, starts_active(area)) for area in level.areas)
     return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
 
 
@@ -92,10 +89,6 @@ def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
 def _at_start(robot: Robot) -> RobotState:
     capacity = float(robot.battery_capacity)
     return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
-
-
-def _new_area(area: Area) -> AreaState:
-    return AreaState(area.name, starts_active(area))
 
 
 def _switch_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:

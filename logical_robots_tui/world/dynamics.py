@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from logical_robots_tui.world.level import Beacon
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-    from collections.abc import Set as AbstractSet
-
-    from logical_robots_tui.world.level import Area, Level, Robot
+from logical_robots_tui.world.level import Area, Beacon, Level, Robot
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from logical_robots_tui.schema import RADAR_DEGREES, RADAR_RAYS, SENSOR_RANGE
+from logical_robots_tui.world.dynamics import RobotState
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.world.dynamics import RobotState
 
 
 RADAR_SPAN = RADAR_DEGREES * math.pi / 180
@@ -244,12 +242,7 @@ def _widen(pairs: Pairs) -> NDArray[np.float64]:
 
 
 def _take(
-    hits: NDArray[np.int64],
-    codes: int,
-    rays: Rays,
-    circles: Circles,
-    pairs: Pairs,
-    chords: Chords,
+    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: Pairs, chords: Chords
 ) -> None:
     """Lower hits where rays enter circles; exact distances decide among three steps."""
     pair, ray, along, half_squared = chords

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.values import SensorRow
-    from logical_robots_tui.world.dynamics import AreaState, RobotState, WorldState
-    from logical_robots_tui.world.level import Area, Level, Score
+from logical_robots_tui.values import SensorRow
+from logical_robots_tui.world.dynamics import AreaState, RobotState, WorldState
+from logical_robots_tui.world.level import Area, Level, Score
 
 _PER_UNIT = 1000
 """A tally of distance counts thousandths of map units."""

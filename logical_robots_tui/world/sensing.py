@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from logical_robots_tui.schema import BEACON, NO_LABEL, NO_OBJECT, ROBOT, SELF, SENSOR_RANGE, WALL
-from logical_robots_tui.world.dynamics import RobotState
-from logical_robots_tui.world.rays import FORWARD, Circles, rays_of, take_nearer_circles
+from logical_robots_tui.values import SensorRow
+from logical_robots_tui.world.dynamics import AreaState, RobotState
+from logical_robots_tui.world.level import Area, Beacon, Level, Robot
+from logical_robots_tui.world.rays import FORWARD, Circles, Rays, rays_of, take_nearer_circles
 from logical_robots_tui.world.walls import Walls
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.values import SensorRow
-    from logical_robots_tui.world.dynamics import AreaState
-    from logical_robots_tui.world.level import Area, Beacon, Level, Robot
-    from logical_robots_tui.world.rays import Rays
 
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""
@@ -35,7 +31,7 @@ _View: TypeAlias = dict[str, Any]
 """The part of a sensor that comes from rays."""
 
 
-class _Looked(NamedTuple):
+class _Reading(NamedTuple):
     """The last reading of all robots, as reported in `views`, and the state it depends on."""
 
     robots: Sequence[RobotState]
@@ -91,7 +87,7 @@ class Senses:
         self._beacons = slice(1 + len(level.robots), self._codes - 1 - len(solid))
         switches = {name for area in level.areas for name in (area.on_beacon, area.off_beacon)}
         self._has_switches = any(beacon.name in switches for beacon in level.beacons)
-        self._last: _Looked | None = None
+        self._last: _Reading | None = None
         names = [robot.name for robot in level.robots]
         self._by_name = np.argsort(names) if level.teams else None
 
@@ -109,7 +105,7 @@ class Senses:
         rows = [_row(robot, state, view, clock) for robot, state, view in each]
         return rows, self._on_radar(last.hits) if self._has_switches else frozenset()
 
-    def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Looked:
+    def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Reading:
         """Return what robots see; only robots whose reading may have changed look again."""
         last, anew = self._last, list(range(len(robots)))
         if last is not None and last.shown == shown and len(robots) <= _FEW_ROBOTS:
@@ -123,7 +119,7 @@ class Senses:
         views = self._views(rays, hits)
         if last is not None and len(anew) < len(robots):
             hits, views = last.but(anew, hits, views)
-        return _Looked(robots, shown, hits, views)
+        return _Reading(robots, shown, hits, views)
 
     def _circles(self, robots: Sequence[RobotState], shown: list[bool]) -> Circles:
         x, y = self._x.copy(), self._y.copy()
@@ -231,7 +227,7 @@ _MARGIN = 1.0
 """Map units; far more than any rounding error."""
 
 
-def _may_have_changed(robots: Sequence[RobotState], last: _Looked, codes: int) -> list[int]:
+def _may_have_changed(robots: Sequence[RobotState], last: _Reading, codes: int) -> list[int]:
     """Return the indices of robots that moved, or had a moving robot in view, then or now."""
     spots: list[_Spot] = []
     found: list[int] = []

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from numbers import Real
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.paths import did_you_mean
+from logical_robots_tui.values import Desire, SensorRow
 from logical_robots_tui.world.changing import start_state
 from logical_robots_tui.world.dynamics import (
     AreaState,
@@ -24,14 +25,9 @@ from logical_robots_tui.world.dynamics import (
     run_batteries,
     run_battery,
 )
+from logical_robots_tui.world.level import Level
 from logical_robots_tui.world.scoring import tally_tick
 from logical_robots_tui.world.sensing import Senses
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from logical_robots_tui.values import Desire, SensorRow
-    from logical_robots_tui.world.level import Level
 
 _ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
 

@@ -21,6 +21,10 @@ Robot(robot_name:, desire:, memory: "") :-
 DOUBTFUL = """\
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}) :- Sensor(robot_name:);
 """
+HERE = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
+  memory: {order: 1}) :- Sensor(robot_name:);
+"""
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -49,6 +53,44 @@ def test_all_that_is_wrong_is_told_with_its_line_a_caret_and_a_hint(
         "   desire = {left_engine: sensor.clok, right_engine: Sqrtt(2)};",
         "                                                     ^^^^^",
         "  Did you mean Sqrt?",
+    ]
+
+
+def test_what_the_web_platform_would_not_do_is_told_on_request(
+    command: Command, tmp_path: Path
+) -> None:
+    path = written(tmp_path, "here.l", HERE)
+    assert command("check", path).out == ""
+    told = command("check", path, "--web")
+    assert told.status == 0
+    assert told.out.splitlines() == [
+        f"{path}:2:12: warning: order is a word of SQL, "
+        "which the web platform can't read as a field",
+        "    memory: {order: 1}) :- Sensor(robot_name:);",
+        "             ^^^^^",
+        "  Choose another name.",
+    ]
+    assert command("check", path, "--web", "--json").data["ok"] is True
+
+
+SEEKING = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
+  Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";
+"""
+
+
+def test_a_name_that_a_level_lacks_is_told_with_that_level_only(
+    command: Command, tmp_path: Path
+) -> None:
+    path = written(tmp_path, "seeking.l", SEEKING)
+    assert command("check", path).out == ""
+    told = command("check", path, "--level", "05-lighthouse")
+    assert told.status == 0
+    assert told.out.splitlines() == [
+        f'{path}:2:57: warning: no robot, beacon or solid area of this level is called "Hrbour"',
+        '    Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";',
+        "                                                          ^^^^^^^^",
+        '  Did you mean "Harbour"?',
     ]
 
 

@@ -44,6 +44,17 @@ class TypedCommand:
         return self._command("play", *options, "--plain")
 
 
+def test_a_name_that_the_level_lacks_is_told_at_the_start(typed: TypedCommand) -> None:
+    typed.program.write_text(
+        'Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :-\n'
+        '  Sensor(robot_name:, sensor:), robot_name != "Pipp";\n'
+    )
+    assert (
+        'Warning, line 2: no robot of this level is called "Pipp". Did you mean "Pip"?'
+        in typed().out.splitlines()
+    )
+
+
 def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
     typed.program = ahead
     told = typed("run", "run 200", "back 2", "where", "restart", "step 2")

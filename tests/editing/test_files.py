@@ -180,6 +180,10 @@ def test_levels_of_the_platform_pass_through_both_formats(path: Path) -> None:
     original = json.loads(path.read_text())
     assert again["walls"] == original["walls"].replace("2", "0")
     assert [robot["x"] for robot in again["robots"]] == [r["x"] for r in original["robots"]]
+    assert again.keys() == original.keys()
+    for kind in ("robots", "beacons", "areas"):
+        for one, other in zip(again[kind], original[kind], strict=True):
+            assert one.items() <= other.items()
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)

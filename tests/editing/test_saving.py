@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.files import is_made_here, save_level
 from logical_robots_tui.editing.things import Ref, change
 from logical_robots_tui.world import (
     Beacon,
@@ -38,6 +38,18 @@ def test_a_file_of_the_web_platform_that_says_the_same_is_not_touched(tmp_path: 
     assert path.read_text() == text
     save_level(change(level, Ref("robots", 0), x=7.0), path)
     assert load_level(path).robots[0].x == 7
+
+
+def test_a_file_is_made_here_if_this_game_would_write_it_like_that(tmp_path: Path) -> None:
+    path = tmp_path / "garden.json"
+    assert is_made_here(path)
+    path.write_text(CONFORMANCE[0].read_text())
+    assert not is_made_here(path)
+    save_level(change(load_level(path), Ref("robots", 0), x=7.0), path)
+    assert is_made_here(path)
+    path.write_text("something else")
+    assert not is_made_here(path)
+    assert is_made_here(SHIPPED[0])
 
 
 def test_a_broken_file_is_replaced(tmp_path: Path) -> None:

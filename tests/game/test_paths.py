@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import shlex
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import target
-from logical_robots_tui.paths import is_file, is_folder, is_there, real, typed_path
+from logical_robots_tui.paths import is_file, is_folder, is_there, pasted_path, real, typed_path
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,6 +29,29 @@ def test_what_is_out_of_reach_is_not_there(tmp_path: Path) -> None:
     (tmp_path / "mine.l").touch()
     assert is_file(tmp_path / "mine.l")
     assert is_there(tmp_path / "mine.l")
+
+
+NAMES = st.text(st.characters(exclude_characters="/\0", exclude_categories=["C", "Z"]), min_size=1)
+
+
+@given(st.lists(NAMES | st.just("a b"), min_size=1), st.sampled_from(["quoted", "address"]))
+def test_a_pasted_path_is_read_as_what_was_dropped(names: list[str], form: str) -> None:
+    path = "/" + "/".join(names)
+    pasted = shlex.quote(path) if form == "quoted" else f"file://{quote(path)}"
+    assert pasted_path(f"{pasted} ") == path
+
+
+def test_a_file_whose_name_holds_quotes_is_opened_as_typed(tmp_path: Path) -> None:
+    file = tmp_path / "'mine'.l"
+    file.touch()
+    assert pasted_path(str(file)) == str(file)
+    assert pasted_path(str(tmp_path / "'other'.l")) == str(tmp_path / "other.l")
+
+
+@given(st.text())
+def test_what_is_no_path_is_left_alone(text: str) -> None:
+    if "/" not in text:
+        assert pasted_path(text) == text.strip()
 
 
 def test_links_in_a_circle_lead_somewhere(tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ MUST_NOT_LOAD = {
         f"{LAB}.{part}": {TUI, CLI, EDITING, "logica", "sqlglot", "textual", "rich"} | EXTRAS
         for part in ("coordinating", "cluster", "local", "reporting", "submissions", "sweeping")
     },
-    "logical_robots_tui.tui.app.app": {CLI, LAB},
+    "logical_robots_tui.tui.app.app": {CLI, LAB, f"{MIND}.sqlite"},
     f"{CLI}.play": {LAB, "msgspec", "multiprocessing"},
     f"{CLI}.lab": {LAB, WORLD, MIND, GAME, "msgspec", "multiprocessing"} | SCREEN | EXTRAS,
     **{

@@ -33,7 +33,8 @@ from tests.levels.playing import (
 )
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.advancing import Thought
+    from logical_robots_tui.game import Frame
+    from logical_robots_tui.mind import Mind
 
 PAIRS = [(level, lower) for lower, level in combinations(LEVELS, 2)]
 
@@ -73,8 +74,8 @@ def test_a_reference_does_as_well_as_was_measured_and_never_goes_in_circles(
     expected = reference_table()[name][program]
     rounds = Rounds()
 
-    def goes_in_circles(thought: Thought) -> bool:
-        robots = thought.state.robots
+    def goes_in_circles(frame: Frame, _mind: Mind) -> bool:
+        robots = frame.after.robots
         circling = rounds.follow(robots)
         assert not circling, [r.name for i, r in enumerate(robots) if circling >> i & 1]
         return False

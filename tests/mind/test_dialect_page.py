@@ -53,6 +53,14 @@ NOTHING = "x in Range(0)"
             {"count": 3},
             3,
         ),
+        ("`Cast(2.5, Int)` is 3", "Cast(2.5, Int)", "", 3),
+        ("`Cast(Sqrt(6.25), Int)` is 2", "Cast(Sqrt(6.25), Int)", "", 2),
+        (
+            "`{'n': 1, 's': 'it\\'s'}`",
+            """ToString({n: 1, s: "it's"}) == "{'n': 1, 's': 'it\\'s'}\"""",
+            "",
+            True,
+        ),
         ("Fields that the record lacks are null", "TryCast(memory, {a: Num}).a is null", {}, 1),
     ],
 )

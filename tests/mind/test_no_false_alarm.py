@@ -51,7 +51,7 @@ package_patches.install()  # as in the compile process
 
 
 def found(text: str) -> list[str]:
-    return [str(problem) for problem in check(parse(prepare(text)), text, runs)]
+    return [str(problem) for problem in check(parse(prepare(text)), text, runs).problems]
 
 
 @pytest.mark.parametrize("rules", SUBTLE)

@@ -74,7 +74,7 @@ def test_what_is_asked_is_answered(query: str, columns: Any, rows: Any) -> None:
         ("Sum{1 :- ray in sensor.radar}", ("value", "robot_name"), ((31, "Ada"), (31, "Bo"))),
         ("memory is null", ("robot_name",), (("Bo",),)),
         ("memory", ("value", "robot_name"), (({"seen": [1]}, "Ada"), (None, "Bo"))),
-        ("sensor.clock < 2, x in [1]", ("x", "robot_name"), ((1, "Ada"), (1, "Bo"))),
+        ("sensor.clock < 2, x in [1]", ("x", "robot_name"), ((1.0, "Ada"), (1.0, "Bo"))),
         ('robot_name == "Bo"', ("robot_name",), (("Bo",),)),
         ('Item("one", sensor.clock)', ("robot_name",), (("Ada",), ("Bo",))),
         (
@@ -83,7 +83,7 @@ def test_what_is_asked_is_answered(query: str, columns: Any, rows: Any) -> None:
             None,
         ),
         ("Sum{sensor.clock :- Sensor(sensor:)}", ("value",), ((2,),)),
-        ("sensor in [1, 2]", ("sensor",), ((1,), (2,))),
+        ("sensor in [1, 2]", ("sensor",), ((1.0,), (2.0,))),
     ],
 )
 def test_inputs_that_a_question_leaves_open_are_those_of_each_robot(

@@ -17,7 +17,7 @@ from tests.mind.rows import remembered
 from tests.waiting import PATIENCE
 
 SPELT = {"Agg+": "+=", "Agg++": "++=", "1": "1="}
-SYNTAX = {"->", "~", "if"}
+SYNTAX = {"->", "=>", "~", "if"}
 
 
 def same(value: Any, expected: Any) -> bool:

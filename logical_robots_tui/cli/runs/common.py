@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator
 from contextlib import ExitStack, asynccontextmanager, contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_json,
     add_no_solutions,
@@ -25,12 +28,8 @@ from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import AsyncIterator, Callable, Iterable, Iterator
-
     from rich.progress import Progress
 
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame, Run
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import shutil
 import sys
 import textwrap
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, harmless
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, show
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
     from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.mind import Program

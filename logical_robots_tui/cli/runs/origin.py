@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless, line_within
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from logical_robots_tui.explain.why.sourcing import Path, Read
     from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
+    Commands,
     columns,
     harmless,
     line_of_json,
@@ -19,10 +22,6 @@ from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.runs.common import frame_at, new_run_command, open_run, run_shown, show
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Matches
     from logical_robots_tui.mind import Program, Question, Table
     from logical_robots_tui.world import Level

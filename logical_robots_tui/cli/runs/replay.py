@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
+    Commands,
     add_data_dir,
     add_no_solutions,
     add_programs,
@@ -25,10 +28,6 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Iterator
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay, Verifier
 

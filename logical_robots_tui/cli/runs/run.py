@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import json
 import math
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
+    Commands,
     columns,
     finite,
     harmless,
@@ -21,10 +24,6 @@ from logical_robots_tui.cli.command import (
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, progress_bar
 
 if TYPE_CHECKING:
-    import argparse
-    from collections.abc import Callable
-
-    from logical_robots_tui.cli.command import Commands
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level

@@ -7,14 +7,13 @@ import asyncio
 import json
 import shlex
 import shutil
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless, line_within, number_from
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.explain import Ask, Explanation, Node
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.mind import Program
@@ -119,7 +118,7 @@ def _lines(
     explanation: Explanation, nodes: Sequence[Node], options: argparse.Namespace
 ) -> Iterator[str]:
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
-    yield f"{explanation.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
+    yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
     if explanation.made_from:
         yield f"  is made from {explanation.made_from}; these are its rules"
     lines = [line for node in nodes for line in node.walk()]
@@ -181,7 +180,7 @@ def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
     return {
         "tick": tick,
         "robot": explanation.robot,
-        "predicate": explanation.predicate,
+        "predicate": explanation.asked.predicate,
         "made_from": explanation.made_from or None,
         "rows": explanation.rows,
         "row": explanation.row,

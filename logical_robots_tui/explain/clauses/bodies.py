@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import typing
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
+from typing import TypeAlias
 
 from logical_robots_tui.explain.why import probing
-from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.probing import Span, TermKind
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import is_built_in
+from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     COMPARISONS,
     JUNCTIONS,
@@ -28,10 +30,13 @@ from logical_robots_tui.language.tree import (
     Head,
     Literal,
     Membership,
+    Node,
     Number,
     PredicateName,
+    Proposition,
     Record,
     Rule,
+    Tree,
     Variable,
     arguments,
     call,
@@ -45,14 +50,6 @@ from logical_robots_tui.language.tree import (
     walk,
 )
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import TermKind
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Node, Proposition, Tree
-
 
 PartKind: TypeAlias = typing.Literal["call", "condition", "value", "element", "denial"]
 """The kinds of a body's parts: a condition only tests, a value is an equation."""

@@ -7,7 +7,7 @@ explanation refers to exactly these rows.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from logical_robots_tui.explain.clauses.bodies import (
     Names,
@@ -20,11 +20,16 @@ from logical_robots_tui.explain.clauses.bodies import (
 from logical_robots_tui.explain.clauses.normal_form import Builder
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
 from logical_robots_tui.language.definitions import names_used
-from logical_robots_tui.language.functors import expand, rename
+from logical_robots_tui.language.functors import Expanded, expand, rename
+from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     Atom,
     Call,
     Equation,
+    Expression,
+    Proposition,
+    Rule,
+    Statement,
     Variable,
     arguments,
     conjuncts,
@@ -36,13 +41,6 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
 from logical_robots_tui.mind.relations import GIVEN, with_given
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
-
-    from logical_robots_tui.language.functors import Expanded
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Expression, Proposition, Rule, Statement
 
 _ALL = "WhyAll"
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")

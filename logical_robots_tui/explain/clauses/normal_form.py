@@ -6,10 +6,12 @@ separate part of the body, so that its value is computed once.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from logical_robots_tui.explain.clauses.bodies import (
+    Names,
     Scope,
     TooManyError,
     alternatives,
@@ -25,7 +27,16 @@ from logical_robots_tui.explain.clauses.bodies import (
     span_of,
     values_in,
 )
-from logical_robots_tui.explain.why.probing import Body, Call, Clause, Collected, Step, Term
+from logical_robots_tui.explain.why.probing import (
+    AggregateInput,
+    Body,
+    Call,
+    Clause,
+    Span,
+    Step,
+    Term,
+)
+from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     REST,
     Aggregate,
@@ -33,8 +44,13 @@ from logical_robots_tui.language.tree import (
     Argument,
     Atom,
     Conjunction,
+    Expression,
     Membership,
+    Node,
     Number,
+    Proposition,
+    Rule,
+    Tree,
     Variable,
     arguments,
     conjuncts,
@@ -48,20 +64,6 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.language.tree import Call as Function
 from logical_robots_tui.mind.relations import GIVEN
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.clauses.bodies import Names
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import (
-        Expression,
-        Node,
-        Proposition,
-        Rule,
-        Tree,
-    )
 
 N = TypeVar("N", bound="Node")
 
@@ -203,9 +205,6 @@ class _ClauseBuilder:
 
         return change(node)  # type: ignore[return-value]  # a kind for its kind
 
-    def _is_call(self, node: Node | None) -> bool:
-        return variable_of(node) in self._calls
-
     # -- steps -----------------------------------------------------------------------------------
 
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
@@ -265,7 +264,7 @@ class _ClauseBuilder:
         span = self._builder.span(node)
         if kind == "literal":
             return Term("literal", span, self._column(node))
-        if self._is_call(node):
+        if variable_of(node) in self._calls:
             return self._called_term(variable_of(node), self._column(node))
         if isinstance(node, Aggregate):
             body = self._inner(node) if self._depth < _DEEPEST else None
@@ -296,12 +295,12 @@ class _ClauseBuilder:
         given = {name: self._column(variable) for name, variable in outer.items()}
         return Body(self._builder.span(aggregate), given, clauses)
 
-    def _collection(self, column: str, operator: str, argument: Expression) -> Collected:
+    def _collection(self, column: str, operator: str, argument: Expression) -> AggregateInput:
         if isinstance(argument, Function) and argument.name == "->":
             left, right = operands(argument.arguments)
             value, by = self._column(left), self._column(right)
-            return Collected(column, operator, value, by, self._term(left))
-        return Collected(column, operator, self._column(argument), "", self._term(argument))
+            return AggregateInput(column, operator, value, by, self._term(left))
+        return AggregateInput(column, operator, self._column(argument), "", self._term(argument))
 
     # -- queries ---------------------------------------------------------------------------------
 

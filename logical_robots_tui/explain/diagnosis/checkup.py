@@ -2,31 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 
 from logical_robots_tui.explain.clauses.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
-from logical_robots_tui.language.definitions import (
-    MAIN,
-    definitions,
-    is_constant,
-    reach,
-    rules_of,
-)
+from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.language.definitions import MAIN, definitions, is_constant, reach, rules_of
 from logical_robots_tui.language.functors import expand
+from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     COMPARISONS,
     Atom,
     Call,
     Choice,
     Equation,
+    Expression,
     Head,
     List,
     Literal,
     Membership,
+    Node,
     PredicateName,
     Record,
+    Rule,
     Variable,
     conjuncts,
     operands,
@@ -36,13 +35,6 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.schema import INPUTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Expression, Node, Rule
 
 _MOST_PROBES = 400
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from logical_robots_tui.explain.diagnosis.sites import TESTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from logical_robots_tui.explain.diagnosis.sites import Checkup, Column, Probe, Site
-    from logical_robots_tui.values import Value
+from logical_robots_tui.explain.diagnosis.sites import TESTS, Checkup, Column, Probe, Site
+from logical_robots_tui.values import Value
 
 _MOST_VALUES = 60  # compared values that are kept for a place
 
@@ -130,8 +126,8 @@ class Tally:
         for number, probe in enumerate(self.checkup.probes):
             if probe.closeness == "closer" or number in self.given_up:
                 continue
-            told = {probe.after, probe.before, *(column.site for column in probe.columns)}
-            if told & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
+            involved = {probe.after, probe.before, *(column.site for column in probe.columns)}
+            if involved & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
                 found.append(number)
         return found
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from logical_robots_tui.explain.why.probing import Span  # noqa: TC001 - so it does here
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.compilation import compile_request
-from logical_robots_tui.mind.program import Program  # noqa: TC001 - `record` reads the hint
-
-if TYPE_CHECKING:
-    import threading
-
-    from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.program import Program
 
 TESTS = ("condition", "denial", "branch", "operand")
 """Sites of these kinds are conditions."""

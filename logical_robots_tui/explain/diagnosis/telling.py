@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from logical_robots_tui.explain.diagnosis.counting import is_always_true
-from logical_robots_tui.explain.diagnosis.sites import TESTS
-from logical_robots_tui.language.diagnostics import closest, distance
+from logical_robots_tui.explain.diagnosis.counting import Count, Tally, is_always_true
+from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
+from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.language.diagnostics import most_similar
 from logical_robots_tui.schema import INPUTS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from logical_robots_tui.explain.diagnosis.counting import Count, Tally
-    from logical_robots_tui.explain.diagnosis.sites import Site
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 FindingKind = Literal[
     "several rows",
@@ -138,8 +133,8 @@ class _Reporter:
         if not count.left:
             return None
         self._said.add(number)
-        close = _alike(site.literal, count.left)
-        hint = f"Did you mean {_value(close)}?" if close else f"It was {_join(count.left)}."
+        close = most_similar(site.literal, (v for v in count.left if isinstance(v, str)))
+        hint = f'Did you mean "{close}"?' if close else f"It was {_join(count.left)}."
         message = f'{shorten(site.other)} was never "{site.literal}"{_in(site)}.'
         severity: Severity = "warning" if close else self._severity
         return self._finding("never true", severity, site, count, message, hint)
@@ -184,11 +179,11 @@ class _Reporter:
             (site.span, count)
             for site, count in zip(self._checkup.sites, self._tally.sites, strict=True)
             if site.kind == "operand" and site.within == whole.within
-            if _holds_in(whole.span, site.span) and count.reached is not None
+            if _is_inside(site.span, whole.span) and count.reached is not None
         ]
         return any(
             count.true is None
-            and not any(_holds_in(around, span) and c.true is not None for around, c in inner)
+            and not any(_is_inside(span, around) and c.true is not None for around, c in inner)
             for span, count in inner
         )
 
@@ -220,12 +215,8 @@ class _Reporter:
         return Finding(kind, severity, site.span, tick, message, hint, site.places)
 
 
-def _holds_in(whole: Span, part: Span) -> bool:
-    return (
-        whole.start <= part.start
-        and part.stop <= whole.stop
-        and (whole.start, whole.stop) != (part.start, part.stop)
-    )
+def _is_inside(part: Span, whole: Span) -> bool:
+    return whole.holds(part) and not part.holds(whole)
 
 
 def _quote(site: Site) -> str:
@@ -260,10 +251,3 @@ def _join(values: Iterable[Value]) -> str:
     if more > 0:
         return f"{', '.join(listed)} or one of {more} others"
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} or {listed[-1]}"
-
-
-def _alike(text: str, values: Iterable[Value]) -> str:
-    texts = [value for value in values if isinstance(value, str) and value]
-    by_case = (value for value in texts if value.lower() == text.lower())
-    near = (v for v in texts if distance(v.lower(), text.lower()) <= (2 if len(text) > 5 else 1))
-    return next(by_case, "") or next(near, "") or closest(text, texts)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.explain.clauses.bodies import (
     EVERY_COLUMN,
@@ -30,12 +31,16 @@ from logical_robots_tui.language.tree import (
     Choice,
     Disjunction,
     Equation,
+    Expression,
     FieldAccess,
     List,
     Literal,
     Membership,
     PredicateName,
+    Proposition,
     Record,
+    Rule,
+    Tree,
     Variable,
     call,
     conjuncts,
@@ -48,17 +53,15 @@ from logical_robots_tui.language.tree import (
 )
 from logical_robots_tui.schema import VALUE
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from logical_robots_tui.language.tree import Expression, Proposition, Rule, Tree
-
-
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
 
 
-class ValueTracing(Watching):
+_LEAVES = ("desire", VALUE)
+"""Columns whose ``if`` branches are watched."""
+
+
+class Tracer(Watching):
     def _value(self, node: Expression, at: At, *, is_leaf: bool = False) -> None:
         if isinstance(node, Choice):
             for branch in node.branches:
@@ -245,15 +248,6 @@ class ValueTracing(Watching):
             for name in trail.probes:
                 del self.probes[name]
 
-    def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
-        raise NotImplementedError
-
-
-_LEAVES = ("desire", VALUE)
-"""Columns whose ``if`` branches are watched."""
-
-
-class Tracer(ValueTracing):
     def copy(self, name: str) -> None:
         _, self._within = self.copies[name]
         for rule in self._own[name]:

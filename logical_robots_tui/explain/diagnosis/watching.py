@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from logical_robots_tui.explain.clauses.bodies import as_part, count_rule, parameters, span_of
+from logical_robots_tui.explain.clauses.bodies import (
+    Scope,
+    as_part,
+    count_rule,
+    parameters,
+    span_of,
+)
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import names_used
+from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     Atom,
+    Expression,
+    Node,
+    Proposition,
     Rule,
+    Tree,
     equation_sides,
     variable_of,
     variables,
@@ -20,13 +33,7 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.clauses.bodies import Scope
-    from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.language.functors import Expanded
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Expression, Node, Proposition, Tree
 
 _MOST = 6  # places
 _DEEPEST = 4
@@ -147,11 +154,7 @@ class Watching:
     """
 
     def __init__(
-        self,
-        source: Prepared,
-        expanded: Expanded,
-        functions: frozenset[str],
-        rules: Sequence[Rule],
+        self, source: Prepared, expanded: Expanded, functions: frozenset[str], rules: Sequence[Rule]
     ) -> None:
         self.sites: list[Site] = []
         self.probes: dict[str, tuple[Rule, Probe]] = {}

@@ -6,24 +6,19 @@ Rows of a recursion are derived from earlier rows, so that no row proves itself.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, value_of
+from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import ALIKE, same
-from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.explanation import Ask
-    from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
-    from logical_robots_tui.mind.relations import Relations, Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 MOST_ROWS = 1_000
 """Where counting rows ends."""
@@ -56,8 +51,7 @@ class Derivations:
             sql = probing.queries.get(probing.rows)
             if sql is None:
                 raise FailureError("it can't be asked for its rows")
-            arguments = [to_sql(given[column]) for column in probing.given]
-            ways = self.relations.ways(sql, arguments, most=MOST_ROWS + 1)
+            ways = self.relations.ways(sql, probing.arguments(given), most=MOST_ROWS + 1)
             found: Sequence[Row] = [
                 {c: value_of(way, f"c{i}") for i, c in enumerate(probing.columns)} for way in ways
             ]
@@ -78,12 +72,11 @@ class Derivations:
         if not rows:
             raise QueryError(f"{asked.predicate} has no such row.")
         row = self.stage(probing).first(probing, rows)
-        arguments = [to_sql(given[column]) for column in probing.given]
         self.prepare(probing, row)
         ways: list[tuple[Span, Clause, Way]] = []
         for rule in probing.rules:
             most = MOST_ELEMENTS if is_aggregated(rule) else 1
-            found = self.ways(rule, probing, row, arguments, most)
+            found = self.ways(rule, probing, row, probing.arguments(given), most)
             ways += [(rule.span, clause, way) for clause, way in found]
             if ways and not is_aggregated(rule):
                 break
@@ -93,11 +86,11 @@ class Derivations:
 
     def elements(self, probing: Probing, body: Body, way: Way) -> list[tuple[Clause, Way]]:
         self.prepare(probing)
-        given = [way.get(place) for place in body.given.values()]
+        given, ways = body.arguments(way), self.relations.ways
         return [
             (clause, inner)
             for clause in body.clauses
-            for inner in self.relations.ways(self.sql(clause, probing), given, most=MOST_ELEMENTS)
+            for inner in ways(self.sql(clause, probing), given, most=MOST_ELEMENTS)
         ]
 
     def ways(
@@ -135,12 +128,9 @@ class Derivations:
     def stage(self, probing: Probing) -> Stages:
         key = tuple(probing.recursive)
         if key not in self._stages:
-            members = {}
-            if probing.founded:
-                members = {
-                    name: self.decompose(*called) for name, called in probing.recursive.items()
-                }
-            self._stages[key] = Stages(self.relations, members)
+            members = probing.recursive.items() if probing.founded else ()
+            decomposed = {name: self.decompose(*called) for name, called in members}
+            self._stages[key] = Stages(self.relations, decomposed)
         return self._stages[key]
 
 
@@ -177,18 +167,12 @@ class Stages:
         self._relations, self._members = relations, members
         self._stages: dict[tuple[str, str], int] | None = None
 
-    def first(self, probing: Probing, rows: Sequence[Mapping[str, Value]]) -> Mapping[str, Value]:
+    def first(self, probing: Probing, rows: Sequence[Row]) -> Row:
         if not self._members:
             return rows[0]
         return min(rows, key=lambda row: self._stage(probing.name, row))
 
-    def before(
-        self,
-        name: str,
-        probing: Probing,
-        row: Mapping[str, Value],
-        rows: Sequence[Mapping[str, Value]],
-    ) -> Sequence[Mapping[str, Value]]:
+    def before(self, name: str, probing: Probing, row: Row, rows: Sequence[Row]) -> Sequence[Row]:
         if not self._members:
             return rows
         stage = self._stage(probing.name, row)
@@ -196,16 +180,14 @@ class Stages:
 
     # -- inside ----------------------------------------------------------------------------------
 
-    def _stage(self, name: str, row: Mapping[str, Value]) -> int:
+    def _stage(self, name: str, row: Row) -> int:
         if self._stages is None:
             self._stages = self._found()
         return self._stages.get((name, _key(row)), _NEVER)
 
     def _found(self) -> dict[tuple[str, str], int]:
         rows = {
-            name: {
-                _key(row): row for row in self._relations.rows(name, probing.sources.get(name, ""))
-            }
+            name: {_key(row): row for row in self._rows(name, probing)}
             for name, probing in self._members.items()
         }
         stages: dict[tuple[str, str], int] = {}
@@ -216,8 +198,7 @@ class Stages:
                         known = [row for key, row in rows[name].items() if (name, key) in stages]
                         self._relations.fill(table, name, known)
                     else:
-                        others = self._relations.rows(name, probing.sources.get(name, ""))
-                        self._relations.fill(table, name, others)
+                        self._relations.fill(table, name, self._rows(name, probing))
             new = {
                 (name, key): stage
                 for name, probing in self._members.items()
@@ -229,9 +210,10 @@ class Stages:
             stages |= new
         return stages
 
-    def _derivable(
-        self, probing: Probing, rows: Mapping[str, Mapping[str, Value]]
-    ) -> Iterator[str]:
+    def _rows(self, name: str, probing: Probing) -> Sequence[Row]:
+        return self._relations.rows(name, probing.sources.get(name, ""))
+
+    def _derivable(self, probing: Probing, rows: Mapping[str, Row]) -> Iterator[str]:
         aggregated = {c.column for r in probing.rules for k in r.clauses for c in k.collected}
         if not aggregated:
             found = {
@@ -263,7 +245,7 @@ class Stages:
                         yield clause, way
 
 
-def _key(row: Mapping[str, Value]) -> str:
+def _key(row: Row) -> str:
     """Return a key that is equal for rows that differ only in last digits of numbers."""
     return json.dumps(_round(dict(row)), sort_keys=True)
 

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.explanation import Ask, Node
-from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
-from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.explain.why.probing import (
+    DECIDED_BY_ONE,
+    AggregateInput,
+    Body,
+    Call,
+    Clause,
+    Step,
+    Term,
+)
+from logical_robots_tui.mind.relations import Relations, Way, alike
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import (
-        Body,
-        Call,
-        Clause,
-        Collected,
-        Span,
-        Step,
-        Term,
-    )
-    from logical_robots_tui.mind.relations import Relations, Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
@@ -47,7 +41,7 @@ class Telling:
         """Return the nodes of a derivation, up to but excluding the step `until`."""
         nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
         for span in reversed(clause.taken if until is None else ()):
-            inside = [n for n in nodes if n.span is not None and _is_within(n.span, span)]
+            inside = [n for n in nodes if n.span is not None and span.holds(n.span)]
             if inside:
                 first = nodes.index(inside[0])
                 nodes = [node for node in nodes if node not in inside]
@@ -71,7 +65,11 @@ class Telling:
             if place in way
         )
         if step.kind == "call" and step.call is not None:
-            reads = tuple(node for term in step.reads for node in self._read(term, way))
+            reads = tuple(
+                Node("read", term.span.text, values=(value_of(way, term.column),), span=term.span)
+                for term in step.reads
+                if term.column in way
+            )
             robot = value_of(way, step.call.arguments.get("robot_name", ""))
             is_input = step.call.predicate in INPUTS
             yield Node(
@@ -80,7 +78,7 @@ class Telling:
                 holds=True,
                 span=span,
                 robot=robot if isinstance(robot, str) else "",
-                asked=None if is_input else self.ask(step.call, way),
+                asked=None if is_input else ask_of(step.call, way),
                 children=reads if is_input else given,
             )
         elif step.kind == "element":
@@ -97,19 +95,12 @@ class Telling:
             children = tuple(node for term in step.terms for node in self.term(term, way))
             yield Node("condition", text, holds=True, span=span, children=children)
         elif step.kind == "denial":
-            inside: tuple[Node, ...] = ()
-            if step.denied is not None:
-                inside = self.refuted(step.denied, way)
+            inside = self.refuted(step.denied, way) if step.denied is not None else ()
             text, said = negation(text, holds=True)
             yield Node("denial", text, said, True, span=span, children=inside)
 
     def refuted(self, body: Body, way: Way) -> tuple[Node, ...]:
-        return self._refute(body.clauses, [way.get(place) for place in body.given.values()])
-
-    def ask(self, call: Call, way: Way) -> Ask:
-        places = {column: place for column, place in call.arguments.items() if place in way}
-        given = {column: value_of(way, place) for column, place in places.items()}
-        return Ask(call.predicate, given, call.within)
+        return self._refute(body.clauses, body.arguments(way))
 
     def term(self, term: Term, way: Way) -> Iterator[Node]:
         if term.kind == "literal" or term.column not in way:
@@ -117,22 +108,19 @@ class Telling:
         value = value_of(way, term.column)
         span, text = term.span, term.span.text
         if term.kind == "call" and term.call is not None:
-            asked = self.ask(term.call, way)
+            asked = ask_of(term.call, way)
             inner = tuple(node for part in term.parts for node in self.term(part, way))
             yield Node("call", text, values=(value,), span=span, asked=asked, children=inner)
             return
-        kind = term.kind if term.kind in ("if", "coalesce", "aggregate") else "value"
-        children = tuple(self.reason(term, way))
         is_truth = term.kind == "truth"
-        holds = bool(value) if is_truth else None
         yield Node(
-            kind,
+            term.kind if term.kind in ("if", "coalesce", "aggregate") else "value",
             text,
-            holds=holds,
+            holds=bool(value) if is_truth else None,
             values=() if is_truth and value is not None else (value,),
             is_truth=is_truth,
             span=span,
-            children=children,
+            children=tuple(self.reason(term, way)),
         )
 
     def reason(self, term: Term, way: Way) -> Iterator[Node]:
@@ -161,10 +149,7 @@ class Telling:
                 yield from self.term(part, way)
 
     def contributors(
-        self,
-        found: Sequence[tuple[Clause, Collected, Way]],
-        result: Value,
-        is_all: bool,
+        self, found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value, is_all: bool
     ) -> tuple[Node, ...]:
         if not found:
             return (Node("note", "goes over nothing"),)
@@ -201,34 +186,25 @@ class Telling:
         text = f"{title}: {term.span.text}"
         return Node("column", text, values=(value,), span=term.span, children=children)
 
-    def _read(self, term: Term, way: Way) -> Iterator[Node]:
-        if term.column in way:
-            value = value_of(way, term.column)
-            yield Node("read", term.span.text, values=(value,), span=term.span)
-
     def _branch(self, term: Term, way: Way) -> Iterator[Node]:
         *branches, otherwise = term.parts
         for condition, value in zip(branches[::2], branches[1::2], strict=True):
-            is_taken = bool(value_of(way, condition.column))
             yield from self.term(condition, way)
-            if is_taken:
+            if value_of(way, condition.column):
                 yield self._taken(value, way)
                 return
         yield self._taken(otherwise, way)
 
     def _taken(self, term: Term, way: Way) -> Node:
-        values = (value_of(way, term.column),)
         if term.kind == "call":
             return next(self.term(term, way))
-        children = tuple(self.reason(term, way))
-        text = term.span.text or "null"
-        said = "this branch is taken"
+        text, said = term.span.text or "null", "this branch is taken"
+        values, children = (value_of(way, term.column),), tuple(self.reason(term, way))
         return Node("value", text, said, values=values, span=term.span, children=children)
 
     def _aggregate(self, body: Body, result: Value, way: Way) -> Iterator[Node]:
-        found: list[tuple[Clause, Collected, Way]] = []
-        given = [way.get(place) for place in body.given.values()]
-        most = MOST_ELEMENTS + 1
+        found: list[tuple[Clause, AggregateInput, Way]] = []
+        given, most = body.arguments(way), MOST_ELEMENTS + 1
         for clause in body.clauses:
             sql = self._queries.get(clause.query)
             if sql is None or not clause.collected:
@@ -242,7 +218,7 @@ class Telling:
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 
-    def _element(self, collected: Collected, way: Way, said: str) -> Node:
+    def _element(self, collected: AggregateInput, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
         by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
         span = collected.term.span if collected.term is not None else None
@@ -251,8 +227,8 @@ class Telling:
 
 
 def winner(
-    found: Sequence[tuple[Clause, Collected, Way]], result: Value
-) -> tuple[Clause, Collected, Way] | None:
+    found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value
+) -> tuple[Clause, AggregateInput, Way] | None:
     """Return the element that determines an aggregate's result."""
     equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
     if not equal or not equal[0][1].by:
@@ -267,6 +243,13 @@ def winner(
 
 def value_of(way: Way, place: str) -> Value:
     return from_sql(way.get(place))
+
+
+def ask_of(call: Call, way: Way) -> Ask:
+    """Return the question which rows a call matches in one way."""
+    places = {column: place for column, place in call.arguments.items() if place in way}
+    given = {column: value_of(way, place) for column, place in places.items()}
+    return Ask(call.predicate, given, call.within)
 
 
 def negation(text: str, *, holds: bool) -> tuple[str, str]:
@@ -289,10 +272,6 @@ def number_of(number: int, what: str, *, is_all: bool) -> str:
 
 def _short(value: Value) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _is_within(one: Span, other: Span) -> bool:
-    return other.start <= one.start and one.stop <= other.stop
 
 
 def _is_among(term: Term, step: Step) -> bool:

@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 import json
+import threading
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.derivations import Derivations
-from logical_robots_tui.explain.why.deriving import column_label, value_of
-from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.nearest import Nearest
-from logical_robots_tui.explain.why.probing import decompose
-from logical_robots_tui.explain.why.proving import Prover, unfold
-from logical_robots_tui.explain.why.sourcing import source_of
+from logical_robots_tui.explain.why.derivations import Derivations, Row
+from logical_robots_tui.explain.why.deriving import ask_of, column_label
+from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof
+from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
+from logical_robots_tui.explain.why.probing import (
+    Body,
+    Call,
+    Clause,
+    Probing,
+    Span,
+    Term,
+    decompose,
+)
+from logical_robots_tui.explain.why.proving import explain, prove
+from logical_robots_tui.explain.why.sourcing import Path, Provenance, source_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.relations import Way
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.table import Table
+from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.explanation import Explanation, Proof
-    from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.explain.why.probing import Body, Call, Clause, Probing, Span, Term
-    from logical_robots_tui.explain.why.sourcing import Made, Path
     from logical_robots_tui.mind.mind import Memories, Mind
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import SensorRow, Value
 
 _ROBOT = Ask()
 
@@ -63,7 +65,6 @@ class Explainer:
         self._program, self._robot = mind.program, robot
         self._limits, self._within = mind.limits, relations.within
         self._derivations = Derivations(relations, robot, self._decompose)
-        self._prover = Prover(self._derivations)
 
     def why(self, asked: Ask = _ROBOT) -> Explanation:
         """Explain a predicate's rows, or their absence.
@@ -73,14 +74,14 @@ class Explainer:
         Raises:
             QueryError: There is no such predicate or column, arguments are missing, or it failed.
         """
-        return self._prover.explain(self._about(asked))
+        return explain(self._derivations, self._about(asked))
 
     def proof(self, asked: Ask = _ROBOT, *, depth: int = 100, nodes: int = 10_000) -> Proof:
         """Prove a row down to sensors and memories, up to `depth` predicates and `nodes` nodes.
 
         Raises QueryError as `why` does.
         """
-        return unfold(self._prover, self._about(asked), depth=depth, nodes=nodes)
+        return prove(self._derivations, self._about(asked), depth=depth, nodes=nodes)
 
     def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
         """Return changes that would give rules a row, smallest first; raise QueryError."""
@@ -108,7 +109,7 @@ class Explainer:
             tuple(map(column_label, columns)), tuple(found[:most]), truncated=len(found) > most
         )
 
-    def source(self, path: Path) -> Made:
+    def source(self, path: Path) -> Provenance:
         """Return the origin of a part of the new memory, () for all; QueryError if unknown."""
         self._within.renew()
         return source_of(self._derivations, path)
@@ -131,16 +132,11 @@ _DEEPEST = 20  # functions that call functions
 
 
 def _calls_of(
-    name: str,
-    callers: Mapping[str, Sequence[str]],
-    derivations: Derivations,
-    most: int,
+    name: str, callers: Mapping[str, Sequence[str]], derivations: Derivations, most: int
 ) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-    search = _Search(callers, derivations, most)
-    found = search.arguments(name, 0)
     probing = derivations.decompose(name, "")
     rows: list[tuple[Value, ...]] = []
-    for given in found:
+    for given in _Calls(callers, derivations, most).arguments(name, 0):
         arguments = {column: given.get(column) for column in probing.given}
         rows += [tuple(row.values()) for row in derivations.rows(probing, arguments)]
         if len(rows) >= most:
@@ -148,34 +144,28 @@ def _calls_of(
     return probing.columns, rows[:most]
 
 
-class _Search:
-    def __init__(
-        self,
-        callers: Mapping[str, Sequence[str]],
-        derivations: Derivations,
-        most: int,
-    ) -> None:
-        self._callers, self._derivations = callers, derivations
-        self._most = most
-        self._known: dict[str, list[Mapping[str, Value]]] = {}
+class _Calls:
+    """Finds the arguments of functions, at most `most` of each, from the derivations of callers."""
 
-    def arguments(self, name: str, depth: int) -> list[Mapping[str, Value]]:
+    def __init__(
+        self, callers: Mapping[str, Sequence[str]], derivations: Derivations, most: int
+    ) -> None:
+        self._callers, self._derivations, self._most = callers, derivations, most
+        self._known: dict[str, list[Row]] = {}
+
+    def arguments(self, name: str, depth: int) -> list[Row]:
         if name in self._known or depth > _DEEPEST:
             return self._known.get(name, [])
         self._known[name] = []
         needed = self._derivations.decompose(name, "").given
-        found: dict[str, Mapping[str, Value]] = {}
+        found: dict[str, Row] = {}
         for caller in self._callers.get(name, ()):
             probing = self._derivations.decompose(caller, "")
-            contexts: Iterable[Mapping[str, Value]] = ({},)
-            if probing.given:
-                contexts = self.arguments(caller, depth + 1)
-            for context in contexts:
-                given = [to_sql(context.get(column)) for column in probing.given]
+            for context in self.arguments(caller, depth + 1) if probing.given else ({},):
                 self._derivations.prepare(probing)
-                for call, way in self._calls(probing, given, name):
-                    values = {c: value_of(way, p) for c, p in call.arguments.items() if p in way}
-                    values = {c: v for c, v in values.items() if c in needed}
+                clauses = [clause for rule in probing.rules for clause in rule.clauses]
+                for call, way in self._calls(clauses, probing, probing.arguments(context), name):
+                    values = {c: v for c, v in ask_of(call, way).given.items() if c in needed}
                     found.setdefault(json.dumps(values, sort_keys=True), values)
                 if len(found) >= self._most:
                     break
@@ -183,12 +173,6 @@ class _Search:
         return self._known[name]
 
     def _calls(
-        self, probing: Probing, given: Sequence[Scalar], name: str
-    ) -> Iterator[tuple[Call, Way]]:
-        for rule in probing.rules:
-            yield from self._in_clauses(rule.clauses, probing, given, name)
-
-    def _in_clauses(
         self, clauses: Sequence[Clause], probing: Probing, given: Sequence[Scalar], name: str
     ) -> Iterator[tuple[Call, Way]]:
         for clause in clauses:
@@ -206,8 +190,7 @@ class _Search:
             for way in ways:
                 yield from ((call, way) for call in calls)
                 for body in bodies:
-                    inner = [way.get(place) for place in body.given.values()]
-                    yield from self._in_clauses(body.clauses, probing, inner, name)
+                    yield from self._calls(body.clauses, probing, body.arguments(way), name)
 
 
 def _bodies(clause: Clause) -> Iterator[Body]:

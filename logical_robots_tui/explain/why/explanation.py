@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.schema import ray_angle
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
     from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.values import Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,15 +105,12 @@ class Explanation:
 
     Attributes:
         made_from: The predicate whose rules these are, or "".
-        within: The predicate made with ``:=`` whose copy of the rules is meant, or "".
         rows: How many rows have the given values, up to a limit; `row` is the first.
     """
 
-    predicate: str
+    asked: Ask
     robot: str
     made_from: str
-    within: str
-    given: Mapping[str, Value]
     rows: int
     row: Mapping[str, Value] | None
     rules: tuple[RuleFound, ...]

@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.deriving import value_of
-from logical_robots_tui.explain.why.probing import ORDERING, Span
-from logical_robots_tui.explain.why.refuting import Refuting
+from logical_robots_tui.explain.why.probing import ORDERING, Call, Probing, RuleParts, Span, Term
+from logical_robots_tui.explain.why.refuting import Refuting, Stop
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest, distance
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.relations import Way
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
     from logical_robots_tui.explain.why.derivations import Derivations
-    from logical_robots_tui.explain.why.probing import Call, Probing, RuleParts, Term
-    from logical_robots_tui.explain.why.refuting import Stop
-    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.values import Value
 
 MOST = 5
 """The most suggestions for a rule."""
@@ -49,11 +45,7 @@ class Suggestion:
 
 class Nearest:
     def __init__(
-        self,
-        program: Program,
-        derivations: Derivations,
-        given: Mapping[str, Value],
-        limits: Limits,
+        self, program: Program, derivations: Derivations, given: Mapping[str, Value], limits: Limits
     ) -> None:
         self._program, self._derivations, self._given = program, derivations, given
         self._limits = limits
@@ -77,7 +69,7 @@ class Nearest:
         self, probing: Probing, rule: RuleParts, arguments: Mapping[str, Value]
     ) -> Stop | None:
         wanted = {c: v for c, v in arguments.items() if c not in probing.given}
-        given = [to_sql(arguments.get(column)) for column in probing.given]
+        given = probing.arguments(arguments)
         try:
             self._derivations.prepare(probing)
             return Refuting(self._relations, probing.queries, given, wanted).stop(rule)
@@ -252,11 +244,9 @@ class Nearest:
             rows = self._relations.answer(program, f"{written};", self._limits)
         except (ProgramError, FailureError):
             return False
-        row = next((row for row in rows if self._is_wanted(row)), {})
+        wanted = self._given.items()
+        row = next((row for row in rows if all(row.get(c) == value for c, value in wanted)), {})
         return any(value is not None for value in row.values())
-
-    def _is_wanted(self, row: Mapping[str, Any]) -> bool:
-        return all(row.get(column) == value for column, value in self._given.items())
 
     def _span(self, start: int, stop: int) -> Span:
         text = self._program.text

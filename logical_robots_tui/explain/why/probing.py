@@ -6,17 +6,19 @@ derivation, with the values of all variables and of all shown expressions.
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError
 from logical_robots_tui.mind.compilation import compile_request
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.sqlite.database import Scalar
+from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Mapping
-
-    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Program
 
 ROWS = "WhyRows_"
@@ -57,6 +59,9 @@ class Span:
     line: int
     text: str
 
+    def holds(self, other: Span) -> bool:
+        return self.start <= other.start and other.stop <= self.stop
+
 
 @dataclass(frozen=True, slots=True)
 class Call:
@@ -75,7 +80,7 @@ class Call:
 
 
 @dataclass(frozen=True, slots=True)
-class Collected:
+class AggregateInput:
     """An aggregate's input, in one clause.
 
     Attributes:
@@ -101,6 +106,10 @@ class Body:
     span: Span
     given: Mapping[str, str]
     clauses: tuple[Clause, ...]
+
+    def arguments(self, way: Mapping[str, Scalar]) -> list[Scalar]:
+        """Return the given values in one way of the outer query."""
+        return [way.get(place) for place in self.given.values()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +174,7 @@ class Clause:
     steps: tuple[Step, ...]
     head: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, Term] = field(default_factory=dict)
-    collected: tuple[Collected, ...] = ()
+    collected: tuple[AggregateInput, ...] = ()
     given: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -212,6 +221,10 @@ class Probing:
     sources: Mapping[str, str] = field(default_factory=dict)
     recursive: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     founded: bool = True
+
+    def arguments(self, given: Mapping[str, Value]) -> list[Scalar]:
+        """Return the values of the required columns, null where none is given."""
+        return [to_sql(given.get(column)) for column in self.given]
 
 
 def decompose(

@@ -3,186 +3,150 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.derivations import MOST_ROWS, check_given, is_aggregated
+from logical_robots_tui.explain.why.derivations import (
+    MOST_ROWS,
+    Derivations,
+    Row,
+    check_given,
+    is_aggregated,
+)
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, number_of
-from logical_robots_tui.explain.why.explanation import Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import same
-from logical_robots_tui.mind.sqlite.stored import to_sql
+from logical_robots_tui.mind.relations import Way, same
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
-    from logical_robots_tui.explain.why.derivations import Derivations, Row
-    from logical_robots_tui.explain.why.deriving import Telling
-    from logical_robots_tui.explain.why.explanation import Ask
-    from logical_robots_tui.explain.why.probing import (
-        Clause,
-        Collected,
-        Probing,
-        RuleParts,
+def explain(derivations: Derivations, asked: Ask) -> Explanation:
+    """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
+    probing = derivations.decompose(asked.predicate, asked.within)
+    given = check_given(asked.given, probing)
+    asked = replace(asked, given=given)
+    try:
+        rows = derivations.rows(probing, given)
+        derivations.prepare(probing)
+    except FailureError as failure:
+        raise QueryError(f"{asked.predicate} failed: {failure}.") from None
+    row = derivations.stage(probing).first(probing, rows) if rows else None
+    proving = _Proving(derivations, probing, given, rows, row)
+    rules = tuple(map(proving.rule, probing.rules))
+    if row is not None and all(found.row is None for found in rules):
+        if _is_over_nothing(probing, row):
+            rules = (_over_nothing(rules[0], row), *rules[1:])
+        else:
+            rules = (*rules, _note_unexplained(rules[0], probing))
+    return Explanation(
+        asked, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
     )
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
 
 
-class Prover:
-    """Explains rows of predicates for one robot at one moment."""
+class _Proving:
+    """Explains what each rule of a predicate gives; `row` is the first of the `rows`, if any."""
 
-    def __init__(self, derivations: Derivations) -> None:
-        self.derivations = derivations
-
-    def explain(self, asked: Ask) -> Explanation:
-        """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
-        probing = self.derivations.decompose(asked.predicate, asked.within)
-        given = check_given(asked.given, probing)
-        try:
-            rows = self.derivations.rows(probing, given)
-            self.derivations.prepare(probing)
-        except FailureError as failure:
-            raise QueryError(f"{asked.predicate} failed: {failure}.") from None
-        row = self.derivations.stage(probing).first(probing, rows) if rows else None
-        rules = tuple(self._rule(rule, probing, given, rows, row) for rule in probing.rules)
-        if row is not None and all(found.row is None for found in rules):
-            if _is_over_nothing(probing, row):
-                rules = (_over_nothing(rules[0], row), *rules[1:])
-            else:
-                rules = (*rules, _note_unexplained(rules[0], probing))
-        return Explanation(
-            asked.predicate,
-            self.derivations.robot,
-            probing.made_from,
-            asked.within,
-            given,
-            min(len(rows), MOST_ROWS),
-            row,
-            rules,
-        )
-
-    # -- rules -----------------------------------------------------------------------------------
-
-    def _rule(
+    def __init__(
         self,
-        rule: RuleParts,
+        derivations: Derivations,
         probing: Probing,
         given: Row,
         rows: Sequence[Row],
         row: Row | None,
-    ) -> RuleFound:
-        arguments = [to_sql(given[column]) for column in probing.given]
+    ) -> None:
+        self._derivations, self._probing = derivations, probing
+        self._given, self._rows, self._row = given, rows, row
+        self._arguments = probing.arguments(given)
         wanted = {c: v for c, v in given.items() if c not in probing.given}
-        refuting = Refuting(self.derivations.relations, probing.queries, arguments, wanted)
+        relations, queries = derivations.relations, probing.queries
+        self._refuting = Refuting(relations, queries, self._arguments, wanted)
+        self._telling = self._refuting.telling
+
+    def rule(self, rule: RuleParts) -> RuleFound:
+        row = self._row
         try:
-            number = self._number(rule, probing, given, arguments, rows)
+            number, nodes = self._number(rule), None
             if row is not None:
-                self.derivations.prepare(probing, row)
-                nodes = self._derived(rule, probing, row, arguments, refuting.telling)
-                self.derivations.prepare(probing)
-                if nodes is not None:
-                    said = _gives(number, len(rows))
-                    return RuleFound(
-                        rule.span, number, row, None, _heading(rule, said, True, nodes)
-                    )
+                self._derivations.prepare(self._probing, row)
+                nodes = self._derived(rule, row)
+                self._derivations.prepare(self._probing)
+            if nodes is not None:
+                heading = _heading(rule, _gives(number, len(self._rows)), True, nodes)
+                return RuleFound(rule.span, number, row, None, heading)
             if number:
                 said = f"gives {_number_of_rows(number)}, but not the first"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
-            others, stopped, children = refuting.rule(rule)
+            others, stopped, children = self._refuting.rule(rule)
             if row is None and stopped is None and is_aggregated(rule):
-                unlike = self._unlike(rule, probing, given)
+                unlike = self._unlike(rule)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
             said = "is about something else" if others else "gives no row"
             node = _heading(rule, said, None if others else False, children)
             return RuleFound(rule.span, 0, None, stopped, node)
         except FailureError as failure:
             note = Node("note", "This could not be asked", str(failure))
-            return RuleFound(
-                rule.span, None, None, None, _heading(rule, "could not be asked", None, (note,))
-            )
+            heading = _heading(rule, "could not be asked", None, (note,))
+            return RuleFound(rule.span, None, None, None, heading)
 
-    def _unlike(self, rule: RuleParts, probing: Probing, given: Row) -> tuple[Node, ...]:
-        keys = _keys(rule, given)
-        rows = self.derivations.rows(probing, keys)
+    def _unlike(self, rule: RuleParts) -> tuple[Node, ...]:
+        given = self._given
+        keys = {c: v for c, v in given.items() if any(c in each.head for each in rule.clauses)}
         return tuple(
             Node("column", column, "came out", False, (row[column],))
-            for row in rows[:1]
+            for row in self._derivations.rows(self._probing, keys)[:1]
             for column, value in given.items()
             if column not in keys and not same(row[column], value)
         )
 
-    def _number(
-        self,
-        rule: RuleParts,
-        probing: Probing,
-        given: Row,
-        arguments: Sequence[Scalar],
-        rows: Sequence[Row],
-    ) -> int:
-        if not rows:
+    def _number(self, rule: RuleParts) -> int:
+        if not self._rows:
             return 0
+        probing, relations = self._probing, self._derivations.relations
         if probing.recursive or is_aggregated(rule):
-            ways = self.derivations.ways
-            return sum(any(True for _ in ways(rule, probing, r, arguments)) for r in rows[:100])
+            return sum(any(True for _ in self._ways(rule, row)) for row in self._rows[:100])
         found: set[str] = set()
         number = 0
         for clause in rule.clauses:
-            sql = self.derivations.sql(clause, probing)
-            places = [(place, given[c]) for c, place in clause.head.items() if c in given]
+            sql = self._derivations.sql(clause, probing)
+            places = [
+                (place, self._given[c]) for c, place in clause.head.items() if c in self._given
+            ]
             if probing.distinct:
                 what = f"DISTINCT {', '.join(clause.head.values()) or 'one'}"
-                rest = self.derivations.relations.ways(sql, arguments, places, what, MOST_ROWS)
+                rest = relations.ways(sql, self._arguments, places, what, MOST_ROWS)
                 found |= {repr(tuple(way.values())) for way in rest}
             else:
-                number += self.derivations.relations.count(sql, arguments, places, MOST_ROWS)
+                number += relations.count(sql, self._arguments, places, MOST_ROWS)
         return min(number + len(found), MOST_ROWS)
 
-    def _derived(
-        self,
-        rule: RuleParts,
-        probing: Probing,
-        row: Row,
-        arguments: Sequence[Scalar],
-        telling: Telling,
-    ) -> tuple[Node, ...] | None:
-        if not is_aggregated(rule):
-            for clause, way in self.derivations.ways(rule, probing, row, arguments):
-                return (*telling.row(clause, way, row), *telling.derivation(clause, way))
-            return None
-        ways = list(self.derivations.ways(rule, probing, row, arguments, MOST_ELEMENTS + 1))
-        if not ways:
-            return None
-        return tuple(self._aggregated(probing, ways, row, telling))
+    def _ways(self, rule: RuleParts, row: Row, most: int = 1) -> Iterator[tuple[Clause, Way]]:
+        return self._derivations.ways(rule, self._probing, row, self._arguments, most)
 
-    def _aggregated(
-        self,
-        probing: Probing,
-        ways: list[tuple[Clause, Way]],
-        row: Row,
-        telling: Telling,
-    ) -> Iterator[Node]:
+    def _derived(self, rule: RuleParts, row: Row) -> tuple[Node, ...] | None:
+        if is_aggregated(rule):
+            ways = list(self._ways(rule, row, MOST_ELEMENTS + 1))
+            return tuple(self._aggregated(ways, row)) if ways else None
+        first = next(self._ways(rule, row), None)
+        return first and (*self._telling.row(*first, row), *self._telling.derivation(*first))
+
+    def _aggregated(self, ways: list[tuple[Clause, Way]], row: Row) -> Iterator[Node]:
         is_all = len(ways) <= MOST_ELEMENTS
-        yield from telling.row(*ways[0], row)
+        yield from self._telling.row(*ways[0], row)
         for column in (each.column for each in ways[0][0].collected):
-            found: list[tuple[Clause, Collected, Way]] = [
+            found: list[tuple[Clause, AggregateInput, Way]] = [
                 (clause, next(c for c in clause.collected if c.column == column), way)
                 for clause, way in ways[:MOST_ELEMENTS]
             ]
-            children = telling.contributors(found, row[column], is_all)
+            children = self._telling.contributors(found, row[column], is_all)
             operator = found[0][1].operator
             said = f"{operator} over {number_of(len(found), 'row', is_all=is_all)}"
-            if len(probing.rules) > 1:
+            if len(self._probing.rules) > 1:
                 said += " of this rule"
             yield Node(
                 "aggregate", column_label(column), said, values=(row[column],), children=children
             )
-
-
-def _keys(rule: RuleParts, row: Row) -> Row:
-    return {c: v for c, v in row.items() if any(c in clause.head for clause in rule.clauses)}
 
 
 def _heading(
@@ -223,16 +187,17 @@ def _note_unexplained(like: RuleFound, probing: Probing) -> RuleFound:
     return RuleFound(like.span, None, None, None, Node("note", text))
 
 
-def unfold(prover: Prover, asked: Ask, *, depth: int, nodes: int) -> Proof:
-    explanation = prover.explain(asked)
-    unfolding = _Unfolding(prover, nodes)
-    roots = tuple(unfolding.node(node, depth, ()) for node in _proving(explanation))
+def prove(derivations: Derivations, asked: Ask, *, depth: int, nodes: int) -> Proof:
+    """Prove a row, or its absence, up to `depth` predicates and `nodes` nodes."""
+    explanation = explain(derivations, asked)
+    unfolding = _Unfolding(derivations, nodes)
+    roots = tuple(unfolding.node(node, depth, ()) for node in _premises(explanation))
     return Proof(explanation, roots, unfolding.complete)
 
 
 class _Unfolding:
-    def __init__(self, prover: Prover, most: int) -> None:
-        self._prover, self._left = prover, most
+    def __init__(self, derivations: Derivations, most: int) -> None:
+        self._derivations, self._left = derivations, most
         self._known: dict[str, tuple[Node, ...] | str] = {}
         self.complete = True
 
@@ -249,14 +214,14 @@ class _Unfolding:
             self.complete = False
             return ()
         try:
-            self._prover.derivations.relations.spend(len(key))
+            self._derivations.relations.spend(len(key))
         except FailureError as failure:
             self.complete = False
             return (Node("note", f"The proof ends here: {failure}."),)
         found = self._known.get(key)
         if found is None:
             try:
-                found = _proving(self._prover.explain(asked))
+                found = _premises(explain(self._derivations, asked))
             except QueryError as error:
                 found = str(error)
             self._known[key] = found
@@ -265,7 +230,7 @@ class _Unfolding:
         return tuple(self.node(each, depth - 1, (*above, key)) for each in found)
 
 
-def _proving(explanation: Explanation) -> tuple[Node, ...]:
+def _premises(explanation: Explanation) -> tuple[Node, ...]:
     if explanation.row is None:
         return explanation.nodes
     giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)

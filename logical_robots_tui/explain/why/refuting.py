@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.deriving import Telling, negation, number_of, value_of
+from logical_robots_tui.explain.why.deriving import Telling, ask_of, negation, number_of, value_of
 from logical_robots_tui.explain.why.explanation import Node
+from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import same
+from logical_robots_tui.mind.relations import Relations, Way, same
+from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.schema import INPUTS, VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
-    from logical_robots_tui.mind.relations import Relations, Way
-    from logical_robots_tui.mind.sqlite.database import Scalar
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
@@ -122,14 +117,7 @@ class Refuting:
             nodes = (*nodes[:-1], replace(nodes[-1], said=said))
         return nodes
 
-    def _failed(
-        self,
-        clause: Clause,
-        step: Step,
-        before: str,
-        way: Way | None,
-        ways: int,
-    ) -> Node:
+    def _failed(self, clause: Clause, step: Step, before: str, way: Way | None, ways: int) -> Node:
         span, text = step.span, step.span.text
         sql = self._queries[step.query]
         elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
@@ -145,7 +133,7 @@ class Refuting:
             text, found = negation(text, holds=False)
             said = said if elsewhere else found
         elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
-            asked = self.telling.ask(step.call, way | self._known(clause))
+            asked = ask_of(step.call, way | self._known(clause))
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and is_one:
             children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
@@ -166,10 +154,7 @@ class Refuting:
         )
 
     def _examples(
-        self,
-        terms: Sequence[Term],
-        query: str,
-        alike: Sequence[tuple[str, Value]],
+        self, terms: Sequence[Term], query: str, alike: Sequence[tuple[str, Value]]
     ) -> Iterator[Node]:
         for term in _flat(terms):
             sql = self._queries.get(query)

@@ -5,33 +5,31 @@ A value is traced through one derivation back to a computation or to a sensor or
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.explain.why.deriving import value_of, winner
+from logical_robots_tui.explain.why.deriving import ask_of, value_of, winner
 from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE
+from logical_robots_tui.explain.why.probing import (
+    DECIDED_BY_ONE,
+    AggregateInput,
+    Body,
+    Call,
+    Clause,
+    Probing,
+    Span,
+    Step,
+    Term,
+)
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.mind.relations import Way, alike
 from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from logical_robots_tui.explain.why.derivations import Derivations
-    from logical_robots_tui.explain.why.probing import (
-        Body,
-        Call,
-        Clause,
-        Collected,
-        Probing,
-        Span,
-        Step,
-        Term,
-    )
-    from logical_robots_tui.mind.relations import Way
-    from logical_robots_tui.values import Value
 
 Path: TypeAlias = "tuple[str | int, ...]"
 """The way to a part of a value: names of fields and places in lists."""
@@ -51,7 +49,7 @@ class Read:
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class Provenance:
     """The origin of a value at one moment.
 
     Attributes:
@@ -59,10 +57,10 @@ class Made:
         reads: The distinct reads it depends on; one if it was only passed on.
     """
 
-    value: Value
     span: Span | None
     rule: Span | None
     reads: tuple[Read, ...]
+    value: Value = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,25 +72,15 @@ class _Frame:
     given: dict[str, tuple[_Frame, str, Term | None]] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """The origin of a value: an expression, and the inputs that it read."""
-
-    span: Span | None
-    rule: Span | None
-    reads: tuple[Read, ...]
-
-
-def source_of(derivations: Derivations, path: Path) -> Made:
+def source_of(derivations: Derivations, path: Path) -> Provenance:
     """Return the origin of a part of the robot's new memory; raise QueryError."""
     asked = Ask(given={"robot_name": derivations.robot})
     try:
         whole, found = _Sourcing(derivations).in_row(asked, "memory", path, None)
     except FailureError as failure:
         raise QueryError(f"Robot failed: {failure}.") from None
-    value = part_of(whole, path)
     reads = tuple({repr(read): read for read in found.reads}.values())
-    return Made(value, found.span, found.rule, reads)
+    return replace(found, reads=reads, value=part_of(whole, path))
 
 
 def part_of(value: Value, path: Path) -> Value:
@@ -114,12 +102,8 @@ class _Sourcing:
         self._depth = 0
 
     def in_row(
-        self,
-        asked: Ask,
-        column: str,
-        path: Path,
-        caller: tuple[_Frame, Call] | None,
-    ) -> tuple[Value, _Found]:
+        self, asked: Ask, column: str, path: Path, caller: tuple[_Frame, Call] | None
+    ) -> tuple[Value, Provenance]:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise QueryError("This goes through too many predicates to be followed.")
@@ -134,20 +118,16 @@ class _Sourcing:
             (clause, next(c for c in clause.collected if c.column == column), way)
             for _, clause, way in derived.ways
         ]
-        rules = [rule for rule, _, _ in derived.ways]
-        frames = [
-            _frame(derived.probing, rule, clause, way, caller)
-            for rule, (clause, _, way) in zip(rules, found, strict=True)
-        ]
-        return value, self._aggregate(found, frames, value, path, rules[0])
+        frames = [_frame(derived.probing, *each, caller) for each in derived.ways]
+        return value, self._aggregate(found, frames, value, path, derived.ways[0][0])
 
-    def _head(self, frame: _Frame, column: str, path: Path) -> _Found:
+    def _head(self, frame: _Frame, column: str, path: Path) -> Provenance:
         term = frame.clause.terms.get(column)
         if term is None:
-            return _Found(frame.rule, frame.rule, ())
+            return Provenance(frame.rule, frame.rule, ())
         return self._term(frame, term, path)
 
-    def _term(self, frame: _Frame, term: Term, path: Path) -> _Found:
+    def _term(self, frame: _Frame, term: Term, path: Path) -> Provenance:
         if term.kind == "variable":
             return self._variable(frame, term.column, path)
         if term.kind == "field":
@@ -170,18 +150,18 @@ class _Sourcing:
             return self._collected(frame, term, term.body, path)
         return self._computed(frame, term)
 
-    def _computed(self, frame: _Frame, term: Term) -> _Found:
+    def _computed(self, frame: _Frame, term: Term) -> Provenance:
         reads = [read for part in term.parts for read in self._term(frame, part, ()).reads]
-        return _Found(term.span, frame.rule, tuple(reads))
+        return Provenance(term.span, frame.rule, tuple(reads))
 
-    def _branch(self, frame: _Frame, term: Term, path: Path) -> _Found:
+    def _branch(self, frame: _Frame, term: Term, path: Path) -> Provenance:
         *branches, otherwise = term.parts
         for condition, value in zip(branches[::2], branches[1::2], strict=True):
             if value_of(frame.way, condition.column):
                 return self._term(frame, value, path)
         return self._term(frame, otherwise, path)
 
-    def _variable(self, frame: _Frame, place: str, path: Path) -> _Found:
+    def _variable(self, frame: _Frame, place: str, path: Path) -> Provenance:
         for step in frame.clause.steps:
             if step.kind in ("call", "function") and step.call is not None:
                 columns = [c for c, p in step.call.arguments.items() if p == place]
@@ -194,36 +174,36 @@ class _Sourcing:
             if term is not None:
                 return self._term(outer, term, path)
             return self._variable(outer, outer_place, path)
-        return _Found(frame.rule, frame.rule, ())
+        return Provenance(frame.rule, frame.rule, ())
 
-    def _step(self, frame: _Frame, step: Step, place: str, path: Path) -> _Found:
+    def _step(self, frame: _Frame, step: Step, place: str, path: Path) -> Provenance:
         if step.kind == "element":
-            value = value_of(frame.way, place)
             items = value_of(frame.way, step.terms[0].column)
-            number = _index(items, value)
+            number = _index(items, value_of(frame.way, place))
             return self._term(frame, step.terms[0], (number, *path))
         terms = [term for term in step.terms if term.kind != "literal"]
         others = [term for term in terms if term.column != place]
         if len(others) == 1 and len(step.gives) == 1:
             return self._term(frame, others[0], path)
-        return _Found(step.span, frame.rule, ())
+        return Provenance(step.span, frame.rule, ())
 
-    def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> _Found:
-        given = {c: value_of(frame.way, p) for c, p in call.arguments.items() if p in frame.way}
+    def _called(self, frame: _Frame, call: Call, column: str, path: Path) -> Provenance:
+        asked = ask_of(call, frame.way)
+        given = asked.given
         if call.predicate in INPUTS:
             robot = str(given.get("robot_name", self._derivations.robot))
             if column == "robot_name":
-                return _Found(None, frame.rule, ())
+                return Provenance(None, frame.rule, ())
             what: Literal["sensor", "memory"] = "sensor" if call.predicate == "Sensor" else "memory"
             try:
                 value = part_of(given[column], path)
             except QueryError:
                 value = None
-            return _Found(None, frame.rule, (Read(what, robot, path, value),))
-        _, found = self.in_row(Ask(call.predicate, given, call.within), column, path, (frame, call))
+            return Provenance(None, frame.rule, (Read(what, robot, path, value),))
+        _, found = self.in_row(asked, column, path, (frame, call))
         return found
 
-    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> _Found:
+    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> Provenance:
         ways = self._derivations.elements(frame.probing, body, frame.way)
         found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
         frames = [_inner(frame, body, clause, way) for clause, _, way in found]
@@ -232,15 +212,15 @@ class _Sourcing:
 
     def _aggregate(
         self,
-        found: Sequence[tuple[Clause, Collected, Way]],
+        found: Sequence[tuple[Clause, AggregateInput, Way]],
         frames: Sequence[_Frame],
         value: Value,
         path: Path,
         span: Span,
-    ) -> _Found:
+    ) -> Provenance:
         rule = frames[0].rule if frames else None
         if not found:
-            return _Found(span, rule, ())
+            return Provenance(span, rule, ())
         operator = found[0][1].operator
         chosen = None
         if operator in DECIDED_BY_ONE:
@@ -261,15 +241,11 @@ class _Sourcing:
             if one.term is not None
             for read in self._term(frame, one.term, ()).reads
         ]
-        return _Found(span, rule, tuple(reads))
+        return Provenance(span, rule, tuple(reads))
 
 
 def _frame(
-    probing: Probing,
-    rule: Span,
-    clause: Clause,
-    way: Way,
-    caller: tuple[_Frame, Call] | None,
+    probing: Probing, rule: Span, clause: Clause, way: Way, caller: tuple[_Frame, Call] | None
 ) -> _Frame:
     frame = _Frame(probing, rule, clause, way)
     if caller is not None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
-from logical_robots_tui.mind import NoticeKind
 from logical_robots_tui.paths import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
@@ -117,7 +115,11 @@ def subjects(event: Event, level: Level, program: Program | None) -> tuple[str, 
     if event == "loses sight":
         beacons = tuple(beacon.name for beacon in level.beacons)
         return beacons + tuple(robot.name for robot in level.robots)
-    return get_args(NoticeKind) if event == "notice" else ()
+    if event == "notice":
+        from logical_robots_tui.mind import NoticeKind  # takes time that the first picture needs
+
+        return get_args(NoticeKind)
+    return ()
 
 
 def mistake_in(breakpoint_: Breakpoint, level: Level, program: Program | None) -> str:

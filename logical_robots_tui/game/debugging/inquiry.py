@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import threading
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui import explain
-from logical_robots_tui.game.debugging.pins import read
+from logical_robots_tui.game.debugging.pins import Pin, Reading, read
 from logical_robots_tui.game.debugging.watching import matching_rows
-from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.frame import Frame, Superseded
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import Limits, ProgramError, QueryError, Stopped, Table
+from logical_robots_tui.mind import Limits, ProgramError, QueryError, QueryPlan, Stopped, Table
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Iterable, Sequence
-
     from logical_robots_tui.explain import Ask, Explanation, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.game.debugging.pins import Pin, Reading
-    from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Mind, Program, QueryPlan
-    from logical_robots_tui.world import Level
+    from logical_robots_tui.mind import Mind, Program
 
 T = TypeVar("T")
 
@@ -56,26 +53,14 @@ class Inquiry:
 
         return await self._do(self._asker, program, work)
 
-    async def why(
-        self,
-        program: Program,
-        robot: str,
-        frame: Frame,
-        asked: Ask,
-    ) -> Explanation:
+    async def why(self, program: Program, robot: str, frame: Frame, asked: Ask) -> Explanation:
         """Explain a predicate's rows, or their absence, or raise QueryError."""
         return await self._explain(
             self._explainer, program, robot, frame, lambda each: each.why(asked)
         )
 
     async def proof(
-        self,
-        program: Program,
-        robot: str,
-        frame: Frame,
-        asked: Ask,
-        *,
-        depth: int = 100,
+        self, program: Program, robot: str, frame: Frame, asked: Ask, *, depth: int = 100
     ) -> Proof:
         """Prove the first row that is asked for, `depth` predicates deep; raises as `why`."""
         return await self._explain(

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import hashlib
 import json
+import threading
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.caching import CacheFolder, cache_place
+from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.debugging.watching import matching_rows
-from logical_robots_tui.game.frame import NoSuchTickError
+from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError, Stopped
 from logical_robots_tui.records import record
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Sequence
-
-    from logical_robots_tui.game.advancing import RecordedTick
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run
@@ -62,7 +60,7 @@ async def find_matches(
     question: Question,
     ticks: int,
     robot: str = "",
-    told: Callable[[int], object] = lambda _tick: None,
+    report: Callable[[int], object] = lambda _tick: None,
 ) -> Matches:
     """Evaluate a question at every tick up to victory, by default for any robot; cached."""
     about = (run.key, question.text, question.sql, robot, ticks)
@@ -85,7 +83,7 @@ async def find_matches(
             reason = reason or answer
         elif answer:
             _add(holds, last)
-        told(last)
+        report(last)
     found = Matches(last, won_at, tuple(holds), tuple(failed), reason, is_reliable)
     if is_reliable and run.lasts and not failed:  # it may have failed only for lack of time
         _keep(name, found)
@@ -169,11 +167,11 @@ async def search_ticks(
     game: Game,
     query: str,
     way: Literal[-1, 1],
-    told: Callable[[int], object] = lambda _tick: None,
+    report: Callable[[int], object] = lambda _tick: None,
 ) -> SearchResult:
     """Find the nearest later (`way` is 1) or earlier (-1) tick in which a question holds.
 
-    Adjacent ticks are skipped if it holds now. `told` gets each searched tick, and may end the
+    Adjacent ticks are skipped if it holds now. `report` gets each searched tick, and may end the
     search with an exception. Raises ProgramError for a wrong query.
     """
     program, history, here = game.program, game.history, game.frame.tick
@@ -211,7 +209,7 @@ async def search_ticks(
                 elif holds and is_outside:
                     return SearchResult(tick, tick, holds_here, problem)
                 is_outside = is_outside or not holds
-            told(last)
+            report(last)
     finally:
         await thinker.close()
     return SearchResult(None, last, holds_here, problem)

@@ -7,33 +7,30 @@ it was made from.
 from __future__ import annotations
 
 import re
+import threading
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain.why.sourcing import part_of
-from logical_robots_tui.game.frame import NoSuchTickError, Superseded
+from logical_robots_tui.explain.why.probing import Span
+from logical_robots_tui.explain.why.sourcing import Path, Provenance, Read, part_of
+from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.relations import alike
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Awaitable, Callable, Mapping, Sequence
-
-    from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.explain.why.sourcing import Made, Path, Read
-    from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Mind
-    from logical_robots_tui.values import Value
 
 _MOST_LINKS = 24
 _MOST_READS = 4  # per link that are traced
 
-Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Made, Mapping[str, Value]]]]"
+Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Provenance, Mapping[str, Value]]]]"
 """Returns how a part of a robot's memory was made in a tick, and all memories before that tick."""
 
 
@@ -70,15 +67,15 @@ async def origin_in_run(
     robot: str,
     path: Path,
     tick: int,
-    told: Callable[[int], object] = lambda _tick: None,
+    report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
     """Trace a part of a robot's memory after a tick of a run, or raise QueryError."""
     looked = 0
 
-    async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
+    async def source(at: int, whose: str, part: Path) -> tuple[Provenance, Mapping[str, Value]]:
         nonlocal looked
         looked += 1
-        told(looked)
+        report(looked)
         work = partial(_source, whose, part)
         (found,) = [each async for each in run.each(at, at, work)]
         return found
@@ -91,7 +88,7 @@ async def origin_in_game(
     robot: str,
     path: Path,
     tick: int | None = None,
-    told: Callable[[int], object] = lambda _tick: None,
+    report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
     """Trace part of a memory after a tick, by default the current, of a game.
 
@@ -106,10 +103,10 @@ async def origin_in_game(
         return Origin((Link(robot, path, value, 0, 0, None, None, ()),), complete=True)
     thinker = Thinker("origin")
 
-    async def source(at: int, whose: str, part: Path) -> tuple[Made, Mapping[str, Value]]:
+    async def source(at: int, whose: str, part: Path) -> tuple[Provenance, Mapping[str, Value]]:
         if history.turns != turns:
             raise Superseded
-        told(at)
+        report(at)
         try:
             before, known = history.replay(at)
         except NoSuchTickError:
@@ -117,7 +114,7 @@ async def origin_in_game(
         program = history.program_at(at) or game.program
         program = program.for_team(known.level.team_of(whose))
 
-        def work(stop: threading.Event) -> tuple[Made, Mapping[str, Value]]:
+        def work(stop: threading.Event) -> tuple[Provenance, Mapping[str, Value]]:
             frame, mind = thinker.replay(program, before, known, game.limits)
             return _source(whose, part, frame, mind, stop)
 
@@ -174,7 +171,7 @@ def read_path(text: str) -> Path:
 
 def _source(
     robot: str, path: Path, frame: Frame, mind: Mind, stop: threading.Event
-) -> tuple[Made, Mapping[str, Value]]:
+) -> tuple[Provenance, Mapping[str, Value]]:
     explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
     return explainer.source(path), frame.memories_before
 
@@ -192,7 +189,7 @@ async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
             return Link(robot, path, made.value, 0, until, None, None, ())
 
 
-def _source_of(made: Made, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
+def _source_of(made: Provenance, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
     if not made.reads or any(read.what != "memory" for read in made.reads):
         return None
     robots = {read.robot for read in made.reads}

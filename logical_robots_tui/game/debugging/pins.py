@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from logical_robots_tui.mind import QueryError
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
     from logical_robots_tui.mind import Table
-    from logical_robots_tui.values import Value
 
 MIND = "in the mind of"
 """Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""
@@ -84,11 +82,7 @@ def path_text(path: Path, what: str = "memory") -> str:
 
 
 def pin_of_cell(
-    predicate: str,
-    columns: Sequence[str],
-    rows: Sequence[Sequence[Value]],
-    row: int,
-    column: str,
+    predicate: str, columns: Sequence[str], rows: Sequence[Sequence[Value]], row: int, column: str
 ) -> Pin | None:
     """Return the pin of a value in a table, which finds its row again at other ticks.
 

@@ -6,28 +6,25 @@ that the difference is not merely a consequence of another.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain import Ask
+from logical_robots_tui.explain import Ask, Explanation, Node, Proof
+from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.mind import Limits, QueryError
 from logical_robots_tui.mind.relations import alike
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain import Explanation, Node, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
-    from logical_robots_tui.game.advancing import RecordedTick
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.course import Divergence
     from logical_robots_tui.game.history.packing import TickState
-    from logical_robots_tui.mind import Limits, Program
-    from logical_robots_tui.values import Value
+    from logical_robots_tui.mind import Program
 
 
 _DECISIONS = ("desire", "memory", "notices")
@@ -126,8 +123,7 @@ class ProofDifference:
 def first_difference(
     here: Proof, there: Proof, here_text: str, there_text: str
 ) -> ProofDifference | None:
-    mine, other = here.explanation, there.explanation
-    asked = Ask(mine.predicate, _common(mine.given, other.given), mine.within)
+    asked = _common_question(here.explanation.asked, there.explanation.asked)
     texts = _in_one_line(here_text), _in_one_line(there_text)
     walks = (_Walk(*texts, values=values) for values in (False, True))
     found = (walk.rules(asked, here.nodes, there.nodes) for walk in walks)
@@ -244,8 +240,7 @@ class _Walk:
         if here.holds is False and here.kind in _DECIDED_AT_ONCE:
             return None
         if here.asked is not None and there.asked is not None:
-            common = _common(here.asked.given, there.asked.given)
-            called = Ask(here.asked.predicate, common, here.asked.within)
+            called = _common_question(here.asked, there.asked)
             if (found := self.rules(called, _rules(here), _rules(there))) is not None:
                 return found
         return self._nodes(asked, _steps(here), _steps(there)) or self._nodes(
@@ -287,10 +282,11 @@ def _sides(here: Sequence[Node], there: Sequence[Node]) -> Iterator[Node | None]
     yield there[0] if there else None
 
 
-def _common(here: Mapping[str, Value], there: Mapping[str, Value]) -> dict[str, Value]:
-    return {
-        name: value for name, value in here.items() if name in there and alike(value, there[name])
-    }
+def _common_question(here: Ask, there: Ask) -> Ask:
+    """Return a question with only those given values that another one shares."""
+    others = there.given
+    same = {c: v for c, v in here.given.items() if c in others and alike(v, others[c])}
+    return replace(here, given=same)
 
 
 def _have_same_values(here: Node, there: Node) -> bool:

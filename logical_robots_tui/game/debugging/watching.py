@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.game.debugging.breakpoints import OF_QUESTIONS, Breakpoint, Hit
 from logical_robots_tui.mind import ProgramError, QueryError, Table
 from logical_robots_tui.mind.sqlite.stored import to_json
+from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Decision, Mind, Question
-    from logical_robots_tui.values import SensorRow, Value
+    from logical_robots_tui.mind import Mind, Question
 
 _Rows: TypeAlias = "list[tuple[Value, ...]]"
 _FEW = 3  # values that are reported
@@ -212,14 +211,10 @@ def _distances(row: SensorRow) -> dict[str, float]:
 
 
 def _notices(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:
-    known = {decision.robot_name: _kinds(decision) for decision in past.decisions}
+    known = {(decision.robot_name, n.kind) for decision in past.decisions for n in decision.notices}
     for decision in frame.decisions:
         if each.robot in ("", decision.robot_name):
             for notice in decision.notices:
-                is_new = notice.kind not in known.get(decision.robot_name, ())
+                is_new = (decision.robot_name, notice.kind) not in known
                 if is_new and each.subject in ("", notice.kind):
                     yield f"{decision.robot_name}: {notice.message}"
-
-
-def _kinds(decision: Decision) -> set[str]:
-    return {notice.kind for notice in decision.notices}

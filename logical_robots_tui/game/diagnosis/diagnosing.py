@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.diagnosis.counting import Tally
-from logical_robots_tui.explain.diagnosis.sites import check_up
-from logical_robots_tui.game.diagnosis.findings import findings_of, observe
+from logical_robots_tui.explain.diagnosis.sites import Checkup, check_up
+from logical_robots_tui.explain.diagnosis.telling import Finding
+from logical_robots_tui.game.advancing import RecordedTick
+from logical_robots_tui.game.diagnosis.findings import Observations, findings_of, observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Mapping, Sequence
-
-    from logical_robots_tui.explain.diagnosis.sites import Checkup
-    from logical_robots_tui.explain.diagnosis.telling import Finding
-    from logical_robots_tui.game.advancing import RecordedTick
-    from logical_robots_tui.game.diagnosis.findings import Observations
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
 
@@ -52,9 +49,7 @@ class Diagnosis:
 
 
 async def diagnose(
-    game: Game,
-    *,
-    report: Callable[[int, int], None] = lambda _done, _all: None,
+    game: Game, *, report: Callable[[int, int], None] = lambda _done, _all: None
 ) -> Diagnosis:
     """Diagnose the current program over a game's history; cancelling the call stops it.
 

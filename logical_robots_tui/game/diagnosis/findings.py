@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, Literal
 
+from logical_robots_tui.explain.diagnosis.counting import Tally
+from logical_robots_tui.explain.diagnosis.sites import Checkup
 from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.explain.diagnosis.counting import Tally
-    from logical_robots_tui.explain.diagnosis.sites import Checkup
-    from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind.decision import NoticeKind
-    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, RobotState
 
 
@@ -176,10 +175,7 @@ _MOST_LEAVES = 3
 
 
 def findings_of(
-    tally: Tally,
-    observed: Observations,
-    closer: Mapping[tuple[str, int], Tally],
-    level: Level,
+    tally: Tally, observed: Observations, closer: Mapping[tuple[str, int], Tally], level: Level
 ) -> list[Finding]:
     """Return findings, most significant first; `closer` has counts by robot and first tick."""
     found = [
@@ -244,15 +240,11 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
         gave = [n for n in called if tally.rules[n].gave is not None and n not in seen]
         facts = [n for n in gave if checkup.rules[n].is_fact]
         deeper = [] if facts or len(gave) != 1 else _multipliers(tally, gave[0], seen)
-        alike = _alike_facts(checkup, facts) if facts else []
-        rules = [checkup.rules[n].span for n in (alike or gave) if not facts or alike]
+        times = Counter(checkup.rules[n].key for n in facts)
+        alike = [n for n in facts if times[checkup.rules[n].key] > 1]
+        rules = [checkup.rules[n].span for n in (alike if facts else gave)]
         return [*deeper, *reversed(rules), site.span]
     return []
-
-
-def _alike_facts(checkup: Checkup, facts: list[int]) -> list[int]:
-    texts = Counter(checkup.rules[n].key for n in facts)
-    return [n for n in facts if texts[checkup.rules[n].key] > 1]
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
@@ -329,7 +321,7 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
 def _of_movement(
     observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
-    told: set[tuple[str, Span | None]] = set()
+    reported: set[tuple[str, Span | None]] = set()
     for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
@@ -337,9 +329,9 @@ def _of_movement(
         by_distance = [span for each in zip_longest(*leaves) for span in each if span]
         spans = list({span.line: span for span in by_distance}.values())
         span = leaves[0][0] if leaves else None
-        if (stretch.kind, span) in told:
+        if (stretch.kind, span) in reported:
             continue
-        told.add((stretch.kind, span))
+        reported.add((stretch.kind, span))
         others = tuple(each for each in spans if span is None or each.line != span.line)
         is_doubtful = observed.won_at is None and stretch.kind != "unfinished"
         yield Finding(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -10,18 +11,16 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.frame import driven
+from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Packed, TickState
+from logical_robots_tui.mind import Decision
+from logical_robots_tui.world import Level, RobotState
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from logical_robots_tui.game.debugging.breakpoints import Hit
-    from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.mind import Decision, Program
-    from logical_robots_tui.world import Level, RobotState
+    from logical_robots_tui.mind import Program
 
 
 Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]
@@ -48,13 +47,8 @@ class Divergence:
     differences: tuple[Difference, ...]
 
     def reversed(self) -> Divergence:
-        return Divergence(
-            self.tick,
-            tuple(
-                Difference(each.robot_name, each.matter, each.there, each.here)
-                for each in self.differences
-            ),
-        )
+        turned = (replace(each, here=each.there, there=each.here) for each in self.differences)
+        return Divergence(self.tick, tuple(turned))
 
 
 def find_divergence(here: TickState, there: TickState) -> Divergence | None:
@@ -68,9 +62,10 @@ def _of_decisions(here: TickState, there: TickState) -> Iterator[Difference]:
     for mine in here.decisions:
         other = others.get(mine.robot_name)
         if other is not None and mine != other:
+            those = _matters(other)
             for matter, value in _matters(mine).items():
-                if value != (that := _matters(other)[matter]):
-                    yield Difference(mine.robot_name, matter, value, that)
+                if value != those[matter]:
+                    yield Difference(mine.robot_name, matter, value, those[matter])
 
 
 def _matters(decision: Decision) -> dict[Matter, object]:
@@ -172,14 +167,7 @@ class Course:
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick, which is never packed, in another level."""
-        before = self._loose[-1]
-        self._loose[-1] = TickState(
-            frame.after,
-            frame.memories,
-            frame.decisions,
-            frame.think_milliseconds,
-            before.driven,
-        )
+        self._loose[-1] = TickState.of(frame, self._loose[-1].driven)
         self.marks.refer_to(frame.after)
         if frame.tick > self._oldest:
             self.marks.note(frame.tick, "edit")

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
-from logical_robots_tui.game.frame import NoSuchTickError
-from logical_robots_tui.game.history.course import Course, find_divergence
+from logical_robots_tui.game.frame import Frame, NoSuchTickError
+from logical_robots_tui.game.history.course import Course, Divergence, find_divergence
+from logical_robots_tui.game.history.marks import Marks
+from logical_robots_tui.game.history.packing import Packed, TickState
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from logical_robots_tui.game.debugging.breakpoints import Hit
-    from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.game.history.course import Divergence
-    from logical_robots_tui.game.history.marks import Marks
-    from logical_robots_tui.game.history.packing import Packed, TickState
     from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.world import Level
 
 DEFAULT_LENGTH = 20_000
 _MOST_BYTES = 100_000_000

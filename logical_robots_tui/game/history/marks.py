@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from array import array
 from bisect import bisect_left, bisect_right
+from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
-
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.world import RobotState, WorldState
@@ -151,12 +150,9 @@ class Marks:
         return None
 
     def _named(self, kind: MarkKind, who: int) -> tuple[str, ...]:
-        if kind == "area":
-            names = self._areas
-        elif kind in ("stuck", "circling", "notice", "memory"):
-            names = self._robots
-        else:
-            names = []
+        if kind not in self._places:
+            return ()
+        names = self._areas if kind == "area" else self._robots
         return tuple(name for place, name in enumerate(names) if who >> place & 1)
 
 
@@ -230,11 +226,8 @@ _Place = tuple[float, float, float]
 
 
 def _place_of(robot: RobotState) -> _Place:
-    return (
-        robot.x // _CELL,
-        robot.y // _CELL,
-        robot.angle % math.tau * _SECTORS // math.tau,
-    )
+    sector = robot.angle % math.tau * _SECTORS // math.tau
+    return robot.x // _CELL, robot.y // _CELL, sector
 
 
 class _Trace:

@@ -6,21 +6,18 @@ import marshal
 import math
 import zlib
 from collections import OrderedDict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
 from logical_robots_tui.mind import Decision, Notice, NoticeKind
-from logical_robots_tui.values import Desire
-from logical_robots_tui.world import AreaState, RobotState, WorldState
+from logical_robots_tui.values import Desire, Value
+from logical_robots_tui.world import AreaState, Level, RobotState, WorldState
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level
 
 _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
 _KEPT_OPEN = 4  # for stepping through them
@@ -79,21 +76,21 @@ class Packed:
     def __init__(self, moments: Sequence[TickState]) -> None:
         self.first = moments[0].after.tick
         self.weight = sum(moment.weight for moment in moments)
-        self._bytes = zlib.compress(marshal.dumps(laid_out(moments)), _QUICKEST)
+        self._bytes = zlib.compress(marshal.dumps(lay_out(moments)), _QUICKEST)
 
     def __len__(self) -> int:
         """Return its size in bytes."""
         return len(self._bytes)
 
     def moment(self, at: int) -> TickState:
-        return moment_in(_opened.runs(self), at)
+        return moment_in(_open(self), at)
 
     def opened(self) -> list[tuple[Any, ...]]:
         runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
         return runs
 
 
-def laid_out(moments: Sequence[TickState]) -> list[Any]:
+def lay_out(moments: Sequence[TickState]) -> list[Any]:
     # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
@@ -101,11 +98,11 @@ def laid_out(moments: Sequence[TickState]) -> list[Any]:
 def moment_in(runs: Sequence[Any], at: int) -> TickState:
     """Return one moment of this layout, which may have been through JSON."""
     rest = iter(runs)
-    begin, names, area_names, told, areas, bodies, thoughts = next(rest)
-    while at >= len(told):
-        at -= len(told)
-        begin, names, area_names, told, areas, bodies, thoughts = next(rest)
-    won_at, tallies, milliseconds, driven, weight, has_decided = told[at]
+    begin, names, area_names, facts, areas, bodies, thoughts = next(rest)
+    while at >= len(facts):
+        at -= len(facts)
+        begin, names, area_names, facts, areas, bodies, thoughts = next(rest)
+    won_at, tallies, milliseconds, driven, weight, has_decided = facts[at]
     after = WorldState(
         begin + at,
         tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
@@ -129,25 +126,18 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
     )
 
 
-class _Opened:
-    """A cache of the packs that were unpacked last, except large ones."""
-
-    def __init__(self) -> None:
-        self._runs: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
-
-    def runs(self, pack: Packed) -> list[tuple[Any, ...]]:
-        found = self._runs.pop(pack, None)
-        if found is None:
-            found = pack.opened()
-        self._runs[pack] = found
-        while len(self._runs) > _KEPT_OPEN or (
-            self._runs and sum(each.weight for each in self._runs) > _HEAVIEST_OPEN
-        ):
-            self._runs.popitem(last=False)
-        return found
+_opened: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
+"""The packs that were unpacked last, except large ones."""
 
 
-_opened = _Opened()
+def _open(pack: Packed) -> list[tuple[Any, ...]]:
+    runs = _opened.pop(pack, None)
+    if runs is None:
+        runs = pack.opened()
+    _opened[pack] = runs
+    while len(_opened) > _KEPT_OPEN or sum(each.weight for each in _opened) > _HEAVIEST_OPEN:
+        _opened.popitem(last=False)
+    return runs
 
 
 def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
@@ -195,13 +185,7 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
 
 
 def is_moment(moment: TickState, tick: int, level: Level) -> bool:
-    try:
-        return _is_moment(moment, tick, level)
-    except TypeError:  # a list in place of a name
-        return False
-
-
-def _is_moment(moment: TickState, tick: int, level: Level) -> bool:
+    """Return whether a moment from a file is valid; raises TypeError for a list as a name."""
     names = [robot.name for robot in level.robots]
     return (
         is_state(moment.after, moment.memories, tick, level)

@@ -11,19 +11,16 @@ import json
 import math
 import zlib
 from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
-from logical_robots_tui.game.history.packing import TickState, is_moment, laid_out, moment_in
+from logical_robots_tui.game.history.packing import TickState, is_moment, lay_out, moment_in
 from logical_robots_tui.mind.limits import weight_of_text
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level
 
 MAX_BYTES = 64_000_000
 """The largest file; of a longer run only the first ticks are kept."""
@@ -77,7 +74,7 @@ class Recording:
         return tick < self._packed and tick not in self._piece(tick).ticks
 
     def return_to_gap(self) -> None:
-        before = list(_without_gap(self._pieces))
+        before = list(_contiguous_prefix(self._pieces))
         if len(before) < len(self._pieces):
             self._pieces, self._loose = before, []
 
@@ -86,7 +83,15 @@ class Recording:
         if tick >= self._packed:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
-        return self._checked(_moment_of(piece, tick - piece.first), tick)
+        try:
+            moment = moment_in(_unpack(piece), tick - piece.first)
+            if not is_moment(moment, tick, self._level):
+                raise DamagedError(f"this is not tick {tick}")
+        except DamagedError:
+            raise
+        except (ValueError, TypeError, LookupError, StopIteration, RecursionError) as error:
+            raise DamagedError("these are no moments") from error
+        return moment
 
     def add(self, moment: TickState) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
@@ -111,7 +116,7 @@ class Recording:
         if folder.place is None or not self._is_new:
             return
         self._is_new = False
-        pieces = _that_fit(self._up_to(min(self._lasting, self.last)))
+        pieces = _fitting_prefix(self._up_to(min(self._lasting, self.last)))
         count = sum(piece.count for piece in pieces)
         there = folder.read(self._key, MAX_BYTES)
         if there is not None and _count(there) >= count:
@@ -134,12 +139,12 @@ class Recording:
 
     def _drop_some(self) -> None:
         total = sum(len(piece.content) for piece in self._pieces)
-        at = len(_that_fit(_without_gap(self._pieces))) or 1
+        at = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
         while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
             total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
-        before = list(_without_gap(self._pieces))
+        before = list(_contiguous_prefix(self._pieces))
         for piece in before:
             if piece.ticks[-1] > last:
                 few = range(piece.first, int(last) + 1)
@@ -178,12 +183,6 @@ class Recording:
         except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
             self.forget()
 
-    def _checked(self, moment: TickState, tick: int) -> TickState:
-        """Return a moment that was read, or raise DamagedError if it can't belong to this run."""
-        if not is_moment(moment, tick, self._level):
-            raise DamagedError(f"this is not tick {tick}")
-        return moment
-
 
 @dataclass(frozen=True, slots=True)
 class _Piece:
@@ -204,7 +203,7 @@ class _Piece:
 _first_of = attrgetter("first")
 
 
-def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
+def _contiguous_prefix(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
     last = 0
     for piece in pieces:
         if piece.first != last:
@@ -216,7 +215,7 @@ def _without_gap(pieces: Sequence[_Piece]) -> Iterator[_Piece]:
 def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
     if not moments:
         return
-    text = _text_of(moments)
+    text = json.dumps(lay_out(moments), separators=(",", ":"))
     fits = _may_be_opened(text)
     if not fits and len(moments) > 1:
         half = len(moments) // 2
@@ -227,22 +226,8 @@ def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
     yield _Piece(moments[0].after.tick, len(moments), content, _digest(content), fits=fits)
 
 
-def _text_of(moments: Sequence[TickState]) -> str:
-    return json.dumps(laid_out(moments), separators=(",", ":"))
-
-
 def _may_be_opened(text: str) -> bool:
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
-
-
-def _moment_of(piece: _Piece, at: int) -> TickState:
-    """Return one of the moments of a piece, or raise DamagedError."""
-    try:
-        return moment_in(_unpack(piece), at)
-    except DamagedError:
-        raise
-    except (ValueError, TypeError, LookupError, StopIteration, RecursionError) as error:
-        raise DamagedError("these are no moments") from error
 
 
 @lru_cache(maxsize=_KEPT_OPEN)
@@ -282,7 +267,7 @@ def _count(content: bytes) -> int:
         return 0
 
 
-def _that_fit(pieces: Iterable[_Piece]) -> list[_Piece]:
+def _fitting_prefix(pieces: Iterable[_Piece]) -> list[_Piece]:
     total, found = 0, []
     for piece in pieces:
         total += len(piece.content) + 100

@@ -25,10 +25,11 @@ from logical_robots_tui.language.definitions import (
     reach,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.functors import expand_recursions
+from logical_robots_tui.language.functors import expand_functors
 from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.language.spelling import expand_rows, spell_out
 from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
+from logical_robots_tui.language.web import web_remarks
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
     DEPTH,
@@ -61,7 +62,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     """Compile a program; return it and its statements' trees by text; raise ProgramError."""
     source = prepare(text)
     parsed = parse(source)
-    found = check(parsed, text, runs)
+    found, mentions = check(parsed, text, runs)
     rest, visibility, invalid = _take_visibility(parsed.statements, text)
     _refuse([*found, *invalid])
     compiled = compile_statements(rest, source)
@@ -78,6 +79,8 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         statements,
         **visibility,
         warnings=tuple(found),
+        web=tuple(web_remarks(parsed.statements, source)),
+        mentions=mentions,
         needed=needed,
         uses=uses,
         truths={name: compiled.truths[name] for name in statements if name in compiled.truths},
@@ -105,7 +108,7 @@ def compile_statements(program: Sequence[Statement], source: Prepared) -> RobotP
         ProgramError: They can't be compiled.
     """
     try:
-        expanded = expand_rows(expand_recursions([*program]))
+        expanded = expand_rows(expand_functors([*program]))
         spelled = spell_out(map(_compute_in_query, expanded), source.original)
         own = definitions(spelled)
         library = [rule for rule in prelude() if rule.name not in own]

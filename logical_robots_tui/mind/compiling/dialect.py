@@ -33,6 +33,7 @@ class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package
                 "Agg++": "concat_lists(%s)",
                 "Concat": "concat_some_lists(%s)",
                 "ArrayConcat": "concat_some_lists(%s)",
+                "ArrayConcatAgg": "concat_lists(%s)",
                 "ArrayLength": "JSON_ARRAY_LENGTH(%s)",
                 "ArrayToString": "join_list(%s)",
                 "GenerateArray": "generate_array(%s)",

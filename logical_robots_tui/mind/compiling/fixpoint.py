@@ -129,6 +129,7 @@ class _Search:
             for each in option.value.elements
             if isinstance(each, PredicateName) and each.name in self._own
         }
+        # These are read from the step before, so that a stop can compare a step with it.
         beside |= {
             other
             for other in _below(stop, self._uses) - circle - {stop}

@@ -91,7 +91,7 @@ def _names() -> Iterator[str]:
 def _compile(whole: str, asked: str, *, is_bare: bool) -> str:
     source = prepare(whole)
     parsed = parse(source)
-    found = tuple(d for d in check(parsed, whole, runs) if d.severity == "error")
+    found = tuple(d for d in check(parsed, whole, runs).problems if d.severity == "error")
     if found:
         raise ProgramError(found)
     try:

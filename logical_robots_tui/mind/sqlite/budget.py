@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import process_time
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 from logical_robots_tui.mind.limits import weight_of_scalar
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 STEPS_AT_ONCE = 20_000
 """Steps of SQLite's virtual machine between two counts: a fifth of a millisecond or more."""

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import secrets
 import sqlite3
+from collections.abc import Callable, Iterable, Sequence
 from itertools import count
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charge
 from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT
+from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT, Layout
 from logical_robots_tui.mind.sqlite.moment import LONG, Within
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from logical_robots_tui.mind.sqlite.layouts import Layout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from math import isfinite
 from operator import itemgetter
@@ -11,13 +12,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from logical_robots_tui.mind.sqlite.layouts import ITEMS, KINDS, MEMORY_FIELDS, RAYS
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 from logical_robots_tui.schema import SELF, SENSOR
+from logical_robots_tui.values import SensorRow
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
     from logical_robots_tui.mind.sqlite.database import Database
     from logical_robots_tui.mind.sqlite.moment import Moment
-    from logical_robots_tui.values import SensorRow
 
 
 class Filling(NamedTuple):

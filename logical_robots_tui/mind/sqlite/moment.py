@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from logical_robots_tui.language.diagnostics import Stopped
-from logical_robots_tui.mind.limits import weight_of_row
+from logical_robots_tui.mind.limits import Limits, weight_of_row
 from logical_robots_tui.mind.sqlite.budget import Budget
-
-if TYPE_CHECKING:
-    import threading
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.values import SensorRow, Value
+from logical_robots_tui.values import SensorRow, Value
 
 
 class View(NamedTuple):

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import orjson
 
-if TYPE_CHECKING:
-    from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value
 
 _DEEPEST = 100
 _LONG = 10_000  # characters

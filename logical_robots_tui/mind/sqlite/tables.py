@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import marshal
 from bisect import bisect_left
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.mind.sqlite.database import Database, TooMuchError
-from logical_robots_tui.mind.sqlite.filling import Radars, fillings, whole_ray
+from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.sqlite.database import Answer, Database, Scalar, TooMuchError
+from logical_robots_tui.mind.sqlite.filling import Filling, Radars, fillings, whole_ray
 from logical_robots_tui.mind.sqlite.layouts import (
     COLUMNS_LAYOUT,
     CROWD_LAYOUT,
     PLAIN_LAYOUT,
     WHOLE_RAY,
+    Layout,
 )
+from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from logical_robots_tui.mind.limits import Limits
     from logical_robots_tui.mind.program import Tuned
-    from logical_robots_tui.mind.sqlite.database import Answer, Scalar
-    from logical_robots_tui.mind.sqlite.filling import Filling
-    from logical_robots_tui.mind.sqlite.layouts import Layout
-    from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
 
 
 class UnfitError(Exception):

@@ -8,15 +8,12 @@ match viewers. Subqueries that are evaluated per viewer are bounded to that view
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.tuning.planning import materialized_queries
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _VIEWER = "t_0_viewer"
 _EVERYBODY = "t_0_everybody"

@@ -7,8 +7,8 @@ thoughts of all.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
@@ -23,9 +23,6 @@ from logical_robots_tui.mind.sqlite.layouts import (
 )
 from logical_robots_tui.mind.tuning import json, sql
 from logical_robots_tui.schema import RAY, SELF, SENSOR
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 
 SENSOR_FIELDS = {
     **{f"$.{name}": name for name in SENSOR.scalars},
@@ -108,8 +105,7 @@ def bind_viewers(tree: exp.Expr) -> None:
         if bounds and select is not None:
             low, high = (exp.Var(this=name) for name in bounds)
             sql.restrict(
-                select,
-                exp.Between(this=exp.column("id", table.alias_or_name), low=low, high=high),
+                select, exp.Between(this=exp.column("id", table.alias_or_name), low=low, high=high)
             )
 
 

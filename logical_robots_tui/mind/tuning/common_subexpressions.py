@@ -16,15 +16,13 @@ restored where it matters.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sqlglot import exp
 
 from logical_robots_tui.mind.tuning import json, sql
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 _NAME = "t_0_shared"
 

@@ -5,20 +5,14 @@ All but the required ones can be left out.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.program import STEPS, Tuned
-from logical_robots_tui.mind.tuning import (
-    columns,
-    common_subexpressions,
-    json,
-    planning,
-    sql,
-)
+from logical_robots_tui.mind.tuning import columns, common_subexpressions, json, planning, sql
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.columns import MemoryColumns
 from logical_robots_tui.mind.tuning.records import (
@@ -30,9 +24,6 @@ from logical_robots_tui.mind.tuning.records import (
     untie_aggregates,
 )
 from logical_robots_tui.schema import INPUTS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
 
 
 @dataclass(slots=True)

@@ -9,16 +9,13 @@ not for few robots' sensors and memories: there ``NOT a <> b`` prevents it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 
 from sqlglot import exp
 
 from logical_robots_tui.mind.sqlite.layouts import KINDS
 from logical_robots_tui.mind.tuning import columns, common_subexpressions, sql
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from collections.abc import Set as AbstractSet
 
 _ZERO = "t_0_zero"
 _KINDS = frozenset(table.lower() for table in KINDS)

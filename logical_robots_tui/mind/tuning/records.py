@@ -6,17 +6,13 @@ rules, ``JSON_OBJECT('arg', a, 'value', v) AS best``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from sqlglot import exp
 
 from logical_robots_tui.mind.program import TRUTH_MARK
 from logical_robots_tui.mind.tuning import json, sql
 from logical_robots_tui.mind.tuning.columns import guarded_field
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
 

@@ -5,16 +5,14 @@ sqlglot translates functions between databases, so its function tables are empti
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from sqlglot import exp
 from sqlglot.dialects.sqlite import SQLite
 
 from logical_robots_tui.mind.sqlite.layouts import KINDS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 _NEED_NO_PARENTHESES = (
     *(exp.Anonymous, exp.Boolean, exp.Case, exp.Column, exp.Literal, exp.Null, exp.Paren),

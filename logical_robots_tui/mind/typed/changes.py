@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from sqlglot import exp
 
@@ -21,9 +21,6 @@ from logical_robots_tui.language.types import (
     spell,
 )
 from logical_robots_tui.mind.tuning import json, sql
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
@@ -48,6 +45,17 @@ def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
         _conform_fields(value, kind, wanted)
     elif sql.call_name(value) == "json_array":
         _conform_elements(value, kind, wanted)
+    elif is_nested(kind) and kind != wanted and _has_its_numbers_real(wanted):
+        value.replace(_cast_to(value, wanted))
+
+
+def _has_its_numbers_real(kind: Kind) -> bool:
+    """Return whether a type is a record or list that `try_cast` can give, all numbers real."""
+    return is_nested(kind) and is_known(kind) and _as_cast(kind, in_order=False) == kind
+
+
+def _cast_to(value: exp.Expr, wanted: Kind) -> exp.Anonymous:
+    return call("try_cast", value.copy(), exp.Literal.string(spell(wanted)))
 
 
 def _conform_elements(made: exp.Expr, kind: Kind, wanted: Kind) -> None:
@@ -140,12 +148,24 @@ def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
         if name == "json_group_object":
             return Plain.ANY
         return RecordOf(tuple(zip(names, kinds[1::2], strict=True)))
-    element = common(kinds)
-    for value, kind in zip(values, kinds, strict=True):
-        conform(value, kind, element)
-    for value in list(made.expressions):
-        _as_json(value, element)
+    if _is_row(made):
+        element = common(kinds)
+    else:
+        element = _as_cast(common(kinds)) if name == "json_array" else common(kinds)
+        for value, kind in zip(values, kinds, strict=True):
+            conform(value, kind, element)
+        kinds = [element] * len(kinds)
+    for value, kind in zip(list(made.expressions), kinds, strict=True):
+        _as_json(value, kind)
     return ListOf(element)
+
+
+def _is_row(array: exp.Expr) -> bool:
+    """Return whether an array holds the columns of a recursion's row, or ties a subquery."""
+    parent = sql.call_name(array.parent) if array.parent is not None else ""
+    if sql.call_name(array) != "json_array" or parent not in ("json_group_array", "json_each"):
+        return False
+    return parent == "json_group_array" or [each.name for each in array.expressions] == ["0"]
 
 
 def _as_json(value: exp.Expr, kind: Kind) -> None:
@@ -270,13 +290,25 @@ def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kin
     return wanted
 
 
-def _as_cast(kind: Kind) -> Kind:
-    """Return the type of a cast to an example's type: numbers are real, fields sorted."""
+def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
+    """Return the type as written in a cast, as of list literals: numbers real, fields sorted."""
     if isinstance(kind, ListOf):
-        return ListOf(_as_cast(kind.element))
+        return ListOf(_as_cast(kind.element, in_order=in_order))
     if isinstance(kind, RecordOf):
-        return RecordOf(tuple(sorted((name, _as_cast(of)) for name, of in kind.fields)))
+        fields = [(name, _as_cast(of, in_order=in_order)) for name, of in kind.fields]
+        by_name = sorted(fields, key=lambda field: field[0])
+        return RecordOf(tuple(by_name if in_order else fields))
     return Plain.REAL if is_number(kind) else kind
+
+
+def _concatenate(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    return _choice(made, kinds, found) if isinstance(found, ListOf) else found
+
+
+def _size(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    if kinds[0] is Plain.TEXT:
+        made.set("this", "length")
+    return found
 
 
 _CHANGES = {
@@ -288,11 +320,14 @@ _CHANGES = {
     "ceil": _cut,
     "ceiling": _cut,
     "coalesce": _choice,
+    "concat_some_lists": _choice,
+    "concatenate": _concatenate,
     "floor": _cut,
     "greatest": _choice,
     "if": _choice,
     "ifnull": _choice,
     "iif": _choice,
+    "json_array_length": _size,
     "least": _choice,
     "max": _extreme,
     "min": _extreme,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
 
 from sqlglot import exp
 
@@ -23,10 +24,6 @@ from logical_robots_tui.language.types import (
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.typed import changes
 from logical_robots_tui.mind.typed.changes import conform
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
 
 _GIVE: dict[Kind, tuple[str, ...]] = {
     Plain.TEXT: (

@@ -5,12 +5,16 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
+from textual.geometry import Region, Size
+from textual.theme import Theme
 
 from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
@@ -32,12 +36,6 @@ from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from textual.geometry import Region, Size
-    from textual.theme import Theme
-
     from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,8 +15,6 @@ from logical_robots_tui.tui.terminal.textual_internals import handle_exception, 
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from textual.dom import DOMNode
     from textual.screen import Screen
     from textual.widget import Widget

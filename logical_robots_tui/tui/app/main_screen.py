@@ -6,11 +6,14 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from textual import events, on
+from textual.app import ComposeResult
 from textual.binding import BindingsMap
+from textual.geometry import Size
 from textual.screen import Screen
+from textual.widget import Widget
 from textual.widgets import Input, Static, TextArea
 
-from logical_robots_tui.game import level_key
+from logical_robots_tui.game import Frame, level_key
 from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler, ScreenUi
@@ -49,17 +52,12 @@ from logical_robots_tui.tui.recovery.offers import Bookmark, Offering, Offers, O
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
 from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from textual.app import ComposeResult
-    from textual.geometry import Size
-    from textual.widget import Widget
-
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.world import Level
 
 _HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
 _READABLE = 0.2  # seconds that a number stays while robots run

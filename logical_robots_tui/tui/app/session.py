@@ -14,6 +14,7 @@ from logical_robots_tui.game import (
     compile_program,
     mistake_in,
     start_frame,
+    warnings_in,
 )
 from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
@@ -25,6 +26,7 @@ from logical_robots_tui.tui.app.session_state import (
     TeamSources,
     nothing,
 )
+from logical_robots_tui.world.levels.load import is_web_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Mapping
@@ -308,7 +310,9 @@ class Session:
 
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
-        self.state = ProgramState.of_applied(program.text, program.warnings)
+        remarks = program.web if is_web_file(self.opened.source) else ()
+        warnings = (*warnings_in(program, self.level), *remarks)
+        self.state = ProgramState.of_applied(program.text, warnings)
         return program
 
     def _show(self, game: Game, frame: Frame) -> None:

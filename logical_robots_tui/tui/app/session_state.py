@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Mapping
-    from pathlib import Path
-
     from textual.screen import Screen
 
     from logical_robots_tui.game import Frame, Hit, Source
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.world import Level
 
 
 class OpenLevel:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from logical_robots_tui.tui.app.session_state import Spawn
 
 Target = TypeVar("Target")

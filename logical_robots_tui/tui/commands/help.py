@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from functools import partial
 from textwrap import wrap
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from textual import events, on
+from textual.app import ComposeResult
 from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
 from textual.containers import VerticalScroll
 from textual.content import Content
@@ -20,12 +22,6 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.layout.dialogs import ClosedOnce, Dialog
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.tui.timeline.widget import DIVERGENCE, SIGNS, TRACKS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from textual.app import ComposeResult
-
 
 _INSPECTOR_SIGNS = (
     ("◂", "an input: what the world gives the program"),

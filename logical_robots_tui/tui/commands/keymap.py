@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
-from typing import TYPE_CHECKING
 
 from textual.binding import Binding
 
 from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Scope, key_name
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
 
 
 class KeyMap:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -9,8 +10,6 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.tui.commands.keymap import with_keys
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from logical_robots_tui.tui.level_editor.editor import Settings
     from logical_robots_tui.tui.level_editor.mode import EditMode
 

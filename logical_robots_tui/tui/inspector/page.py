@@ -11,25 +11,24 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from textual.containers import Vertical
 from textual.content import Content
 from textual.message import Message
+from textual.widget import Widget
 from textual.widgets import Static
 
-from logical_robots_tui.game import NoSuchTickError, Superseded
+from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from textual.widget import Widget
-
     from logical_robots_tui.clock import Clock
     from logical_robots_tui.explain import Node
-    from logical_robots_tui.game import Frame, Inquiry
+    from logical_robots_tui.game import Inquiry
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
-    from logical_robots_tui.world import Level
 
 
 MOST_ROBOTS = 100

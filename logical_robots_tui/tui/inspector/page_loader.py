@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.tui.inspector.page import Page, Questions
 from logical_robots_tui.tui.inspector.pages.ask import AskPage
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
@@ -22,7 +23,6 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Page, Questions
 
 
 class Pages:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 from textual import on
 from textual.containers import Horizontal
 from textual.widgets import OptionList
+from textual.worker import Worker
 
-from logical_robots_tui.game import Superseded
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, Survey, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
@@ -27,9 +28,6 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 from logical_robots_tui.tui.layout.arrangement import Pane
 
 if TYPE_CHECKING:
-    from textual.worker import Worker
-
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart

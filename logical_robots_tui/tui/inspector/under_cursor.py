@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game import ROBOT_COLUMNS, Pin, pin_of_cell, read_path
+from logical_robots_tui.explain import Node
+from logical_robots_tui.game import ROBOT_COLUMNS, Frame, Pin, pin_of_cell, read_path
 from logical_robots_tui.tui.inspector.predicate_list import ASK, DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.explain import Node
-    from logical_robots_tui.game import Frame, Path
+    from logical_robots_tui.game import Path
     from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import random
 import re
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from textual import events
 from textual.content import Content
 from textual.geometry import Region
 from textual.style import Style
@@ -18,16 +20,12 @@ from logical_robots_tui.tui.labyrinth.results import results_lines
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world import Level
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from textual import events
-
     from logical_robots_tui.tui.labyrinth.view import LabyrinthView
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.world import Level
 
 
 _OFFERS = (

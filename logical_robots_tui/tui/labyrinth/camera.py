@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
+from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
-
-if TYPE_CHECKING:
-    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.world.level import Level
+from logical_robots_tui.world.level import Level
 
 ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
 """Zoom factors; at 1 the whole labyrinth fits."""

@@ -16,11 +16,11 @@ from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
+from logical_robots_tui.world import Level, Robot, RobotState
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
-    from logical_robots_tui.world import Level, Robot, RobotState
 
 
 class LabyrinthPane(Pane, can_focus=True):

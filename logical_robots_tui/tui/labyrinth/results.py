@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world.level import SecondGoal
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
-
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.progress import Bests, Measures
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.world.level import SecondGoal
 
 _TITLES = ("ticks", "rules", "distance", "robust")
 _WIDTHS = (9, 7, 10, 11)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rich.color import Color
 from rich.style import Style
+from textual import events
 from textual.filter import ANSIToTruecolor, LineFilter
 from textual.geometry import Offset, Region
 from textual.message import Message
@@ -26,17 +28,13 @@ from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewp
 from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
+from logical_robots_tui.world import RobotState
+from logical_robots_tui.world.changing import Pose
+from logical_robots_tui.world.level import Level
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from textual import events
-
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.world import RobotState
-    from logical_robots_tui.world.changing import Pose
-    from logical_robots_tui.world.level import Level
 
 
 _PICK_REACH = 2.5  # columns beside a robot within which it is picked

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
+from textual import events
 from textual.containers import Container
 from textual.content import Content
 from textual.errors import NoWidget
 from textual.geometry import Offset, Size
 from textual.message import Message
+from textual.widget import Widget
 
 from logical_robots_tui.tui.theme.safe_text import visible
-
-if TYPE_CHECKING:
-    from textual import events
-    from textual.widget import Widget
 
 
 class Pane(Container):

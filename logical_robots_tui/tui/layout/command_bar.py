@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from textual import events
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
+from logical_robots_tui.tui.commands.command import Command
 from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.theme.themes import INK
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from textual import events
-
-    from logical_robots_tui.tui.commands.command import Command
 
 _GAP = 2
 _WHILE_EDITING = ("run", "help")

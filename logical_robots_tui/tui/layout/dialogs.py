@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
@@ -17,8 +18,6 @@ from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.tui.theme.safe_text import one_line, visible_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from textual.app import ComposeResult
 
 Result = TypeVar("Result")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from textual.content import Content
 from textual.strip import Strip
 from textual.widget import Widget
 
-from logical_robots_tui.game import goals
+from logical_robots_tui.game import Goal, goals
 from logical_robots_tui.game.frame import is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.diff_app import repaint
@@ -16,9 +17,6 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.game import Goal
     from logical_robots_tui.tui.app.session import Session
 
 Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import load_program
+from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
 from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.layout.dialogs import Question
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import ProgramText, Ui
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from textual import events
 from textual.content import Content
 from textual.widgets import Static
 
@@ -12,10 +14,6 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from textual import events
-
     from logical_robots_tui.tui.layout.arrangement import Arrangement, Pane
 
 

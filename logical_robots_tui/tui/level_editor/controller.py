@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.tui.app.session_state import SessionListener, Ui
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-    from pathlib import Path
-
     from logical_robots_tui.game.drafts import Draft, Drafts
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
     from logical_robots_tui.tui.recovery.offers import Offers
-    from logical_robots_tui.world import Level
 
 
 class LevelEditing(SessionListener):

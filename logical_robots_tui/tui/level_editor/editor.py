@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -15,8 +16,6 @@ from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Wor
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from logical_robots_tui.editing.edits import Edits
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from random import randrange
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -20,6 +22,7 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.editing.checks import LevelFinding
 from logical_robots_tui.editing.things import Ref, change, resize, set_words
 from logical_robots_tui.editing.things import thing as thing_of
+from logical_robots_tui.tui.app.session_state import Ui
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.library.level_screen import own_levels
 from logical_robots_tui.tui.theme.safe_text import one_line
@@ -33,17 +36,13 @@ from logical_robots_tui.world import (
     list_shipped,
     load_level,
 )
+from logical_robots_tui.world.changing import Pose
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
     from textual.app import ComposeResult
 
-    from logical_robots_tui.tui.app.session_state import Ui
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
-    from logical_robots_tui.world.changing import Pose
 
 
 class Text(Input):

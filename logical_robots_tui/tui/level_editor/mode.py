@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from secrets import token_hex
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from logical_robots_tui.editing.checks import LevelFinding, check
-from logical_robots_tui.editing.level_text import write_native
+from logical_robots_tui.editing.level_text import lost_in_web, write_native
+from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.game import is_shipped
 from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
@@ -17,12 +20,10 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.drawing import coarsest_cell
+from logical_robots_tui.world.levels.load import is_web_file
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import Ui
 
@@ -158,7 +159,7 @@ class EditMode:
 
     def saved(self, level: Level, saved: Level) -> None:
         """Note a save; `saved` has the name and source of the file."""
-        self.ui.tell(f"Saved as {one_line(saved.name)}.")
+        self._tell_saved(level, saved)
         if self._is_over and level is not self.levels.edited:
             return  # the draft holds later changes
         self.autosave.drop(("level", self._path))
@@ -171,6 +172,15 @@ class EditMode:
         self._path = saved.source
         self.autosave.edited()
         self.redraw()
+
+    def _tell_saved(self, level: Level, saved: Level) -> None:
+        if not is_web_file(saved.source):
+            self.ui.tell(f"Saved as {one_line(saved.name)}.")
+            return
+        file = one_line(Path(saved.source).name)
+        self.ui.tell(f"Saved as {file} for the web platform.")
+        if lost := lost_in_web(replace(level, name=saved.name)):
+            self.ui.warn(f"That format has no place for: {', '.join(lost)}.")
 
     def throw_away(self) -> None:
         """Revert to the level in its file; undo restores the changes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,15 +11,18 @@ import numpy as np
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
-from logical_robots_tui.tui.level_editor.editor import PAINTING, Tool, handle_of, reach_of
+from logical_robots_tui.tui.level_editor.editor import (
+    PAINTING,
+    LevelEditor,
+    Tool,
+    handle_of,
+    reach_of,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from logical_robots_tui.editing.checks import LevelFinding
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
 
 _LEAST_COLUMNS = 4  # between two dots of the grid
 _UNSEEN = 28  # of 255, the largest difference of a cell's two colours that looks even

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widget import Widget
 
+from logical_robots_tui.editing.level_text import Thing
+from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.tui.commands.keymap import command, commands
+from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.layout.command_bar import Labels
 from logical_robots_tui.tui.level_editor.editor import PAINTING, LevelEditor, Tool
@@ -20,12 +25,6 @@ from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Area, Beacon, Robot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.editing.level_text import Thing
-    from logical_robots_tui.editing.strokes import Point
-    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual.widgets import Input, Static
 
-from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.files import is_made_here, save_level
 from logical_robots_tui.editing.things import set_words
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import target
@@ -19,8 +20,6 @@ from logical_robots_tui.world import Level
 from logical_robots_tui.world.levels.load import NATIVE, SUFFIXES
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from textual.app import ComposeResult
 
     from logical_robots_tui.tui.level_editor.mode import EditMode
@@ -30,6 +29,13 @@ async def save(mode: EditMode) -> bool:
     """Save a level in its file, or else under a new name; return whether it was saved."""
     if mode.file is None:
         return await save_as(mode)
+    if not mode.levels.is_saved and not await asyncio.to_thread(is_made_here, mode.file):
+        name = one_line(mode.file.name)
+        answers = [("other", "Save under another name"), ("same", f"Replace {name}")]
+        question = f"{name} was not made by this game. Replace it?"
+        answer = await mode.ui.ask(Question("Save the level", question, answers))
+        if answer != "same":
+            return answer == "other" and await save_as(mode)
     # Not cancelled, because the game must learn that the file was written.
     is_saved = await asyncio.shield(asyncio.create_task(_save_in(mode, mode.file)))
     if is_saved is None:

@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from pathlib import Path
+from typing import ClassVar, NamedTuple
 
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
+from rich.style import Style
+from textual import events
 from textual.geometry import Region, Size
 from textual.message import Message
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from logical_robots_tui.game import Frame
-from logical_robots_tui.progress import NEW, LevelRecord
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
+from logical_robots_tui.progress import NEW, LevelRecord, State
+from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, Palette
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.tui.labyrinth.results import brief
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
-from logical_robots_tui.world import World, load_level
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from rich.style import Style
-    from textual import events
-
-    from logical_robots_tui.progress import State
-    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, Palette
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-    from logical_robots_tui.world import Level
-
+from logical_robots_tui.world import Level, World, load_level
 
 LINES_AROUND = 4
 """Lines of a card without the picture: two of the frame, the idea and the results."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
-from textual import on
+from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
@@ -15,8 +17,8 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import list_programs, load_program
-from logical_robots_tui.paths import typed_path
+from logical_robots_tui.game import Source, list_programs, load_program
+from logical_robots_tui.paths import pasted_path, typed_path
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
@@ -24,13 +26,8 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.game import Source
     from logical_robots_tui.progress import Version
 
 T = TypeVar("T")
@@ -135,7 +132,7 @@ class Chooser(Dialog[T], Generic[T]):
         return None if highlighted is None else self._shown[highlighted]
 
     def _list(self, wanted: str | None) -> None:
-        text = self._filter.value.strip()
+        text = pasted_path(self._filter.value)
         words = text.casefold().split()
         self._shown = [
             name for name in self._all if all(word in self._searchable(name) for word in words)

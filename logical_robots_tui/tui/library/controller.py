@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from datetime import date
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
+from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.game.source import programs_for
-from logical_robots_tui.tui.recovery.offers import short_name, when_saved
+from logical_robots_tui.tui.recovery.offers import Offers, short_name, when_saved
 from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.world import list_arenas, list_levels, load_level
+from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-    from pathlib import Path
-
-    from logical_robots_tui.game.drafts import Draft, Drafts, Key
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import ProgramText, Ui
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
     from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText
-    from logical_robots_tui.tui.recovery.offers import Offers
-    from logical_robots_tui.world import Level
     from logical_robots_tui.world.levels.labyrinths import DailySize
 
 

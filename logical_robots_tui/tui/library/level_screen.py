@@ -5,17 +5,19 @@ from __future__ import annotations
 import asyncio
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from textual import on
+from textual import events, on
 from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.victory import references_for
-from logical_robots_tui.paths import is_file, typed_path
+from logical_robots_tui.paths import is_file, pasted_path, typed_path
 from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.cards import LevelCard, LevelCards, miniature, shipped_level
@@ -27,12 +29,8 @@ from logical_robots_tui.world import Level, list_arenas, list_shipped, load_leve
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from textual import events
     from textual.app import ComposeResult
 
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 _ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
@@ -171,7 +169,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     @property
     def _typed(self) -> str:
-        return self.query_one("#filter", Input).value.strip()
+        return pasted_path(self.query_one("#filter", Input).value)
 
     @property
     def _chosen(self) -> LevelCard | None:

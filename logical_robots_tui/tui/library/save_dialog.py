@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual import on
@@ -17,8 +18,6 @@ from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Result
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from textual.app import ComposeResult
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from textual.content import Content
 from textual.geometry import Offset
@@ -17,9 +18,6 @@ from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.program.lexer import KEYWORDS
 from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 class Word(NamedTuple):

@@ -6,6 +6,8 @@ import asyncio
 import os
 import subprocess
 import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +15,7 @@ from textual.app import SuspendNotSupported
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import load_program
+from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
@@ -23,10 +25,6 @@ from logical_robots_tui.wording import count_of
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from contextlib import AbstractContextManager
-
-    from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import Permissions, Ui
     from logical_robots_tui.tui.program.pane import ProgramPane

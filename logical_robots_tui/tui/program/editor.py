@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from rich.style import Style
 from rich.text import Text
+from textual import events
 from textual.binding import Binding
 from textual.geometry import Offset
 from textual.message import Message
+from textual.strip import Strip
+from textual.theme import Theme
 from textual.widgets import TextArea
 from textual.widgets.text_area import Edit, EditResult, Selection, TextAreaTheme
 
@@ -25,14 +29,6 @@ from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import mark
 from logical_robots_tui.tui.theme.safe_text import visible
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from rich.style import Style
-    from textual import events
-    from textual.strip import Strip
-    from textual.theme import Theme
 
 
 def follow_rows(

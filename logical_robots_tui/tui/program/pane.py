@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
+from textual.message import Message
 from textual.widgets import Static, TextArea
 
 from logical_robots_tui.tui.layout.arrangement import Pane
@@ -17,16 +19,12 @@ from logical_robots_tui.tui.program.mistakes import MistakeStrip
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from textual.message import Message
-
     from logical_robots_tui.mind import Diagnostic
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.session_state import ProgramState
-    from logical_robots_tui.world import Level
 
 
 _LONGEST = 16

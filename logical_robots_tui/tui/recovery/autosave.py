@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
@@ -10,8 +11,6 @@ from logical_robots_tui.game.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from logical_robots_tui.game import Source
     from logical_robots_tui.tui.app.session_state import Ui
 

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from logical_robots_tui.errors import InputError, LogicalRobotsError
-from logical_robots_tui.game import Place, compile_program, level_key, load_program, place_of
+from logical_robots_tui.game import (
+    Place,
+    Source,
+    compile_program,
+    level_key,
+    load_program,
+    place_of,
+)
 from logical_robots_tui.game.drafts import Draft, Drafts
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -19,11 +27,9 @@ from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Sequence
-
     from textual import events
 
-    from logical_robots_tui.game import Game, Source
+    from logical_robots_tui.game import Game
     from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session

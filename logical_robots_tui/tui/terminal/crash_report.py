@@ -9,7 +9,9 @@ import signal
 import sys
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
 
 from rich.text import Text
 from textual.app import App
@@ -17,10 +19,6 @@ from textual.css.query import NoMatches
 from textual.worker import WorkerFailed
 
 from logical_robots_tui.errors import is_out_of_memory
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from types import FrameType
 
 _RESERVE = 16 * 1024**2  # bytes of address space reserved for ending cleanly when out of memory
 _GRACE = 1.0  # seconds for a clean end after a hangup

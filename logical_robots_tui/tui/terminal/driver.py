@@ -9,9 +9,10 @@ import select
 import threading
 from codecs import getincrementaldecoder
 from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from time import monotonic
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from textual import events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
@@ -19,14 +20,9 @@ from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 from textual.geometry import Size
 from textual.keys import Keys
+from textual.message import Message
 
 from logical_robots_tui.tui.terminal.textual_internals import handle_exception
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from textual.message import Message
-
 
 MOST_PASTED = 1_000_000
 """Most characters of one paste; the rest is dropped. A program may have a fifth of that."""

@@ -8,18 +8,17 @@ from __future__ import annotations
 import asyncio
 import string
 from collections import deque
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual._context import active_app
+from textual.geometry import Region
 from textual.keys import _character_to_key
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from textual.app import App
     from textual.dom import DOMNode
-    from textual.geometry import Region
     from textual.message_pump import MessagePump
     from textual.screen import Screen
     from textual.strip import Strip

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from rich.style import Style as RichStyle
 from textual.color import Color
 from textual.style import Style
 from textual.theme import BUILTIN_THEMES, Theme
@@ -17,9 +16,6 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
     parse,
 )
 from logical_robots_tui.tui.terminal.textual_internals import has_active_app
-
-if TYPE_CHECKING:
-    from rich.style import Style as RichStyle
 
 _READABLE, _QUIET, _FAINT, _SHADE = 4.5, 3.6, 2.4, 1.2
 """Contrasts (WCAG 2) of text, secondary text, lines, and shades."""

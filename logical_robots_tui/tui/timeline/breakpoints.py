@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from textual import on
@@ -23,15 +24,13 @@ from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing, Prompt
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from textual.app import ComposeResult
 
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.world import Level
 
 
 READING = "Reading the question…"

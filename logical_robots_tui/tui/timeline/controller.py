@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING, Literal
 
-from logical_robots_tui.game import NoSuchTickError, Superseded
+from logical_robots_tui.game import MarkKind, NoSuchTickError, Superseded
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.app.session_state import SessionListener, Ui
 from logical_robots_tui.tui.theme.safe_text import one_line
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.game import Breakpoint, Game, Hit, MarkKind, SearchResult
+    from logical_robots_tui.game import Breakpoint, Game, Hit, SearchResult
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import degrees
 from typing import TYPE_CHECKING, Any, Literal
 
 from textual.content import Content
 from textual.widgets import Static
 
+from logical_robots_tui.explain import Node
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
@@ -20,9 +22,6 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Desire
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Difference, Divergence, Game
     from logical_robots_tui.game.history.course import Matter
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import re
+from collections.abc import Sequence
 from datetime import datetime
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
@@ -15,9 +17,6 @@ from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.mind import Program

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import groupby, islice
 from typing import TYPE_CHECKING, NamedTuple
 
+from textual import events
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.game import MARK_KINDS, MarkKind
+from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER
 from logical_robots_tui.tui.terminal.diff_app import repaint
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from textual import events
-
-    from logical_robots_tui.game import Mark
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.tui.app.session import Session
 

@@ -7,6 +7,7 @@ repeated twelve times. One character is ``cell`` map units wide and high.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import cycle, pairwise
 from operator import sub
@@ -16,14 +17,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from logical_robots_tui.world.level import LevelError
-from logical_robots_tui.world.levels.fields import MOST_SIDE
+from logical_robots_tui.world.levels.fields import MOST_SIDE, Fields
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.world.levels.fields import Fields
 
 _WALL = ord("#")
 _STRANGE = re.compile(r"[^#. ]")

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import NamedTuple, TypeVar
 
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.world.level import LevelError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Mapping
-
 
 _MOST_BESIDES = 4_000_000  # characters outside long literal strings such as a drawing
 _MOST_LITERALS = 10_000

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date
 from random import Random
@@ -21,8 +22,6 @@ from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robo
 from logical_robots_tui.world.levels.fields import MOST_SIDE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
 _LEAST_CORRIDOR = 20  # map units; a robot is 18 wide

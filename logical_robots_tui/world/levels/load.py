@@ -200,7 +200,7 @@ def load_level(path_or_name: str | Path) -> Level:
     else:
         path = Path(path_or_name)
     text = read_text(path)
-    is_web = path.suffix.lower() == WEB or (path.suffix.lower() != NATIVE and is_of_web(text))
+    is_web = is_web_file(path) or (path.suffix.lower() != NATIVE and is_of_web(text))
     return (read_web if is_web else read_native)(text.removeprefix("\ufeff"), path.stem, str(path))
 
 
@@ -212,6 +212,11 @@ def read_level(text: str, name: str) -> Level:
 def is_of_web(text: str) -> bool:
     """Return whether a text is a level in the web platform's format."""
     return text.removeprefix("\ufeff").lstrip().startswith("{")
+
+
+def is_web_file(path: str | Path) -> bool:
+    """Return whether a file's ending is that of the web platform's levels."""
+    return Path(path).suffix.lower() == WEB
 
 
 def _is_name(text: str) -> bool:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypedDict, get_args
+from typing import TypedDict, get_args
 
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.world.level import (
@@ -24,9 +25,6 @@ from logical_robots_tui.world.level import (
 )
 from logical_robots_tui.world.levels.drawing import read_drawing
 from logical_robots_tui.world.levels.fields import Fields, check_robot_names, excess_of_toml
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _TOP_KEYS = (
     "title",

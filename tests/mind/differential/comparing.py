@@ -60,14 +60,20 @@ def there(text: str, folder: Path, predicate: str = "Answer") -> list[Any]:
     return answer(text, predicate, ROWS, MEMORIES, folder)
 
 
-def same(ours: Any, theirs: Any) -> bool:
-    """Equal, numbers within 1e-9; a number that is none (NaN) is null here."""
+def same(ours: Any, theirs: Any, tolerance: float = 1e-9) -> bool:
+    """Equal, numbers within a tolerance; a number that is none (NaN) is null here."""
     if isinstance(theirs, float) and math.isnan(theirs):
         return ours is None
+    if isinstance(theirs, bool) or isinstance(ours, bool):
+        return bool(ours == theirs)
     if isinstance(theirs, int | float) and isinstance(ours, int | float):
-        return ours == theirs or math.isclose(ours, theirs, rel_tol=1e-9, abs_tol=1e-9)
+        return ours == theirs or math.isclose(ours, theirs, rel_tol=tolerance, abs_tol=1e-9)
     if isinstance(theirs, dict) and isinstance(ours, dict):
-        return ours.keys() == theirs.keys() and all(same(ours[k], theirs[k]) for k in ours)
+        return ours.keys() == theirs.keys() and all(
+            same(ours[k], theirs[k], tolerance) for k in ours
+        )
     if isinstance(theirs, list | tuple) and isinstance(ours, list | tuple):
-        return len(ours) == len(theirs) and all(map(same, ours, theirs))
+        return len(ours) == len(theirs) and all(
+            same(one, other, tolerance) for one, other in zip(ours, theirs, strict=True)
+        )
     return bool(ours == theirs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import functools
 import json
@@ -14,7 +15,7 @@ import duckdb
 from logica.common import concertina_lib
 from logica.compiler import dialects, expr_translate, universe
 from logica.parser_py import parse
-from logica.type_inference.research import reference_algebra, types_of_builtins
+from logica.type_inference.research import infer, reference_algebra, types_of_builtins
 
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.source_text import prepare, text_meant
@@ -22,7 +23,7 @@ from logical_robots_tui.language.source_text import prepare, text_meant
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["answer"]
+__all__ = ["Reference", "answer", "answer_in_one"]
 
 WEIGHTED_AVERAGE = "WeightedAverage(pair) = Sum(pair.arg * pair.value) / Sum(pair.arg);"
 """The one predicate of our prelude that the package's DuckDB library lacks."""
@@ -40,36 +41,81 @@ def answer(
         memories: Memories by robot name, likewise.
         folder: Where to put these files.
     """
-    execution = _compiled(text, predicate)
+    with contextlib.closing(Reference(text, predicate, folder)) as reference:
+        return reference.answer(rows, memories)
+
+
+class Reference:
+    """One predicate of a program on DuckDB, for several moments; see `answer`."""
+
+    def __init__(self, text: str, predicate: str, folder: Path) -> None:
+        self._folder = folder
+        types, *self._statements = _statements(text, predicate)
+        self._connection = duckdb.connect()
+        self._connection.execute("SET threads = 1")
+        self._connection.execute(_types_in_order(types))
+
+    def answer(self, rows: list[Any], memories: dict[str, Any]) -> list[tuple[Any, ...]]:
+        _load(self._connection, rows, memories, self._folder)
+        for statement in self._statements:
+            found = self._connection.execute(statement)
+        return [tuple(_plain(value) for value in row) for row in found.fetchall()]
+
+    def close(self) -> None:
+        self._connection.close()
+
+
+def _statements(text: str, predicate: str) -> list[str]:
+    """What the package would have DuckDB do: types first, and the final query last."""
+    statements: list[str] = []
+
+    def run(sql: str, _engine: str, is_final: bool) -> None:
+        statements.append(sql)
+
+    concertina_lib.ExecuteLogicaProgram(
+        [copy.deepcopy(_compiled(text, predicate))], run, "duckdb", display_mode="silent"
+    )
+    return statements
+
+
+def answer_in_one(
+    text: str, predicate: str, rows: list[Any], memories: dict[str, Any], folder: Path
+) -> list[tuple[Any, ...]]:
+    """The same in one statement, which is how the platform evaluates a program."""
+    program = _program(f'@Engine("duckdb");\n{text}')
+    sql = program.FormattedPredicateSql(predicate)
     with duckdb.connect() as connection:
         connection.execute("SET threads = 1")
-        remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
-        for table, data in (("Sensor", rows), ("Memory", remembered)):
-            file = folder / f"{table}.json"
-            file.write_text(json.dumps(data), encoding="utf-8")
-            connection.execute(f"CREATE TABLE {table} AS SELECT * FROM read_json_auto('{file}')")
-        result: list[tuple[Any, ...]] = []
-
-        def run(sql: str, _engine: str, is_final: bool) -> None:
-            found = connection.execute(_types_in_order(sql))
-            if is_final:
-                result.extend(found.fetchall())
-
-        concertina_lib.ExecuteLogicaProgram(
-            [copy.deepcopy(execution)], run, "duckdb", display_mode="silent"
-        )
+        _load(connection, rows, memories, folder)
+        result = connection.execute(_types_in_order(sql)).fetchall()
     return [tuple(_plain(value) for value in row) for row in result]
+
+
+def _load(
+    connection: duckdb.DuckDBPyConnection, rows: list[Any], memories: dict[str, Any], folder: Path
+) -> None:
+    remembered = [{"robot_name": n, "memory": m} for n, m in memories.items()]
+    for table, data in (("Sensor", rows), ("Memory", remembered)):
+        file = folder / f"{table}.json"
+        file.write_text(json.dumps(data), encoding="utf-8")
+        connection.execute(
+            f"CREATE OR REPLACE TABLE {table} AS SELECT * FROM read_json_auto('{file}')"
+        )
 
 
 @functools.lru_cache(maxsize=1)
 def _compiled(text: str, predicate: str) -> Any:
     """What the package would have DuckDB do; the same program is asked in many moments."""
+    program = _program(text)
+    program.FormattedPredicateSql(predicate)
+    return program.execution
+
+
+def _program(text: str) -> Any:
     rules = _parsed(text)
     if "WeightedAverage" not in {r["head"]["predicate_name"] for r in rules}:
         rules += _Parser.ParseFile(WEIGHTED_AVERAGE)["rule"]
-    program = universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
-    program.FormattedPredicateSql(predicate)
-    return program.execution
+    return universe.LogicaProgram(rules, user_flags={"logica_default_engine": "duckdb"})
 
 
 _MAKE_TYPE = re.compile(r"drop type if exists \w+ cascade; (create type (\w+) as [^;]*;)")
@@ -128,6 +174,7 @@ universe.parse = _Parser
 
 
 _QL = expr_translate.QL
+_name_of_type = infer.TypeCollector.PsqlType
 _to_sql, _types = _QL.ConvertToSql, types_of_builtins.TypesOfBultins
 
 
@@ -191,6 +238,14 @@ class _Head(dialects.DuckDB):  # type: ignore[misc]  # the package has no types
         return {**super().BuiltInFunctions(), "Log": "LN(%s)"}
 
 
+def _number_as_double(self: Any, kind: Any) -> str:
+    """Return DuckDB's name of a type: numbers in lists have digits, not three decimals.
+
+    The development head makes them 32-bit ones, too few digits to compare.
+    """
+    return "double" if kind == "Num" else str(_name_of_type(self, kind))
+
+
 package_patches.install()  # the same SQL in a third of the time, see test_package_patches.py
 
 # The release that is installed here has no TryCast; the development head, which the platform uses,
@@ -199,6 +254,7 @@ dialects.DIALECTS["duckdb"] = _Head
 _QL.BUILT_IN_FUNCTIONS = {**_QL.BUILT_IN_FUNCTIONS, "TryCast": "TRY_CAST(%s)"}
 _QL.ConvertToSql = _sql_with_casts
 types_of_builtins.TypesOfBultins = _types_with_try_cast
+infer.TypeCollector.PsqlType = _number_as_double
 
 
 def _plain(value: Any) -> Any:

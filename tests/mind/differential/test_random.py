@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -10,8 +12,10 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from tests.mind.differential.comparing import here, program, same, there
+from tests.mind.differential.typed_expressions import expressions, recursions
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 Text = st.SearchStrategy[str]
@@ -189,6 +193,41 @@ def _shorter(value: Any) -> Any:
     return re.sub(r"(\.\d+?)0+\b", r"\1", value) if isinstance(value, str) else value
 
 
+def compared(
+    batch: list[tuple[str, str]], folder: Path, counts: Counter[str]
+) -> Iterator[tuple[str, str, Any, Any]]:
+    """Yield the rules and expressions that differ, with their values here and there."""
+    try:
+        theirs: Any = there(_asking(batch), folder)[0]
+    except Exception:  # DuckDB's or the package's
+        if len(batch) > 1:  # ask each alone: what is an error there, is none here
+            for each in batch:
+                yield from compared([each], folder, counts)
+        counts["errors there"] += len(batch) == 1
+        return
+    ours = here(_asking(batch))[0]
+    for (rules, expression), one, other in zip(batch, ours, theirs, strict=True):
+        counts["compared"] += 1
+        if not same(_shorter(one), as_here(_shorter(other), one)):
+            yield rules, expression, one, other
+
+
+def _asking(batch: list[tuple[str, str]]) -> str:
+    columns = {f"c{number}": expression for number, (_, expression) in enumerate(batch)}
+    return program("\n".join(rules for rules, _ in batch), **columns)
+
+
+def as_here(theirs: Any, ours: Any) -> Any:
+    """A value of DuckDB in which texts that spell a record or a list in JSON are that."""
+    if isinstance(theirs, str) and isinstance(ours, dict | list):
+        return json.loads(theirs)
+    if isinstance(theirs, dict) and isinstance(ours, dict):
+        return {name: as_here(value, ours.get(name)) for name, value in theirs.items()}
+    if isinstance(theirs, list) and isinstance(ours, list) and len(theirs) == len(ours):
+        return list(map(as_here, theirs, ours))
+    return theirs
+
+
 columns = st.fixed_dictionaries(
     {"a": numbers(3), "b": numbers(2), "c": truths(2), "d": texts(2), "e": numbers(2)}
 )
@@ -229,3 +268,30 @@ def test_random_robot_programs_mean_the_same(tmp_path: Path, text: str) -> None:
 @given(programs())
 def test_hundreds_of_random_robot_programs_mean_the_same(tmp_path: Path, text: str) -> None:
     check_whole(text, tmp_path)
+
+
+typed = st.lists(expressions.map(lambda expression: ("", expression)), min_size=10, max_size=10)
+graphs = recursions(0).map(lambda recursion: [recursion])
+
+
+@settings(
+    max_examples=min(4, settings().max_examples), deadline=None, suppress_health_check=relaxed
+)
+@given(typed | graphs)
+def test_random_casts_texts_records_and_recursions_mean_the_same(
+    tmp_path: Path, batch: list[tuple[str, str]]
+) -> None:
+    assert not list(compared(batch, tmp_path, Counter()))
+
+
+@pytest.mark.proof
+def test_5000_random_casts_texts_records_and_recursions_mean_the_same(tmp_path: Path) -> None:
+    counts = Counter[str]()
+
+    @settings(max_examples=700, deadline=None, suppress_health_check=relaxed)
+    @given(typed | graphs)
+    def compare(batch: list[tuple[str, str]]) -> None:
+        assert not list(compared(batch, tmp_path, counts))
+
+    compare()
+    assert counts["errors there"] < counts["compared"] / 10

@@ -18,7 +18,7 @@ from tests.mind.differential.duckdb_reference import answer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["MOMENTS", "PLAYERS", "PROGRAMS", "differences"]
+__all__ = ["ASKED", "MOMENTS", "PLAYERS", "PROGRAMS", "differences", "engines"]
 
 _HERE = Path(__file__).parent
 
@@ -61,14 +61,14 @@ def differences(text: str, folder: Path) -> list[str]:
         rows = moment["rows"]
         if moment["level"] != level:
             level, memories = moment["level"], {row["robot_name"]: "" for row in rows}
-        theirs = _by_robot(answer(_ASKED.format(text), "Answer", rows, memories, folder))
+        theirs = _by_robot(answer(ASKED.format(text), "Answer", rows, memories, folder))
         quick, plain = (mind.think(rows, memories) for mind in minds)
         for mine, other in zip(quick, plain, strict=True):
             where = f"{level}, tick {moment['tick']}, {mine.robot_name}"
             if not same(_told(mine), _told(other)):
                 found.append(f"{where}: quick {_told(mine)}, plain {_told(other)}")
             wanted = theirs.get(mine.robot_name, (None, memories[mine.robot_name]))
-            if not same(_told(mine), (_engines(wanted[0]), wanted[1])):
+            if not same(_told(mine), (engines(wanted[0]), wanted[1])):
                 found.append(f"{where}: here {_told(mine)}, on DuckDB {wanted}")
         memories = {d.robot_name: d.memory for d in quick}
     for mind in minds:
@@ -76,7 +76,7 @@ def differences(text: str, folder: Path) -> list[str]:
     return found
 
 
-_ASKED = """{}
+ASKED = """{}
 Answer(robot_name:, desire:, memory:) :- Robot(robot_name:, desire:, memory:);
 """
 
@@ -91,7 +91,7 @@ def _told(decision: Any) -> tuple[tuple[float, float], Any]:
     return engines, decision.memory
 
 
-def _engines(desire: Any) -> tuple[float, float]:
+def engines(desire: Any) -> tuple[float, float]:
     """Powers of the engines as the platform's JavaScript takes them: nothing is 0."""
     left, right = (float((desire or {}).get(f"{side}_engine") or 0) for side in ("left", "right"))
     return left, right

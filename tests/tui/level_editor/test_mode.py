@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -254,6 +255,55 @@ async def test_changes_are_kept_as_a_new_level_that_the_chooser_shows(
         await game.until(lambda: game.main.editing.is_on)
         assert game.session.level.title == "Mine (copy)"
         assert game.session.level.walls[40, 100]
+
+
+@pytest.fixture
+def web_file(room_file: Path) -> Path:
+    """The room in the web platform's format, as another program would write it."""
+    file = room_file.with_name("garden.json")
+    save_level(load_level(room_file), file)
+    say(file, json.dumps(json.loads(said(file))))
+    return file
+
+
+async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
+    data_dir: Path, web_file: Path
+) -> None:
+    before = said(web_file)
+    async with studio(data_dir, web_file) as s:
+        game = s.game
+        await s.drag((200, 30), (180, 30))
+        await s.press("s")
+        await game.sees("was not made by this game")
+        await s.press("escape")
+        await game.sees_no("was not made by this game")
+        assert said(web_file) == before
+        await s.press("s")
+        await game.sees("was not made by this game")
+        await s.press("r")
+        await game.sees("Saved as garden.json")
+        assert load_level(web_file).beacons[0].x == s.level.beacons[0].x
+        assert s.mode.levels.is_saved
+        await s.drag((180, 30), (120, 30))
+        await s.press("s")  # by now it was made here
+        await game.until(lambda: s.mode.levels.is_saved)
+        assert load_level(web_file).beacons[0].x == s.level.beacons[0].x
+
+
+async def test_a_level_of_the_platform_can_be_saved_under_another_name_instead(
+    data_dir: Path, web_file: Path
+) -> None:
+    before = said(web_file)
+    async with studio(data_dir, web_file) as s:
+        game = s.game
+        await s.drag((200, 30), (180, 30))
+        await s.press("s")
+        await game.sees("was not made by this game")
+        await s.press("s")
+        await game.sees("Save the level as")
+        await s.press("enter")
+        await game.sees("Saved as garden-2.json")
+        assert said(web_file) == before
 
 
 async def test_a_new_level_is_made_from_a_labyrinth_drawn_by_lot(data_dir: Path) -> None:

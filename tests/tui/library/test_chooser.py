@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 import pytest
+from textual import events
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import list_programs, load_program, save_program
@@ -64,6 +66,45 @@ async def test_a_level_file_is_opened_by_its_path_and_keeps_the_program(data_dir
         assert game.editor.text == PAPER
         await game.press("n")
         await game.until(lambda: game.tick == 1)
+
+
+AS_PASTED = ("{}", " {} ", "'{}'", '"{}"', "'{}' ", "{escaped}", "{escaped} ", "file://{url}")
+
+
+def as_pasted(form: str, file: Path) -> str:
+    path = str(file)
+    return form.format(path, escaped=path.replace(" ", "\\ "), url=quote(path))
+
+
+@pytest.mark.parametrize("form", AS_PASTED)
+async def test_a_level_is_opened_by_dropping_its_file_into_the_terminal(
+    data_dir: Path, tmp_path: Path, form: str
+) -> None:
+    file = tmp_path / "from the web.json"
+    file.write_bytes((LEVELS / "team_goal.json").read_bytes())
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "l", LevelScreen)
+        game.app.post_message(events.Paste(as_pasted(form, file)))
+        await game.sees("Open the file")
+        await game.press("enter")
+        await game.until(lambda: is_at(game, "from the web"))
+
+
+@pytest.mark.parametrize("form", AS_PASTED)
+async def test_a_program_is_opened_by_dropping_its_file_into_the_terminal(
+    data_dir: Path, tmp_path: Path, form: str
+) -> None:
+    file = tmp_path / "from the web.l"
+    file.write_text(STILL, encoding="utf-8")
+    async with opened(data_dir) as game:
+        await game.ready()
+        await dialog(game, "o", Chooser)
+        game.app.post_message(events.Paste(as_pasted(form, file)))
+        await game.sees("Open the file")
+        await game.press("enter")
+        await game.until(lambda: game.editor.text == STILL)
+        assert game.session.source.path == file
 
 
 @pytest.mark.sampled

@@ -10,6 +10,7 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.mind import Program
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.app.session_state import Permissions
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
@@ -40,6 +41,21 @@ async def test_the_listing_of_the_paper_is_pasted_as_printed_and_applied(data_di
         )
         await game.press("f8")
         await game.until(lambda: game.session.frame.memories == {"Solo": "I am a robot"})
+
+
+ORDERED = STILL.replace("memory: 1", "memory: {order: 1}")
+
+
+async def test_in_a_level_of_the_web_platform_what_fails_there_is_marked(data_dir: Path) -> None:
+    async with opened(data_dir, text=ORDERED) as game:
+        await game.until(lambda: title(game).startswith("Program · applied, 1 warning"))
+        await game.sees("order is a word of SQL")
+
+
+async def test_in_a_level_of_this_game_it_is_not_marked(data_dir: Path) -> None:
+    level = shipped_folder("levels") / "01-first-steps.toml"
+    async with opened(data_dir, level=level, text=ORDERED) as game:
+        await game.until(lambda: title(game).startswith("Program · applied · "))
 
 
 async def test_a_paste_of_ten_thousand_lines_can_be_undone_and_done_again(data_dir: Path) -> None:
@@ -302,6 +318,23 @@ async def test_a_program_that_runs_though_something_is_odd_shows_a_warning(data_
         await game.sees("applied, 1 warning")
         await game.sees("! line 3")
         assert game.session.state.applied == ODD
+
+
+LOST = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: sees) :-
+  Sensor(robot_name:, sensor:),
+  sees = (if sensor.forward_label == "Sola" then 1 else 0);
+"""
+
+
+async def test_a_name_that_the_level_lacks_is_a_warning_with_the_nearest(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        await game.write(LOST)
+        await game.sees("applied, 1 warning")
+        await game.sees('Did you mean "Solo"?')
+        await game.write(LOST.replace("Sola", "Solo"))
+        await game.until(lambda: game.session.state.mistakes == () and not game.shows("warning"))
 
 
 async def test_what_is_typed_before_the_pane_has_room_does_not_scroll_its_start_away(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from logical_robots_tui.mind.limits import weight_of_scalar
-from logical_robots_tui.mind.sqlite.budget import Room
+from logical_robots_tui.mind.sqlite.budget import Aggregate, Room
 from logical_robots_tui.mind.sqlite.functions.casting import (
     Scalar,
     element,
@@ -16,11 +17,6 @@ from logical_robots_tui.mind.sqlite.functions.casting import (
     order_of_scalar,
 )
 from logical_robots_tui.mind.sqlite.stored import to_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.mind.sqlite.budget import Aggregate
 
 _PAIR = 200  # bytes of a pair and its sort key
 
@@ -70,10 +66,12 @@ class _Concat(_Collect):
     def __init__(self) -> None:
         super().__init__()
         self.texts: list[str] = []
+        self.is_empty = True
 
     def step(self, value: Scalar) -> int:
         if value is None:
             return 0
+        self.is_empty = False
         if isinstance(value, str) and not isinstance(element(value), list):
             self.texts.append(value)
             return self.room.take(value)
@@ -83,7 +81,9 @@ class _Concat(_Collect):
         return size
 
     def finalize(self) -> str | None:
-        return "".join(self.texts) if self.texts else super().finalize()
+        if self.is_empty:
+            return None
+        return "".join(self.texts) if self.texts else to_json(self.items)
 
 
 class _Pairs:
@@ -112,11 +112,11 @@ class _Pairs:
 
 
 class _Array(_Pairs):
-    """`Array{position -> value}`: the values in the order of their positions."""
+    """`Array{position -> value}`: the values in the order of their positions, null last."""
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
         size = self.room.take(argument) + self.room.take(value, 0)
-        self.pairs.append((order(argument), value))
+        self.pairs.append(((argument is None, order(argument)), value))
         return size + _PAIR
 
 

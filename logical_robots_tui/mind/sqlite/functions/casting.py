@@ -8,16 +8,13 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Iterable
 from functools import cmp_to_key, lru_cache
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, check_long
 from logical_robots_tui.mind.sqlite.functions import nested_texts
 from logical_robots_tui.mind.sqlite.stored import to_input, to_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
 
 Scalar: TypeAlias = "int | float | str | None"
 

@@ -9,8 +9,9 @@ import hashlib
 import json
 import math
 import sqlite3
+from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
@@ -39,9 +40,6 @@ from logical_robots_tui.mind.sqlite.functions.casting import (
 )
 from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.stored import to_json
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _MOST_COMPARED = 16  # arguments of Least and Greatest
 
@@ -96,7 +94,7 @@ def _text(value: Any) -> str:
 
 def _split(text: str, separator: str) -> str:
     check_items(text.count(separator))
-    return to_json(text.split(separator) if separator else list(text))
+    return to_json(text.split(separator) if separator else list(text) or [""])
 
 
 def _concat(*lists: Scalar) -> str:
@@ -155,7 +153,6 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "join_list": (2, _join),
     "split_text": (2, _split),
     "sort_list": (1, lambda items: to_json(in_order(list_in(items)))),
-    "concat_some_lists": (-1, _concat),
     "number_range": (1, _range),
     "natural_hash": (1, _hash),
     "real_as_json": (1, real_as_json),
@@ -184,13 +181,14 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "truth_to_text": (1, lambda truth: "true" if truth else "false"),
     "try_cast": (2, try_cast),
     "try_cast_like": (2, try_cast_like),
-    "unicode_of": (1, lambda text: ord(text[0]) if text else 0),
+    "unicode_of": (1, lambda text: ord(text[0]) if text else -1),
     "unique_list": (1, _unique),
     "upper_text": (1, texts.upper),
     "value_as_json": (1, value_as_json),
 }
 
 _NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
+    "concat_some_lists": lambda *lists: _concat(*present) if (present := _present(lists)) else None,
     "greatest": lambda *values: max(_present(values), key=order_of_scalar, default=None),
     "least": lambda *values: min(_present(values), key=order_of_scalar, default=None),
 }

@@ -9,13 +9,11 @@ from __future__ import annotations
 import math
 import re
 import sys
+from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from logical_robots_tui.mind.sqlite.budget import TooLargeError, check_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 _DIRECTIVE = re.compile(r"%([-+ 0#]*)(\d*)(?:\.(\d*))?[hlLqjzt]*(.)", re.DOTALL)
 _WHOLE = frozenset("diuoxXc")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from textual import events, on
@@ -10,20 +11,16 @@ from textual.content import Content
 from textual.suggester import Suggester
 from textual.widgets import Input, Static
 
-from logical_robots_tui.game import Superseded
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Cancelled, Page, progress
+from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Cancelled, Page, Questions, progress
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
 
 _INPUT_COLUMNS = ("robot_name", "sensor", "memory")
 _HISTORY_SIZE = 100

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 
 from textual.content import Content
 
+from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, radar_plot
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.values import Value
 
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn

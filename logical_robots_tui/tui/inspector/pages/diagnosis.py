@@ -8,8 +8,10 @@ from textual import on
 from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
+from textual.worker import Worker
 
-from logical_robots_tui.game import Superseded
+from logical_robots_tui.explain.diagnosis.telling import Finding
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
@@ -20,10 +22,6 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from textual.worker import Worker
-
-    from logical_robots_tui.explain.diagnosis.telling import Finding
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
 
 _START = "(start)"

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.game import Superseded, origin_in_game
+from logical_robots_tui.explain.why.sourcing import Read
+from logical_robots_tui.game import Frame, Link, Origin, Superseded, origin_in_game
 from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, progress
+from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, Questions, progress
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import cell
@@ -23,12 +25,8 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from logical_robots_tui.explain.why.sourcing import Read
-    from logical_robots_tui.game import Frame, Game, Link, Origin
+    from logical_robots_tui.game import Game
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
     from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."

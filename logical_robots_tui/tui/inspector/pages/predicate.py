@@ -9,7 +9,7 @@ from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.game import Superseded
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.plots import format_number
@@ -18,7 +18,6 @@ from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
 
 

@@ -3,31 +3,28 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from textual import events
 from textual.content import Content
 
+from logical_robots_tui.game import Frame
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.page import Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_number
+from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
+from logical_robots_tui.world import Level, RobotState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-    from typing import Any
-
-    from textual import events
-
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.mind import Decision
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
-    from logical_robots_tui.world import Level, RobotState
 
 _CHOSEN = "on $row"
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from textual import on
 from textual.content import Content
 from textual.message import Message
+from textual.worker import Worker
 
-from logical_robots_tui.game import NoSuchTickError, Superseded
+from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page, Questions
@@ -23,11 +25,7 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from textual.worker import Worker
-
-    from logical_robots_tui.game import Frame, Pin, Reading
+    from logical_robots_tui.game import Pin, Reading
     from logical_robots_tui.tui.app.session import Session
 
 _NOTHING = (

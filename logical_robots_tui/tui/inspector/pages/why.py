@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.explain import Ask, Node
-from logical_robots_tui.game import Superseded
+from logical_robots_tui.explain import Ask, Explanation, Node, Proof
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import (
@@ -17,6 +18,7 @@ from logical_robots_tui.tui.inspector.page import (
     Cancelled,
     Page,
     Placed,
+    Questions,
     Sighted,
     progress,
     sight,
@@ -27,13 +29,8 @@ from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.explain import Explanation, Proof
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.game import Frame
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.page import Questions
 
 _LONGEST_ARGUMENT = 24
 

@@ -5,19 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from textual.content import Content
 
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK
-
-if TYPE_CHECKING:
-    from typing import Any
-
-    from logical_robots_tui.values import Value
-
+from logical_robots_tui.values import Value
 
 FULL = 20_000
 """Characters after which even the full view of a value ends."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
@@ -10,12 +11,10 @@ from textual.content import Content
 from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from logical_robots_tui.explain import Node
-    from logical_robots_tui.values import Value
 
 _GUIDE = "│ "  # for each node above a line
 _GUIDES_SHARE = 3  # guides take a third of a line at most

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from textual.content import Content
 from textual.geometry import Region, Size
 
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
@@ -17,10 +19,6 @@ from logical_robots_tui.tui.inspector.widgets.proof_tree import (
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from textual.content import Content
-
     from logical_robots_tui.explain import Ask, Node
 
 

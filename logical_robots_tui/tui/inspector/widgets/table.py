@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from rich.style import Style
+from textual import events
 from textual.geometry import Region, Size
 from textual.message import Message
 from textual.scroll_view import ScrollView
@@ -23,13 +24,11 @@ from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, 
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.values import Value
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from textual import events
-
     from logical_robots_tui.mind import Table
-    from logical_robots_tui.values import Value
 
 
 Row: TypeAlias = "tuple[Value, ...]"

@@ -17,13 +17,13 @@ from logical_robots_tui.tui.inspector.widgets.plots import cell, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
     from textual.widgets.tree import TreeNode
 
     from logical_robots_tui.game import Path, Pin
-    from logical_robots_tui.values import Value
 
 _GROUP = 100  # most parts under one node
 _PREVIEW = 60  # characters of a collapsed record or list

@@ -7,16 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, luminance, mix, text_id
+from logical_robots_tui.tui.labyrinth.drawing.cells import (
+    RGB,
+    Cells,
+    Palette,
+    luminance,
+    mix,
+    text_id,
+)
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
+from logical_robots_tui.world.dynamics import RobotState
+from logical_robots_tui.world.level import Area
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Palette
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
-    from logical_robots_tui.world.dynamics import RobotState
-    from logical_robots_tui.world.level import Area
 
 
 def _sextant(pattern: int) -> str:

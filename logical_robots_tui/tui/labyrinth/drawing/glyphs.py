@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import DARK, RGB, Palette
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 
 class Drawing(Enum):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,15 +10,12 @@ import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Palette, parse
 from logical_robots_tui.tui.labyrinth.drawing.discs import area_weights, blend
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
+from logical_robots_tui.world.level import Beacon, Level
 from logical_robots_tui.world.sensing import BEACON_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
-    from logical_robots_tui.world.level import Beacon, Level
 
 ASCII_KINDS = " #:%,"
 """The characters for ``Ground.kinds``: floor, wall, area, solid area, area switched off."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Container, Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,15 +24,12 @@ from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, mark_ends
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
+from logical_robots_tui.world.dynamics import RobotState
+from logical_robots_tui.world.level import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator, Sequence
-
     from numpy.typing import NDArray
-
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
-    from logical_robots_tui.world.dynamics import RobotState
-    from logical_robots_tui.world.level import Level
 
 
 def fit_name(name: str, width: int, cut: str, unknown: str, ascii_only: bool = False) -> list[str]:

@@ -31,12 +31,12 @@ from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
     draw_trails,
 )
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
+from logical_robots_tui.world.level import Level
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.world.level import Level
 
 _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 """Light of a fan: without a selection, of the selected robot, of the others then."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -12,17 +13,15 @@ import numpy as np
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.discs import shows_body
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Raster, Viewport
+from logical_robots_tui.world.dynamics import RobotState
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-    from logical_robots_tui.world.dynamics import RobotState
 
 _FINE = 16  # steps between two rays in which the shape of a fan is tabulated
 _STEPS = 12  # steps of brightness

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,14 +17,12 @@ from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_into, robot_c
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
 from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
+from logical_robots_tui.world.level import Level
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.world.level import Level
 
 _THICK = 12.0  # map units between the ends of two rays that belong to one wall, at least
 _LEAST = (24, 10)  # columns and rows that a picture of one robot needs

@@ -5,22 +5,21 @@ In braille, eight dots to a cell, or by one character where the font may not hav
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, mix, rgb_number, text_id
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from numpy.typing import NDArray
 
     from logical_robots_tui.game.frame import Frame
-    from logical_robots_tui.tui.labyrinth.drawing.rays import Fan
-    from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
 
 _BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.int64)
 """The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""

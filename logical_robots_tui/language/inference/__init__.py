@@ -1,0 +1,1 @@
+"""Types of expressions, traced through the rules, for messages about a program."""

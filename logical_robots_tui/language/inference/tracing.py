@@ -1,0 +1,481 @@
+"""Fields that do not exist and types that do not fit, found by tracing kinds through the rules.
+
+A variable's kind is known if it comes from `Sensor`, a literal, a built-in function, or a column or
+argument that has the same kind everywhere. What is read from a memory is not.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Literal, TypeAlias
+
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.adapter import operator_name
+from logical_robots_tui.language.definitions import MAIN, definitions, functor_names, rules_of
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
+from logical_robots_tui.language.inference.functions import (
+    ALIKE,
+    ARITHMETIC,
+    COMPARISONS,
+    FUNCTIONS,
+    result_of,
+)
+from logical_robots_tui.language.inference.hints import LONGEST, is_numeral, repair
+from logical_robots_tui.language.inference.names import (
+    OBJECT,
+    ROBOT_NAME,
+    SENSED,
+    Mention,
+    object_hint,
+)
+from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
+from logical_robots_tui.language.tree import (
+    REST,
+    Argument,
+    Expression,
+    Name,
+    Proposition,
+    Rule,
+    Statement,
+)
+from logical_robots_tui.language.types import (
+    Kind,
+    ListOf,
+    Plain,
+    RecordOf,
+    Word,
+    clash,
+    common,
+    describe,
+    family,
+    is_nested,
+    is_text,
+    meet,
+)
+from logical_robots_tui.schema import OBJECTS, VALUE
+
+_ROUNDS = 6  # how far a kind is traced from predicate to predicate
+_MOST_STEPS = 100_000  # nested aggregates are visited repeatedly
+_LIST = "A list is needed here, such as sensor.radar, [1, 2] or Range(10)."
+_CHOOSING = frozenset({"ArgMin", "ArgMax"})
+_LITERALS: Mapping[type[tree.Node], Kind] = {
+    tree.Boolean: Plain.TRUTH,
+    tree.Null: Plain.NULL,
+    tree.Number: Plain.REAL,
+    tree.Text: Plain.TEXT,
+}
+
+Scope: TypeAlias = "dict[str, Kind]"
+Column: TypeAlias = tuple[str, "int | str"]
+Severity: TypeAlias = Literal["error", "warning"]
+
+
+class _TooManyStepsError(Exception):
+    """The program is too complex to trace."""
+
+
+class Inference:
+    def __init__(self, program: Sequence[Statement], text: str, doubtful: frozenset[str]) -> None:
+        self._text = text
+        self._definitions = definitions(program)
+        self._rules = rules_of(program)
+        self._unknown = doubtful | functor_names(program)
+        self._columns: dict[Column, Kind] = {
+            ("Sensor", "robot_name"): ROBOT_NAME,
+            ("Sensor", "sensor"): SENSED,
+            ("Memory", "robot_name"): ROBOT_NAME,
+        }
+        self._arguments: dict[Column, Kind] = {}
+        self._given: dict[Column, list[Kind]] = {}
+        self._problems: dict[int, Diagnostic] = {}
+        self._mentions: dict[int, Mention] = {}
+        self._steps = 0
+        if not self._settle():
+            self._problems.clear()
+            self._mentions.clear()
+            self._columns.clear()
+            self._arguments.clear()
+
+    @property
+    def problems(self) -> list[Diagnostic]:
+        """Diagnostics for fields that certainly do not exist, and for types that do not fit."""
+        return list(self._problems.values())
+
+    @property
+    def mentions(self) -> tuple[Mention, ...]:
+        """The names that labels and robots' names are compared with, in text order."""
+        return tuple(self._mentions[start] for start in sorted(self._mentions))
+
+    def column(self, predicate: str, name: str) -> list[Kind]:
+        found: list[Kind] = []
+        for rule in rules_of(self._definitions.get(predicate, ())):
+            for column in rule.head.columns:
+                if column.field == name and column.expression is not None:
+                    scope = self._scope(rule.body, {})
+                    found += self._alternatives(column.expression, scope)
+        return found
+
+    # -- through all rules ---------------------------------------------------------------------
+
+    def _settle(self) -> bool:
+        """Visit the rules until nothing new is learnt; return False if that takes too long."""
+        for _ in range(_ROUNDS):
+            before = (dict(self._columns), dict(self._arguments))
+            self._problems.clear()
+            self._mentions.clear()
+            self._given.clear()
+            try:
+                self._go_through_rules()
+            except _TooManyStepsError:
+                return False
+            if before == (self._columns, self._arguments):
+                return True
+        return False
+
+    def _go_through_rules(self) -> None:
+        columns: dict[Column, list[Kind]] = {}
+        for rule in self._rules:
+            scope = self._scope(rule.body, self._parameters(rule))
+            for column in rule.head.columns:
+                kind = self._value(column, scope)
+                earlier = columns.setdefault((rule.name, column.field), [])
+                self._check_column(rule, column, kind, earlier)
+                earlier.append(kind)
+        for place, kinds in columns.items():
+            if place[0] not in self._unknown:
+                self._columns[place] = common(kinds)
+        unknown = self._unknown | {name for name, field in self._given if field == REST}
+        self._arguments = {
+            place: common(kinds) for place, kinds in self._given.items() if place[0] not in unknown
+        }
+
+    def _parameters(self, rule: Rule) -> Scope:
+        scope: Scope = {}
+        for column in rule.head.columns:
+            if isinstance(column.value, tree.Variable):
+                kind = self._arguments.get((rule.name, column.field))
+                if kind not in (None, Plain.ANY, Plain.NULL):
+                    scope[column.value.name] = kind
+        return scope
+
+    def _scope(self, body: Proposition | None, outer: Mapping[str, Kind]) -> Scope:
+        scope = dict(outer)
+        before: Scope | None = None
+        while body is not None and scope != before:
+            before = dict(scope)
+            self._proposition(body, scope)
+        return scope
+
+    def _proposition(self, node: Proposition, scope: Scope) -> None:
+        self._steps += 1
+        if self._steps > _MOST_STEPS:
+            raise _TooManyStepsError
+        match node:
+            case tree.Conjunction():
+                for member in node.members:
+                    self._proposition(member, scope)
+            case tree.Disjunction():
+                for alternative in node.alternatives:
+                    self._scope(alternative, scope)
+            case tree.Equation():
+                self._equal(node.left, node.right, scope)
+            case tree.Membership():
+                self._element(node, scope)
+            case tree.Atom():
+                self._condition(node, scope)
+
+    def _condition(self, atom: tree.Atom, scope: Scope) -> None:
+        if atom.name in ("=", "==") and len(atom.arguments) == 2:
+            left, right = tree.operands(atom.arguments)
+            self._equal(left, right, scope)
+            return
+        if atom.name in FUNCTIONS and atom.name not in self._definitions:
+            self._built_in(atom, scope)
+            return
+        for argument in atom.arguments:
+            if argument.expression is not None:
+                kind = self._columns.get((atom.name, argument.field), Plain.ANY)
+                self._bind(argument.expression, kind, scope)
+                self._give(atom.name, argument.field, self._kind(argument.expression, scope))
+
+    def _equal(self, left: Expression, right: Expression, scope: Scope) -> None:
+        first, second = self._kind(left, scope), self._kind(right, scope)
+        if clash(first, second):
+            self._compared(left, right, first, second)
+        else:
+            self._bind(left, second, scope)
+            self._bind(right, first, scope)
+
+    def _element(self, node: tree.Membership, scope: Scope) -> None:
+        kind = self._kind(node.collection, scope)
+        if isinstance(kind, ListOf):
+            self._bind(node.element, kind.element, scope)
+            self._mention_elements(node.collection, self._kind(node.element, scope))
+        elif isinstance(node.collection, tree.Number | tree.Text):
+            self._not_a_list(node.collection, f"{self._source(node.collection)} is not a list")
+        elif isinstance(kind, RecordOf):
+            self._not_a_list(node.collection, f"{kind.title} is a record, not a list")
+        elif _is_scalar(kind):
+            name = self._source(node.collection)
+            what = f"{name} is a plain value, not a list"
+            self._not_a_list(node.collection, what, _severity(kind))
+        self._kind(node.element, scope)
+
+    def _bind(self, pattern: Expression, kind: Kind, scope: Scope) -> None:
+        if kind in (Plain.ANY, Plain.NULL):
+            return
+        if isinstance(pattern, tree.Variable) and pattern.name not in scope:
+            scope[pattern.name] = kind
+        elif isinstance(pattern, tree.Record) and isinstance(kind, RecordOf):
+            for each in pattern.arguments:
+                self._check_field(each.field, kind)
+                if each.expression:
+                    self._bind(each.expression, kind.field(str(each.field)), scope)
+        else:
+            known = self._kind(pattern, scope)
+            if clash(known, kind):
+                shown = self._source(pattern, "this")
+                what = f"{shown} is {describe(known)}; {describe(kind)} is needed here"
+                self._warn(pattern, what, repair(pattern, kind, known))
+            self._mention(pattern, kind)
+            if isinstance(pattern, tree.Variable):
+                scope[pattern.name] = meet(known, kind)
+
+    # -- expressions ---------------------------------------------------------------------------
+
+    def _kind(self, node: Expression, scope: Scope) -> Kind:
+        match node:
+            case tree.Variable():
+                return scope.get(node.name, Plain.ANY)
+            case tree.Record():
+                parts = {each.field: self._value(each, scope) for each in node.arguments}
+                if REST in parts:
+                    return Plain.ANY
+                names = {name: kind for name, kind in parts.items() if isinstance(name, str)}
+                return RecordOf(tuple(names.items()), names=tuple(names))
+            case tree.FieldAccess():
+                return self._field(node, scope)
+            case tree.Call():
+                return self._call(node, scope)
+            case tree.Aggregate():
+                return self._aggregate(node, scope)
+            case tree.Choice():
+                return common(self._alternatives(node, scope))
+            case tree.List():
+                kinds = [self._kind(each, scope) for each in node.elements]
+                self._check_alike("this list", node.elements, kinds)
+                return ListOf(common(kinds))
+        return _LITERALS.get(type(node), Plain.ANY)
+
+    def _value(self, argument: Argument, scope: Scope) -> Kind:
+        """Return the kind of a column or argument; unknown if it is aggregated."""
+        if isinstance(argument.value, tree.Aggregation):
+            kind = self._kind(argument.value.argument, scope)
+            self._check_sum(operator_name(argument.value.operator), argument.value.argument, kind)
+            return Plain.ANY
+        return self._kind(argument.value, scope)
+
+    def _alternatives(self, node: Expression, scope: Scope) -> list[Kind]:
+        if not isinstance(node, tree.Choice):
+            return [self._kind(node, scope)]
+        for branch in node.branches:
+            self._kind(branch.condition, scope)
+        values = [*(branch.value for branch in node.branches), node.otherwise]
+        kinds = [self._kind(value, scope) for value in values]
+        self._check_alike("this if", values, kinds)
+        return kinds
+
+    def _field(self, node: tree.FieldAccess, scope: Scope) -> Kind:
+        kind = self._kind(node.record, scope)
+        name = node.field
+        if isinstance(kind, RecordOf):
+            self._check_field(name, kind)
+            return kind.field(name)
+        if isinstance(kind, ListOf):
+            hint = f"Take its elements one by one: x in {self._source(node.record)}, x.{name}."
+            self._report(name, f"{kind.title} is a list; it has no field {name}", hint)
+        elif _is_scalar(kind):
+            hint = "It is a plain value; only records have fields."
+            what = f"{self._source(node.record)} has no field {name}"
+            self._report(name, what, hint, _severity(kind))
+        return Plain.ANY
+
+    def _call(self, node: tree.Call, scope: Scope) -> Kind:
+        if node.name not in self._definitions and (node.name in FUNCTIONS or node.name in ALIKE):
+            return self._built_in(node, scope)
+        kinds = [self._value(argument, scope) for argument in node.arguments]
+        for argument, kind in zip(node.arguments, kinds, strict=True):
+            self._give(node.name, argument.field, kind)
+        if node.name not in self._definitions:
+            return result_of(node.name, kinds)
+        return self._columns.get((node.name, VALUE), Plain.ANY)
+
+    def _aggregate(self, node: tree.Aggregate, scope: Scope) -> Kind:
+        inner = self._scope(node.body, scope)
+        kind = self._kind(node.argument, inner)
+        self._give(node.operator, 0, Plain.ANY)
+        if node.operator in self._definitions:
+            return Plain.ANY
+        operator = operator_name(node.operator)
+        self._check_sum(operator, node.argument, kind)
+        pair = node.argument
+        if operator in _CHOOSING and isinstance(pair, tree.Call) and pair.name == "->":
+            return self._value(pair.arguments[0], inner)
+        return result_of(operator, [kind])
+
+    def _give(self, name: str, argument: int | str, kind: Kind) -> None:
+        if isinstance(argument, str) and (found := re.fullmatch(r"col(\d+)", argument)):
+            argument = int(found.group(1))
+        self._given.setdefault((name, argument), []).append(kind)
+
+    def _built_in(self, node: tree.Call | tree.Atom, scope: Scope) -> Kind:
+        """Return the kind of a built-in function or operator, and check its arguments."""
+        given = tree.operands(node.arguments)
+        kinds = [self._kind(each, scope) for each in given]
+        if node.name in COMPARISONS | {"=="} and len(given) == 2:
+            self._compared(*given, *kinds)
+        elif node.name == "in" and isinstance(listed := kinds[-1], ListOf):
+            self._compared(given[0], given[1], kinds[0], listed.element)
+            self._mention_elements(given[1], kinds[0])
+        elif node.name in ALIKE:
+            shown = [
+                # Numbers and Booleans that are computed can be joined to a text.
+                kind if is_nested(kind) or is_text(kind) or _is_literal(each) else Plain.ANY
+                for each, kind in zip(given, kinds, strict=True)
+            ]
+            self._check_alike(node.name, given, shown if node.name == "++" else kinds)
+        elif node.name in ARITHMETIC:
+            for argument, kind in zip(given, kinds, strict=True):
+                self._check_number(node.name, argument, kind)
+        elif node.name in FUNCTIONS:
+            for place, (argument, kind) in enumerate(zip(given, kinds, strict=True)):
+                self._check_argument(node.name, argument, kind, FUNCTIONS[node.name].wanted(place))
+        return result_of(node.name, kinds)
+
+    # -- types that do not fit -----------------------------------------------------------------
+
+    def _compared(self, left: Expression, right: Expression, first: Kind, second: Kind) -> None:
+        if clash(first, second):
+            node = left if _is_literal(left) else right
+            what = f"{describe(first)} is compared with {describe(second)}"
+            if family(first) == family(second) == "record":
+                what = "these records have fields of different types"
+            wanted, given = (second, first) if node is left else (first, second)
+            self._warn(node, what, repair(node, wanted, given))
+        self._mention(left, second)
+        self._mention(right, first)
+
+    def _check_alike(self, name: str, nodes: Sequence[Expression], kinds: Sequence[Kind]) -> None:
+        for place, (node, kind) in enumerate(zip(nodes, kinds, strict=True)):
+            other = next((each for each in kinds[:place] if clash(each, kind)), None)
+            if other is not None:
+                what = f"{name} mixes {describe(other)} and {describe(kind)}"
+                wanted, given = (kind, other) if is_text(kind) else (other, kind)
+                self._warn(node, what, repair(node, wanted, given))
+                return
+
+    def _check_number(self, name: str, node: Expression, kind: Kind) -> None:
+        if not clash(kind, Plain.REAL):
+            return
+        is_word = isinstance(node, tree.Text) and not is_numeral(node)
+        what = f"{self._source(node, 'this')} is {describe(kind)}; {name} computes with numbers"
+        hint = repair(node, Plain.REAL, kind)
+        if is_word or isinstance(kind, ListOf):
+            hint = f"++ joins {family(kind)}s."
+        self._warn(node, what, hint, "error" if is_word or is_nested(kind) else "warning")
+
+    def _check_sum(self, operator: str, node: Expression, kind: Kind) -> None:
+        if operator in ARITHMETIC or operator == "Agg+":
+            self._check_number("Sum" if operator == "Agg+" else operator, node, kind)
+
+    def _check_argument(self, name: str, node: Expression, kind: Kind, wanted: Kind) -> None:
+        if clash(kind, wanted):
+            what = (
+                f"{self._source(node, 'this')} is {describe(kind)}; {name} takes {describe(wanted)}"
+            )
+            self._warn(node, what, repair(node, wanted, kind))
+
+    def _check_column(
+        self, rule: Rule, column: Argument, kind: Kind, earlier: Sequence[Kind]
+    ) -> None:
+        if (rule.name, column.field) == (MAIN, "memory"):
+            return  # what a robot remembers can be of another type at any time
+        other = next((each for each in earlier if clash(each, kind)), None)
+        if other is not None and column.expression is not None:
+            place = column.field + 1 if isinstance(column.field, int) else column.field
+            name = "the value" if place == VALUE else f"column {place}"
+            what = (
+                f"{name} of {rule.name} is {describe(kind)} here, and {describe(other)} elsewhere"
+            )
+            self._warn(column.expression, what, "Give it one type in all rules.")
+
+    def _mention(self, node: Expression, kind: Kind) -> None:
+        """Note the name that something sensed is compared with."""
+        if not isinstance(node, tree.Text) or not isinstance(kind, Word) or not node.span:
+            return
+        start, stop = node.span
+        if kind != OBJECT:
+            place = diagnostic_at(self._text, start, stop - start, "")
+            mention = Mention(node.value, kind.of, place.line, place.column, place.excerpt)
+            self._mentions[start] = mention
+        elif node.value not in OBJECTS:
+            self._warn(node, f'a ray hits no "{node.value}"', object_hint(node.value))
+
+    def _mention_elements(self, collection: Expression, kind: Kind) -> None:
+        for each in collection.elements if isinstance(collection, tree.List) else ():
+            self._mention(each, kind)
+
+    def _warn(
+        self,
+        node: Expression,
+        message: str,
+        hint: str,
+        severity: Severity = "warning",
+    ) -> None:
+        if span := tree.span_of(node):
+            start, stop = span
+            self._problems.setdefault(
+                start, diagnostic_at(self._text, start, stop - start, message, hint, severity)
+            )
+
+    # -- reports -------------------------------------------------------------------------------
+
+    def _check_field(self, name: int | str, kind: RecordOf) -> None:
+        known = [each for each, _ in kind.fields]
+        if not isinstance(name, str) or name in known:
+            return
+        close = closest(name, known, 0.6)
+        hint = f"Did you mean {close}?" if close else f"It has {', '.join(known)}."
+        if len(hint) > 120:
+            hint = "Compare with its definition."
+        self._report(name, f"{kind.title} has no field {name}", hint)
+
+    def _report(self, name: str, message: str, hint: str, severity: Severity = "error") -> None:
+        if isinstance(name, Name) and name.start >= 0 and len(hint) <= 120:
+            problem = diagnostic_for(self._text, name, message, hint, severity)
+            self._problems[name.start] = problem
+
+    def _not_a_list(self, node: Expression, message: str, severity: Severity = "error") -> None:
+        if node.span:
+            start, stop = node.span
+            problem = diagnostic_at(self._text, start, stop - start, message, _LIST, severity)
+            self._problems[start] = problem
+
+    def _source(self, node: Expression, otherwise: str = "the list") -> str:
+        """Return the text of an expression, if it is short."""
+        text = " ".join(self._text[slice(*node.span)].split()) if node.span else otherwise
+        return text if len(text) <= LONGEST else otherwise
+
+
+def _is_literal(node: Expression) -> bool:
+    return isinstance(node, tree.Literal)
+
+
+def _severity(kind: Kind) -> Severity:
+    """Return how wrong it is to take a plain value apart; a text may hold a list or a record."""
+    return "warning" if kind is Plain.TEXT else "error"
+
+
+def _is_scalar(kind: Kind) -> bool:
+    return not is_nested(kind) and kind not in (Plain.ANY, Plain.NULL)

@@ -1,0 +1,87 @@
+"""Names that a program compares with labels and robots' names, and those that a level has."""
+
+from __future__ import annotations
+
+import pytest
+
+from logical_robots_tui.language import package_patches
+from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.inference.names import Mention, Names, unknown_names
+from logical_robots_tui.language.inference.tracing import Inference
+from logical_robots_tui.language.source_text import prepare
+
+package_patches.install()
+
+NAMES = Names(frozenset({"Ada", "Bo"}), frozenset({"Harbour", "Gate"}))
+RAY = "Sensor(robot_name:, sensor:), ray in sensor.radar"
+
+
+def mentioned(text: str) -> list[tuple[str, str]]:
+    parsed = parse(prepare(text))
+    found = Inference(parsed.statements, text, parsed.doubtful).mentions
+    return [(each.text, each.of) for each in found]
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        f'A(1) :- {RAY}, ray.label == "x";',
+        f'A(1) :- {RAY}, "x" != ray.label;',
+        f'A(1) :- {RAY}, ray.label in ["x"];',
+        f'A(1) :- {RAY}, y == ray.label, y == "x";',
+        f'A(1) :- {RAY}, y == "x", ray.label == y;',
+        f'A(y) :- {RAY}, y = (if ray.label == "x" then 1 else 2);',
+        'A(1) :- Sensor(sensor:), {label: "x"} in sensor.radar;',
+        f'B(name: ray.label) :- {RAY}; A(1) :- B(name: "x");',
+        f'F(y) = (if y == "x" then 1 else 2); A(F(ray.label)) :- {RAY};',
+        'A(1) :- Sensor(sensor:), sensor.forward_label == "x";',
+        f'A(y) :- y = Count{{ray.angle :- {RAY}, ray.label == "x"}};',
+    ],
+)
+def test_a_label_is_recognised_wherever_it_comes_from(rules: str) -> None:
+    assert mentioned(rules) == [("x", "label")]
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        'A(1) :- Memory(memory:), memory == "x";',
+        'A(1) :- Memory(memory:), memory.label == "x";',
+        f'B(ray.label) :- {RAY}; B("y"); A(1) :- B("x");',
+        f'A(1) :- {RAY}, Upper(ray.label) == "x";',
+        f'A(y) :- {RAY}, y = ray.label ++ "x";',
+        f'A(1) :- {RAY}, StartsWith(ray.label, "x");',
+    ],
+)
+def test_other_texts_are_no_names(rules: str) -> None:
+    assert mentioned(rules) == []
+
+
+def test_the_names_of_robots_are_told_from_labels() -> None:
+    text = 'A(1) :- Sensor(robot_name: "x"); B(1) :- Memory(robot_name:), robot_name == "y";'
+    assert mentioned(text) == [("x", "robot_name"), ("y", "robot_name")]
+
+
+def told(text: str, of: str) -> list[tuple[str, str]]:
+    found = unknown_names([Mention(text, of, 1, 1, "")], NAMES)
+    return [(each.message, each.hint) for each in found]
+
+
+@pytest.mark.parametrize("name", ["Ada", "Harbour", "wall", "nothing"])
+def test_a_label_that_a_level_has_is_met_with_silence(name: str) -> None:
+    assert told(name, "label") == []
+
+
+def test_an_unknown_name_is_told_with_the_nearest() -> None:
+    nobody = "no robot, beacon or solid area of this level is called"
+    assert told("harbor", "label") == [(f'{nobody} "harbor"', 'Did you mean "Harbour"?')]
+    assert told("Add", "robot_name") == [
+        ('no robot of this level is called "Add"', 'Did you mean "Ada"?')
+    ]
+    assert told("Harbour", "robot_name") == [
+        ('no robot of this level is called "Harbour"', 'It can be "Ada" or "Bo".')
+    ]
+
+
+def test_control_characters_of_a_name_are_not_shown() -> None:
+    assert all("\x1b" not in part for pair in told("\x1b[2J", "label") for part in pair)

@@ -1,0 +1,26 @@
+"""What a program keeps from tick to tick is what it keeps on DuckDB, tick by tick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.mind.differential.closed_loop import PROGRAMS, differences
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_robot_remembers_and_decides_as_on_duckdb(name: str, tmp_path: Path) -> None:
+    assert not list(differences(PROGRAMS[name], 40, tmp_path))
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_robot_remembers_and_decides_as_on_duckdb_for_1000_ticks(
+    name: str, tmp_path: Path
+) -> None:
+    assert not list(differences(PROGRAMS[name], 1_000, tmp_path))

@@ -1,0 +1,91 @@
+"""Recursion: who may say how far it goes, where it stops, and what it says if it is cut off."""
+
+from __future__ import annotations
+
+import pytest
+
+from logical_robots_tui.mind import Program, ProgramError
+from tests.mind.differential.comparing import here
+from tests.mind.rows import ROBOT, row, think
+
+ONE = "A(0); A(n + 1) :- A(n), n < 5000;"
+CIRCLE = "A(0); A(n + 1) :- C(n); B(n + 1) :- A(n); C(n + 1) :- B(n);"
+
+
+def last(rules: str) -> object:
+    """The largest number of the predicate A."""
+    ((value,),) = here(f"{rules} Answer(value: Max{{n :- A(n)}});")
+    return value
+
+
+@pytest.mark.parametrize(("member", "found"), [("A", 30), ("B", 33), ("C", 33)])
+def test_any_member_of_a_circle_may_say_how_far_it_goes(member: str, found: int) -> None:
+    assert last(f"@Recursive({member}, 10); {CIRCLE}") == found
+
+
+@pytest.mark.parametrize("steps", ["100", "-1"])
+def test_a_recursion_stops_once_a_predicate_has_a_row(steps: str) -> None:
+    assert last(f"@Recursive(A, {steps}, stop: Found); {ONE} Found() :- A(n), n > 5;") == 6
+
+
+def test_what_stops_a_recursion_may_compare_a_step_with_the_one_before() -> None:
+    rules = "Before(n) :- A(n); Found() :- Max{n :- A(n)} == Max{n :- Before(n)};"
+    grows = "A(0); A(n + 1) :- A(n), n < 5; A(n + 10) :- A(n), n > 99;"
+    assert last(f"@Recursive(A, 50, stop: Found); {grows} {rules}") == 5
+
+
+def test_a_recursion_that_is_stopped_may_have_another_name() -> None:
+    rules = "Found() :- A(3); Copy := A();"
+    text = f"@Recursive(A, 9, stop: Found); {ONE} {rules} Answer(value: Max{{n :- Copy(n)}});"
+    assert here(text) == [(3,)]
+
+
+@pytest.mark.parametrize("mode", ["diamond", "horizontal", "iterative", "vertical"])
+def test_each_way_to_iterate_gives_the_same(mode: str) -> None:
+    assert last(f'@Recursive(A, 20, mode: "{mode}"); {ONE}') == 20
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("wings: 2", "@Recursive has no option wings"),
+        ('mode: "sideways"', "@Recursive can't use this value of mode"),
+        ("stop: 3", "@Recursive can't use this value of stop"),
+    ],
+)
+def test_an_option_that_means_nothing_is_refused(option: str, message: str) -> None:
+    with pytest.raises(ProgramError) as caught:
+        Program.compile(f"\n@Recursive(A, 20, {option}); {ONE} {ROBOT}m = 1;")
+    assert [(d.line, d.message) for d in caught.value.diagnostics] == [(2, message)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("rules", "found"),
+    [
+        (ONE, 1000),
+        ("A(0) distinct; A(n + 1) distinct :- A(n), n < 990;", 990),
+        ("E(n, n + 1) :- n in Range(200); A(0) distinct; A(y) distinct :- A(x), E(x, y);", 200),
+        ("E(n, 2 * n) :- n in Range(99); A(1) distinct; A(y) distinct :- A(x), E(x, y);", 128),
+    ],
+)
+def test_a_thousand_steps_over_small_tables_are_within_the_budget(rules: str, found: int) -> None:
+    text = f"@Recursive(A, 1000); {rules} {ROBOT}m == Max{{n :- A(n)}};"
+    (decision,) = think(text, [row("Ada")], {})
+    assert decision.memory == found
+
+
+def test_a_recursion_that_is_cut_off_says_so_at_its_line_and_what_to_do() -> None:
+    (decision,) = think(f"# far\n\n{ONE}\n{ROBOT}m == Max{{n :- A(n)}};", [row("Ada")], {})
+    (notice,) = decision.notices
+    assert notice.message == (
+        "Line 3: the recursion of A was still growing after 32 steps; later rows are missing. "
+        "Add a condition that ends it, or allow more steps with @Recursive(A, N)."
+    )
+
+
+def test_more_steps_than_there_may_be_are_a_warning() -> None:
+    program = Program.compile(f"@Recursive(A, 5000); {ONE} {ROBOT}m = 1;")
+    (warning,) = program.warnings
+    assert (warning.line, warning.severity) == (1, "warning")
+    assert "at most 1,000 steps" in warning.message
