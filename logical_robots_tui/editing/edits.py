@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from logical_robots_tui.world.level import COMPARED, Level
 from logical_robots_tui.world.walls import PackedBits, difference_box
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 

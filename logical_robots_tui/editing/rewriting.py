@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
@@ -34,10 +35,6 @@ from logical_robots_tui.world.levels.drawing import (
     find_drawing,
 )
 from logical_robots_tui.world.levels.native import read_native
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 _INSTEAD = {"angle": "heading", "heading": "angle"}
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from logical_robots_tui.editing.level_text import (
     record_of,
     words_of,
 )
+from logical_robots_tui.world import WorldState
+from logical_robots_tui.world.changing import Pose
 from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
@@ -34,12 +37,6 @@ from logical_robots_tui.world.levels.native import (
     read_words,
 )
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from logical_robots_tui.world import WorldState
-    from logical_robots_tui.world.changing import Pose
 
 
 def set_words(level: Level, **values: Any) -> Level:

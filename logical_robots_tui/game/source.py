@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.language.inference.names import Names, unknown_names
-from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.mind import Diagnostic, ProgramError
 from logical_robots_tui.paths import (
     ARENAS,
     did_you_mean,
@@ -29,7 +29,7 @@ from logical_robots_tui.paths import (
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from logical_robots_tui.mind import Diagnostic, Program, Report
+    from logical_robots_tui.mind import Program, Report
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.progress import Progress
     from logical_robots_tui.world import Level

@@ -6,6 +6,7 @@ import csv
 import html
 import io
 import json
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
@@ -15,8 +16,6 @@ from logical_robots_tui.lab.running import Result
 from logical_robots_tui.language.diagnostics import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
     from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 
 Row: TypeAlias = "tuple[Any, ...]"

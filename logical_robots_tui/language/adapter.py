@@ -7,24 +7,19 @@ back what the package's compiler takes, with the places that its messages need.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logica.parser_py import parse as parser
 from logica.type_inference.research import infer, reference_algebra
 
 from logical_robots_tui.language import error_messages, tree
+from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.package_patches import deep_copy
-from logical_robots_tui.language.source_text import statements, text_meant
-from logical_robots_tui.language.tree import Name, Span
+from logical_robots_tui.language.source_text import Prepared, statements, text_meant
+from logical_robots_tui.language.tree import Name, Span, Statement
 from logical_robots_tui.schema import VALUE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Statement
 
 Raw: TypeAlias = dict[str, Any]
 """A node of the package."""

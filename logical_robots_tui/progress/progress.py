@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+import sqlite3
+from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, State, Store, Version
-
-if TYPE_CHECKING:
-    import sqlite3
-    from collections.abc import Callable
-    from pathlib import Path
-
 
 FILE_NAME = "progress.sqlite"
 

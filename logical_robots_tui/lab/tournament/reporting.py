@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 from logical_robots_tui.lab.exporting import (
     Done,
@@ -13,13 +14,9 @@ from logical_robots_tui.lab.exporting import (
     harmless_text,
     shade,
 )
+from logical_robots_tui.lab.folder import Folder, Manifest
+from logical_robots_tui.lab.ledger import Ledger
 from logical_robots_tui.lab.tournament.ranking import Ranking, ranking_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from logical_robots_tui.lab.folder import Folder, Manifest
-    from logical_robots_tui.lab.ledger import Ledger
 
 _WIDEST = 30  # players of a matrix in a terminal
 _MOST_CYCLES = 20

@@ -5,15 +5,17 @@ The package keeps global state, so one process compiles one program at a time.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 from logica.compiler import dialects, functors, universe
+from sqlglot import exp
 
 from logical_robots_tui.language import error_messages, package_patches
-from logical_robots_tui.language.adapter import parse, to_package
+from logical_robots_tui.language.adapter import Raw, parse, to_package
 from logical_robots_tui.language.annotations import IGNORED
 from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.definitions import (
@@ -28,7 +30,14 @@ from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.functors import expand_functors
 from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.language.spelling import expand_rows, spell_out
-from logical_robots_tui.language.tree import Annotation, Functor, Rule, text_of, variables
+from logical_robots_tui.language.tree import (
+    Annotation,
+    Functor,
+    Rule,
+    Statement,
+    text_of,
+    variables,
+)
 from logical_robots_tui.language.web import web_remarks
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
@@ -45,12 +54,6 @@ from logical_robots_tui.mind.typed import as_on_duckdb
 from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from sqlglot import exp
-
-    from logical_robots_tui.language.adapter import Raw
-    from logical_robots_tui.language.tree import Statement
     from logical_robots_tui.mind.compilation import Report
 
 _DEEPEST_RECURSION = 200

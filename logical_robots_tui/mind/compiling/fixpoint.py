@@ -19,8 +19,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sqlglot import exp
 
@@ -34,16 +35,12 @@ from logical_robots_tui.language.tree import (
     Number,
     PredicateName,
     Rule,
+    Statement,
     text_of,
     walk,
 )
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.tree import Statement
 
 DEPTH = 32  # as on DuckDB; the package's SQLite default is 8
 

@@ -23,21 +23,21 @@ from functools import partial
 from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
+from sqlglot import exp
+
 from logical_robots_tui.language.definitions import MAIN, with_constants
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
 from logical_robots_tui.mind.failures import in_plain_words
+from logical_robots_tui.mind.program import Program, Question, Tuned
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
 from logical_robots_tui.processes.helper import begin, collect_seldom, limit
 
 if TYPE_CHECKING:
-    from sqlglot import exp
-
     from logical_robots_tui.mind.compilation import Report
-    from logical_robots_tui.mind.program import Program, Question, Tuned
 
 _MOST_DIAGNOSTICS = 100
 _LONGEST_MESSAGE = 1_000

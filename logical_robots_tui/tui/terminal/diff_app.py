@@ -12,13 +12,18 @@ import asyncio
 import os
 import signal
 from collections import deque
+from collections.abc import Iterator, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 from rich.console import COLOR_SYSTEMS, RenderableType
+from rich.segment import Segment
 from textual import events
 from textual._compositor import ChopsUpdate, CompositorUpdate, LayoutUpdate
 from textual.driver import Driver
+from textual.geometry import Region
+from textual.screen import Screen
+from textual.widget import Widget
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import PAPER, Cells
 from logical_robots_tui.tui.terminal.cell_diff import Cell, Difference
@@ -26,13 +31,6 @@ from logical_robots_tui.tui.terminal.crash_report import CrashSafeApp
 from logical_robots_tui.tui.terminal.driver import ListeningDriver
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from rich.segment import Segment
-    from textual.geometry import Region
-    from textual.screen import Screen
-    from textual.widget import Widget
-
     from logical_robots_tui.clock import Clock
 
 ASK = "\x1b[6n"
