@@ -134,7 +134,8 @@ def test_the_words_of_logica_are_told_apart() -> None:
         ('a """;', '"""', ""),
         ("# /* no", "", ""),
         ('"/*" a', "", ""),
-        ('"a\\"/*" a', "", ""),
+        ('"a\\"/*" a', "", "/*"),  # a backslash in double quotes is one
+        ("'a\\'/*' a", "", ""),
         ("", "/*", "/*"),
     ],
 )
