@@ -63,7 +63,7 @@ class Asking:
         # All at once: the caller may query something else in between.
         answers = self._quick_answers(self._program.tuned.get(predicate), moment, within)
         for view, answer in zip(moment.views, answers, strict=False):
-            yield view, self._with_truths(predicate, answer)
+            yield view, _with_truths(self._program.truths.get(predicate), answer)
         for view in moment.views[len(answers) :]:
             try:
                 yield view, self.rows(predicate, moment, view, within)
@@ -76,9 +76,11 @@ class Asking:
         """Yield each view's rows, truncated to the limits; raise FailureError."""
         tuned = question.tuned
         answers = self._quick_answers(tuned, moment, within, in_order=in_order)
-        yield from zip(moment.views, answers, strict=False)
+        for view, answer in zip(moment.views, answers, strict=False):
+            yield view, _with_truths(question.truths, answer)
         for view in moment.views[len(answers) :]:
-            yield view, self._ask(tuned, question.sql, moment, view, within)
+            answer = self._ask(tuned, question.sql, moment, view, within)
+            yield view, _with_truths(question.truths, answer)
 
     def rows(self, predicate: str, moment: Moment, view: View, within: Within) -> Answer:
         """Return a predicate's rows for one view; raise FailureError, also for too many."""
@@ -88,7 +90,7 @@ class Asking:
         columns, rows = self._ask(tuned, sql, moment, view, within)
         if len(rows) > within.rows and not within.cut:
             raise FailureError(f"{predicate} has more than {within.rows:,} rows")
-        return self._with_truths(predicate, (columns, rows))
+        return _with_truths(self._program.truths.get(predicate), (columns, rows))
 
     def plan(
         self, predicate: str, moment: Moment, view: View, within: Within
@@ -138,21 +140,6 @@ class Asking:
             return columns, self._read_all(rows, within)
 
     # -- inside --------------------------------------------------------------------------------
-
-    def _with_truths(self, predicate: str, answer: Answer) -> Answer:
-        """Return an answer with true and false in boolean columns, where SQLite has 1 and 0."""
-        names = self._program.truths.get(predicate)
-        if not names:
-            return answer
-        columns, rows = answer
-        is_truth = [column in names for column in columns]
-        return columns, [
-            tuple(
-                bool(value) if truth and value is not None else value
-                for value, truth in zip(row, is_truth, strict=True)
-            )
-            for row in rows
-        ]
 
     def _ask(
         self, tuned: Tuned | None, sql: str, moment: Moment, view: View, within: Within
@@ -288,3 +275,18 @@ def _places(
     given = [field for _, fields in result for field in fields or ("",)]
     truths = [place for place, field in enumerate(given) if field.endswith(TRUTH_MARK)]
     return tuple(name for name, _ in result), places, truths
+
+
+def _with_truths(names: Sequence[str] | None, answer: Answer) -> Answer:
+    """Return an answer with true and false in boolean columns, where SQLite has 1 and 0."""
+    if not names:
+        return answer
+    columns, rows = answer
+    is_truth = [column in names for column in columns]
+    return columns, [
+        tuple(
+            bool(value) if truth and value is not None else value
+            for value, truth in zip(row, is_truth, strict=True)
+        )
+        for row in rows
+    ]

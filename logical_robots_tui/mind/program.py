@@ -47,12 +47,13 @@ class Question:
     """A compiled question about a program.
 
     It gives the ``rows`` of a predicate or of conditions, the ``value`` of an expression, or
-    the ``truth`` of conditions without variables.
+    the ``truth`` of conditions without variables. `truths` names its boolean columns.
     """
 
     text: str
     sql: str
     gives: Literal["rows", "value", "truth"] = "rows"
+    truths: tuple[str, ...] = ()
     tuned: Tuned | None = None
 
 

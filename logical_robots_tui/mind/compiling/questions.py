@@ -77,8 +77,8 @@ def compile_question(text: str, query: str) -> Question:
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        sql = _compile(whole, asked, is_bare=not query)
-        return Question(query or bare, sql, gives)
+        sql, truths = _compile(whole, asked, is_bare=not query)
+        return Question(query or bare, sql, gives, truths)
     except ProgramError as error:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
@@ -88,7 +88,8 @@ def _names() -> Iterator[str]:
     yield from (f"Asked{number}" for number in itertools.count(2))
 
 
-def _compile(whole: str, asked: str, *, is_bare: bool) -> str:
+def _compile(whole: str, asked: str, *, is_bare: bool) -> tuple[str, tuple[str, ...]]:
+    """Return a predicate's SQL and its boolean columns."""
     source = prepare(whole)
     parsed = parse(source)
     found = tuple(d for d in check(parsed, whole, runs).problems if d.severity == "error")
@@ -96,7 +97,8 @@ def _compile(whole: str, asked: str, *, is_bare: bool) -> str:
         raise ProgramError(found)
     try:
         rest = without_visibility(parsed.statements, whole)
-        sql = compile_statements(rest, source).FormattedPredicateSql(asked)
+        compiled = compile_statements(rest, source)
+        sql = compiled.FormattedPredicateSql(asked)
     except error_messages.COMPLAINTS as error:
         if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
@@ -104,7 +106,7 @@ def _compile(whole: str, asked: str, *, is_bare: bool) -> str:
                 (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
         raise ProgramError((error_messages.explain(error, source),)) from None
-    return sql
+    return sql, compiled.truths.get(asked, ())
 
 
 def _place(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
