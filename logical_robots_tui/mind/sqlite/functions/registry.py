@@ -233,7 +233,8 @@ def _searching(items: Any, wanted: Any) -> int:
 
 def _matching(text: Any, pattern: Any) -> int:
     """Return the cost of a regular expression, whose states are tried at each character."""
-    return len(text) * len(pattern) // 20 if isinstance(text, str) else 0
+    is_asked = isinstance(text, str) and isinstance(pattern, str)
+    return len(text) * len(pattern) // 20 if is_asked else 0
 
 
 _EXTRA: dict[str, Callable[..., int]] = {
