@@ -19,9 +19,11 @@ from logical_robots_tui.language.inference.functions import (
     ARITHMETIC,
     COMPARISONS,
     FUNCTIONS,
+    LONGEST,
+    is_numeral,
+    repair,
     result_of,
 )
-from logical_robots_tui.language.inference.hints import LONGEST, is_numeral, repair
 from logical_robots_tui.language.inference.names import (
     OBJECT,
     ROBOT_NAME,

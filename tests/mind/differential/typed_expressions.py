@@ -160,8 +160,9 @@ def _truths(_: Any, depth: int) -> list[Text]:
         truth.map(lambda found: f"(!{found})"),
         infix("<", number, number),
         infix("<", text, text),
-        infix("in", text, values(["Str"], depth)),
-        infix("in", number, values(["Num"], depth)),
+        # In a list that is null is nothing here, as docs/dialect.md says.
+        infix("in", text, call("Coalesce", values(["Str"], depth), st.just('["-"]'))),
+        infix("in", number, call("Coalesce", values(["Num"], depth), st.just("[0.5]"))),
         same_kind,
         call("StartsWith", text, text),
         kinds.flatmap(lambda kind: values(kind, depth)).map(lambda found: f"({found} is null)"),
