@@ -284,10 +284,17 @@ def _total(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
 def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kind:
     """Replace an example by its type if that is known; otherwise SQLite examines the value."""
     wanted = _as_cast(kinds[1])
+    spell_truth(made.expressions[0], kinds[0], wanted)
     if is_known(wanted):
         made.set("this", "try_cast")
         made.set("expressions", [made.expressions[0], exp.Literal.string(spell(wanted))])
     return wanted
+
+
+def spell_truth(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
+    """Let a Boolean that becomes a text be ``true`` or ``false``."""
+    if kind is Plain.TRUTH and wanted is Plain.TEXT:
+        value.replace(call("truth_to_text", value.copy()))
 
 
 def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:

@@ -340,6 +340,7 @@ class Reader:
             wanted = parse_spelling(arguments[1].name)
             if wanted is Plain.WHOLE and isinstance(kinds[0], Decimal):
                 arguments[0].replace(changes.call("ROUND", arguments[0].copy()))
+            changes.spell_truth(arguments[0], kinds[0], wanted)
             return wanted
         found = result_of(name, kinds)
         return changes.change_call(call, name, kinds, found)
