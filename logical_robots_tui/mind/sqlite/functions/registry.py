@@ -80,10 +80,11 @@ def _unique(items: Scalar) -> str:
     return to_json(in_order({to_json(i): i for i in list_in(items)}.values()))
 
 
-def _join(items: Scalar, separator: str) -> str:
-    texts = [_text(i) for i in list_in(items) if i is not None]
+def _join(items: Scalar, separator: str) -> str | None:
+    listed = list_in(items)
+    texts = [_text(item) for item in listed if item is not None]
     check_text(len(separator) * len(texts))
-    return separator.join(texts)
+    return separator.join(texts) if texts or not listed else None
 
 
 def _text(value: Any) -> str:
