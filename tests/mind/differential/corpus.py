@@ -45,6 +45,7 @@ DIFFERENCES: list[tuple[str, object, object]] = [
     ('Format("%s", 1.5)', "1.5", "InvalidInputException"),
     ('Lpad("a", 3)', "  a", "BinderException"),
     ('Repeat("ab", 1.5)', "ab", "BinderException"),
+    ('TryCast(ToString(["1e3"]), [""])', ["1000.0"], ["1e3"]),
     ("Sort([3, 1, 2])", [1, 2, 3], "CatalogException"),
     ("Size([])", 0, "RuleCompileException"),
     ("100000000000 * 100000000000", 1e22, "OutOfRangeException"),

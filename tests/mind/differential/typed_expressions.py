@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 Text = st.SearchStrategy[str]
 
-SAID = ["a", "", "it's", "a, b", "NULL", "null", "1", "-2.5", "true", " x ", "Zoë", "no", "1e3"]
+SAID = ["a", "", "it's", "a, b", "NULL", "null", "1", "-2.5", "true", " x ", "Zoë", "no"]
 SPELLED = [
+    "1e3",
     "{'a': 1}",
     "{'a': x, 'b': 'it\\'s'}",
     "[a, 'b c', NULL]",
