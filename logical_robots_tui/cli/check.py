@@ -88,12 +88,7 @@ def diagnostics(
         program = Program.compile(text)
     except ProgramError as error:
         return error.diagnostics
-    found = program.warnings if level is None else warnings_in(program, level)
-    return tuple(sorted((*found, *(program.web if web else ())), key=_place))
-
-
-def _place(found: Diagnostic) -> tuple[int, int]:
-    return found.line, found.column
+    return warnings_in(program, level, web=web)
 
 
 def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:

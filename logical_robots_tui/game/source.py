@@ -319,14 +319,21 @@ async def compile_program(text: str | Texts, report: Report | None = None) -> Pr
     return await _in_thread(work)
 
 
-def warnings_in(program: Program, level: Level) -> tuple[Diagnostic, ...]:
-    """Return a program's warnings, and those about names that a level does not have."""
-    solid = (area.name for area in level.areas if area.impenetrable)
-    names = Names(
-        frozenset(robot.name for robot in level.robots),
-        frozenset([*(beacon.name for beacon in level.beacons), *solid]),
-    )
-    found = [*program.warnings, *unknown_names(program.mentions, names)]
+def warnings_in(
+    program: Program, level: Level | None, *, web: bool = False
+) -> tuple[Diagnostic, ...]:
+    """Return a program's warnings in text order.
+
+    With a level also those about names that it does not have; perhaps those for the web platform.
+    """
+    found = [*program.warnings, *(program.web if web else ())]
+    if level is not None:
+        solid = (area.name for area in level.areas if area.impenetrable)
+        names = Names(
+            frozenset(robot.name for robot in level.robots),
+            frozenset([*(beacon.name for beacon in level.beacons), *solid]),
+        )
+        found += unknown_names(program.mentions, names)
     return tuple(sorted(found, key=lambda each: (each.line, each.column)))
 
 

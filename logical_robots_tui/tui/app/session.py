@@ -310,8 +310,7 @@ class Session:
 
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
-        remarks = program.web if is_web_file(self.opened.source) else ()
-        warnings = (*warnings_in(program, self.level), *remarks)
+        warnings = warnings_in(program, self.level, web=is_web_file(self.opened.source))
         self.state = ProgramState.of_applied(program.text, warnings)
         return program
 
