@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.definitions import definitions, reach
 from logical_robots_tui.language.tree import (
-    REST,
     Aggregate,
     Aggregation,
     Annotation,
@@ -20,8 +19,8 @@ from logical_robots_tui.language.tree import (
     Rule,
     Variable,
     arguments,
+    has_rows,
     rebuild,
-    walk,
 )
 from logical_robots_tui.schema import VALUE
 
@@ -83,8 +82,7 @@ def expand_functors(program: list[Statement]) -> list[Statement]:
     expanded = expand(program)
     made = {**expanded.bases, **{copy: first for copy, (first, _) in expanded.origins.items()}}
     recursive = {name for name in expanded.rules if name in expanded.reach(name)}
-    rows = any(isinstance(node, Argument) and node.field == REST for node in walk(program))
-    if not rows and not recursive & {*made, *made.values()}:
+    if not has_rows(program) and not recursive & {*made, *made.values()}:
         return program
     copies = [
         rename(annotation, {original: name})

@@ -37,6 +37,7 @@ from logical_robots_tui.language.tree import (
     Text,
     Variable,
     arguments,
+    has_rows,
     rebuild,
     variable_of,
     variables,
@@ -170,7 +171,7 @@ _ROUNDS = 10  # how far columns are traced from predicate to predicate
 
 def expand_rows(program: list[Statement]) -> list[Statement]:
     """Expand whole rows, where their columns are known."""
-    if not any(isinstance(node, Argument) and node.field == REST for node in walk(program)):
+    if not has_rows(program):
         return program
     columns = _columns(program)
     return [_Rows(each, columns).rule() if isinstance(each, Rule) else each for each in program]

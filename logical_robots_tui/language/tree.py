@@ -414,6 +414,11 @@ def substitute(node: N, given: Mapping[str, Expression]) -> N:
     return change(node) if given else node  # type: ignore[return-value]  # a kind for its kind
 
 
+def has_rows(tree: Tree) -> bool:
+    """Return whether a tree passes on a whole row, ``..r``."""
+    return any(isinstance(node, Argument) and node.field == REST for node in walk(tree))
+
+
 def operands(arguments: Iterable[Argument]) -> tuple[Expression, ...]:
     """Return the values of arguments that are not aggregated."""
     return tuple(e for each in arguments if (e := each.expression) is not None)
