@@ -142,6 +142,7 @@ class Timeline(Widget, can_focus=True):
         self._robot: str | None = None
         self._line = Content("")
         self._is_dragged = False
+        self._pointed: int | None = None
 
     def show(self, session: Session, robot: str | None) -> None:
         """Show a session's history; None marks all robots' memory changes."""
@@ -217,6 +218,7 @@ class Timeline(Widget, can_focus=True):
         event.stop()
         if event.button == 1 and 1 <= event.x <= self._width:
             self._is_dragged = True
+            self._pointed = None
             self.capture_mouse()
             self._point(event.x)
 
@@ -234,5 +236,6 @@ class Timeline(Widget, can_focus=True):
         tick, end = scale.ticks(x - 1)
         if tick <= self._span.last <= end:
             tick = self._span.last
-        if tick != self._span.tick:
+        if tick != self._pointed:  # what is shown may be older than the last move
+            self._pointed = tick
             self.post_message(self.Pointed(tick))

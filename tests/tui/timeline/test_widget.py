@@ -155,6 +155,19 @@ async def test_a_click_and_a_drag_on_the_timeline_go_to_ticks(data_dir: Path, sh
         assert game.tick == 30
 
 
+async def test_a_drag_there_and_back_counts_before_it_is_drawn(
+    data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with playing(data_dir, short) as game:
+        await run_to(game, 30)
+        await game.until(lambda: "tick 30 of 0-30" in line(game))
+        monkeypatch.setattr(Timeline, "show", lambda *_: None)
+        await game.pilot.mouse_down(Timeline, offset=(6, 0))
+        await game.until(lambda: game.tick == 5)
+        await game.pilot.hover(Timeline, offset=(31, 0))
+        await game.until(lambda: game.tick == 30)
+
+
 async def test_the_timeline_is_driven_with_keys(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         await run_to(game, 30)
