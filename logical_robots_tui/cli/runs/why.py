@@ -93,7 +93,7 @@ def start(options: argparse.Namespace) -> int:
 async def _explain(
     level: Level, program: Program, options: argparse.Namespace
 ) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
-    """Return the explanation, the nodes to show, whether they are complete, and suggestions."""
+    """Return the explanation, the nodes, whether the depth suffices, and suggestions."""
     from logical_robots_tui.explain import Ask
     from logical_robots_tui.game import Inquiry
 
@@ -109,7 +109,7 @@ async def _explain(
                 nearest = await inquiry.nearest(program, robot, frame, asked.predicate)
             return explanation, explanation.nodes, True, nearest
         proof = await inquiry.proof(program, robot, frame, asked, depth=options.depth)
-        return proof.explanation, proof.nodes, proof.complete, []
+        return proof.explanation, proof.nodes, not proof.is_cut, []
     finally:
         await inquiry.close()
 

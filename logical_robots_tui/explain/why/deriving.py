@@ -12,6 +12,7 @@ from logical_robots_tui.explain.why.probing import (
     Body,
     Call,
     Clause,
+    Span,
     Step,
     Term,
 )
@@ -40,14 +41,7 @@ class Telling:
     def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
         """Return the nodes of a derivation, up to but excluding the step `until`."""
         nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
-        for span in reversed(clause.taken if until is None else ()):
-            inside = [n for n in nodes if n.span is not None and span.holds(n.span)]
-            if inside:
-                first = nodes.index(inside[0])
-                nodes = [node for node in nodes if node not in inside]
-                chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
-                nodes.insert(first, replace(chosen, children=tuple(inside)))
-        return tuple(nodes)
+        return tuple(grouped(nodes, clause.taken if until is None else ()))
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
         return tuple(
@@ -224,6 +218,19 @@ class Telling:
         span = collected.term.span if collected.term is not None else None
         text = span.text if span is not None else collected.operator
         return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
+
+
+def grouped(nodes: Sequence[Node], taken: Sequence[Span]) -> list[Node]:
+    """Put the nodes of each alternative that holds under a node of its own."""
+    found = [*nodes]
+    for span in reversed(taken):
+        inside = [n for n in found if n.span is not None and span.holds(n.span)]
+        if inside:
+            first = found.index(inside[0])
+            found = [node for node in found if node not in inside]
+            chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
+            found.insert(first, replace(chosen, children=tuple(inside)))
+    return found
 
 
 def winner(
