@@ -72,7 +72,7 @@ class Nearest:
         given = probing.arguments(arguments)
         try:
             self._derivations.prepare(probing)
-            return Refuting(self._relations, probing, given, wanted).stop(rule)
+            return Refuting(self._derivations, probing, given, wanted).stop(rule)
         except FailureError:
             return None
 

@@ -67,7 +67,7 @@ class _Proving:
         self._given, self._rows, self._row = given, rows, row
         self._arguments = probing.arguments(given)
         wanted = {c: v for c, v in given.items() if c not in probing.given}
-        self._refuting = Refuting(derivations.relations, probing, self._arguments, wanted)
+        self._refuting = Refuting(derivations, probing, self._arguments, wanted)
         self._telling = self._refuting.telling
 
     def rule(self, rule: RuleParts) -> RuleFound:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from logical_robots_tui.explain.why.derivations import Derivations
 from logical_robots_tui.explain.why.deriving import (
     Telling,
     ask_of,
@@ -29,7 +30,7 @@ from logical_robots_tui.explain.why.probing import (
 from logical_robots_tui.explain.why.spelling import spell_call
 from logical_robots_tui.language.diagnostics import distance
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import Relations, Way, same
+from logical_robots_tui.mind.relations import Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.schema import INPUTS
@@ -64,18 +65,18 @@ class Refuting:
 
     def __init__(
         self,
-        relations: Relations,
+        derivations: Derivations,
         probing: Probing,
         given: Sequence[Scalar],
         wanted: Mapping[str, Value],
     ) -> None:
-        self._relations, self._probing, self._queries = relations, probing, probing.queries
-        self._given, self._wanted = given, wanted
+        self._relations, self._given, self._wanted = derivations.relations, given, wanted
+        self._probing, self._queries = probing, probing.queries
 
         def refuted(clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
-            return Refuting(relations, probing, given, {}).of(clauses)
+            return Refuting(derivations, probing, given, {}).of(clauses)
 
-        self.telling = Telling(relations, probing.queries, refuted)
+        self.telling = Telling(self._relations, probing.queries, refuted, derivations.robot)
 
     def rule(self, rule: RuleParts) -> tuple[bool, Node | None, tuple[Node, ...]]:
         """Return whether it is about something else, the stopping node, and all nodes."""
