@@ -133,12 +133,10 @@ def _lines(
 
 def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
     for rule in dict.fromkeys(line for line, _ in found):
-        yield from ("", f"Each of these would give the rule in line {rule} a row:")
-        for line, each in found:
-            if line == rule:
-                change = f"write {each.change}" if each.change else "leave it out"
-                yield harmless(f"  {each.text}")
-                yield harmless(f"    line {each.span.line}, {each.span.text}: {change}")
+        sentences = [each.text for line, each in found if line == rule]
+        what = "This change" if len(sentences) == 1 else "Each of these changes"
+        yield from ("", f"{what} would give the rule in line {rule} a row:")
+        yield from (harmless(f"  {sentence}") for sentence in sentences)
 
 
 def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
