@@ -109,7 +109,7 @@ CASES = {
     "a denial that is missing": Case(
         "Seen(robot_name:) :- Sensor(robot_name:), 1 == 2;\n"
         "Near(robot_name:) :- Sensor(robot_name:), Seen(robot_name:);",
-        "Put `~` before `Seen(robot_name:)` in line 2: it has no rows.",
+        "Put `~` before `Seen(robot_name:)` in line 2: there is no such row.",
         "~",
     ),
     "one of two operands": Case(

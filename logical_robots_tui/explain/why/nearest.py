@@ -17,7 +17,7 @@ from logical_robots_tui.language.diagnostics import ProgramError, QueryError, cl
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.relations import Way
-from logical_robots_tui.schema import VALUE
+from logical_robots_tui.schema import INPUTS, VALUE
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import join_names
 
@@ -108,7 +108,7 @@ class Nearest:
         if step.kind == "denial" and span.text.startswith("~"):
             sign = Span(span.start, span.start + 1, span.line, "~")
             yield 5.0, _removal(sign, f"`{span.text[1:].strip()}` has rows")
-        elif step.kind == "call" and call is not None:
+        elif step.kind == "call" and call is not None and call.predicate not in INPUTS:
             yield from self._of_call(call, span, binds=bool(step.gives))
         elif step.kind in ("condition", "value"):
             yield from self._of_condition(span, step.terms, stop.ways)
@@ -256,7 +256,7 @@ class Nearest:
                 yield 4.0, _removal(self._span(start, stop), reason)
         if not binds:
             before = replace(span, stop=span.start)
-            said = f"Put `~` before `{span.text}` in line {span.line}: it has no rows."
+            said = f"Put `~` before `{span.text}` in line {span.line}: there is no such row."
             known = self._program.predicate(name)
             is_function = known is not None and known.is_function
             yield _LAST_RESORT if is_function else 4.5, Suggestion(said, before, "~")

@@ -227,6 +227,14 @@ class Probing:
         return [to_sql(given.get(column)) for column in self.given]
 
 
+@dataclass(frozen=True, slots=True)
+class Called:
+    """A predicate with values as a player wrote it; `given` holds those, by column, as JSON."""
+
+    predicate: str
+    given: str
+
+
 def decompose(
     program: Program,
     predicate: str,
