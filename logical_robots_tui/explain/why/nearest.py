@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +16,7 @@ from logical_robots_tui.language.diagnostics import ProgramError, QueryError, cl
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.relations import Way
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.derivations import Derivations
@@ -138,9 +137,9 @@ class Nearest:
         if left.kind == "literal":
             left, right = right, left
         for value in _examples(left, ways):
-            new = _spell(value)
+            new = spell(value)
             for other in _examples(right, ways):
-                was = _spell(other)
+                was = spell(other)
                 size = _unlikeness(other, value)
                 if not isinstance(other, str) or right.kind != "literal":
                     said = f"{left.span.text} is {new}, and {right.span.text} is {was}."
@@ -208,11 +207,11 @@ class Nearest:
             there = self._known(predicate, name)
             if value.startswith('"') and value.endswith('"'):
                 for other in there:
-                    new = _spell(other)
+                    new = spell(other)
                     said = f"{predicate} has {name} {new}, not {value}."
                     size = _unlikeness(value[1:-1], other)
                     yield size, Suggestion(said, argument, f"{name}: {new}")
-            listed = ", ".join(map(_spell, there[:3]))
+            listed = ", ".join(map(spell, there[:3]))
             has = f" It has {listed}." if listed else ""
             said = f"`{span.text}` fails in the column {name} alone.{has}"
             yield 4.0, Suggestion(said, argument, "")
@@ -251,10 +250,6 @@ class Nearest:
     def _span(self, start: int, stop: int) -> Span:
         text = self._program.text
         return Span(start, stop, text.count("\n", 0, start) + 1, text[start:stop].strip())
-
-
-def _spell(value: Value) -> str:
-    return json.dumps(value, ensure_ascii=False)
 
 
 def _examples(term: Term, ways: Sequence[Way]) -> list[Value]:
