@@ -23,7 +23,7 @@ def main() -> None:
     """Serve requests until standard input ends."""
     text = SAMPLES[0]
     samples = (
-        {"text": text, "predicate": "Robot", "within": "", "with_rows": ["Robot"]},
+        {"text": text, "predicate": "Robot", "within": "", "kinds": {"Robot": {}}},
         {"text": text, "checkup": []},
     )
     serve(JOBS, samples)
@@ -36,7 +36,7 @@ def _decompose(request: dict[str, Any]) -> dict[str, object]:
             request["text"],
             request["predicate"],
             request["within"],
-            request["with_rows"],
+            request["kinds"],
             partial(is_prepared_soon, database),
             partial(database.define, rows=()),
         )
