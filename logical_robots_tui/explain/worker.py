@@ -24,7 +24,7 @@ def main() -> None:
     """Serve requests until standard input ends."""
     text = SAMPLES[0]
     samples = (
-        {"text": text, "predicate": "Robot", "within": "", "with_rows": ["Robot"]},
+        {"text": text, "predicate": "Robot", "within": "", "kinds": {"Robot": {}}},
         {"text": text, "checkup": []},
     )
     serve(JOBS, samples)
@@ -37,7 +37,7 @@ def _decompose(request: dict[str, Any]) -> dict[str, object]:
             request["text"],
             request["predicate"],
             request["within"],
-            request["with_rows"],
+            request["kinds"],
             partial(is_prepared_soon, database),
             partial(database.define, rows=()),
         )

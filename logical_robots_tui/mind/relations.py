@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.language.diagnostics import Stopped
@@ -31,6 +31,7 @@ Way = dict[str, "Scalar"]
 """A derivation: a row of a clause's query, as SQLite has it, by the names of the columns."""
 
 _CLOSE = 1e-12
+_KEYS_AT_ONCE = 400
 
 
 def with_given(sql: str, number: int) -> str:
@@ -52,6 +53,11 @@ class Relations:
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
         self._cut_off: list[tuple[str, int]] | None = None
+        self._kinds: dict[str, Mapping[str, str]] = {}
+
+    def learn(self, kinds: Mapping[str, Mapping[str, str]]) -> None:
+        """Take notice which columns of queries are ``truth`` or ``nested``, by SQL."""
+        self._kinds |= kinds
 
     def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
         """Return a predicate's rows, by default with the program's query; raise FailureError."""
@@ -123,7 +129,31 @@ class Relations:
         query, parameters = _limited(sql, given, alike, what, most, compared)
         columns, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
-        return [dict(zip(columns, row, strict=True)) for row in rows]
+        ways: list[Way] = [dict(zip(columns, row, strict=True)) for row in rows]
+        for column in self._of_kind("truth", sql) & {*columns}:
+            for way in ways:
+                way[column] = None if way[column] is None else bool(way[column])
+        return ways
+
+    def chosen(
+        self, aggregate: str, columns: Iterable[tuple[str, str]], keys: Sequence[Scalar]
+    ) -> int | None:
+        """Return the place of the key that ``arg_min`` or ``arg_max`` chooses, None if none.
+
+        The keys are from some `columns`, each with its query. Raises FailureError.
+        """
+        if any(column in self._of_kind("nested", sql) for sql, column in columns):
+            aggregate += "_of_nested"
+        best: int | None = None
+        for start in range(0, len(keys), _KEYS_AT_ONCE):
+            places = [*([] if best is None else [best]), *range(len(keys))[start:][:_KEYS_AT_ONCE]]
+            pairs = ", ".join(f"({place}, ?)" for place in places)
+            sql = f"SELECT {aggregate}(column1, column2) FROM (VALUES {pairs})"  # noqa: S608 - ours
+            _, ((best,),) = self._ask(sql, [keys[place] for place in places])
+        return best
+
+    def _of_kind(self, kind: str, sql: str) -> set[str]:
+        return {column for column, of in self._kinds.get(sql, {}).items() if of == kind}
 
     def count(
         self,

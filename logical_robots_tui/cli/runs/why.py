@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import json
 import shlex
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import Commands, cut, harmless, line_within, number_from
+from logical_robots_tui.cli.command import Commands, cut, harmless, number_from
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
+from logical_robots_tui.values import read_value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask, Explanation, Node
@@ -182,7 +182,7 @@ def _line(depth: int, node: Node, wide: int) -> str:
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
     said = f"  ({node.said})" if node.said else ""
     shown = node.values[:_MOST_VALUES]
-    values = [(_truth(value) if node.is_truth else line_within(value)) for value in shown]
+    values = [(_truth(value) if node.is_truth else spell(value)) for value in shown]
     if more := len(node.values) - len(shown) + node.more:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
@@ -249,6 +249,6 @@ def _column_value(text: str) -> tuple[str, Any]:
     if not sign or not column:
         raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")
     try:
-        return column, json.loads(value)
+        return column, read_value(value)
     except ValueError:
         return column, value

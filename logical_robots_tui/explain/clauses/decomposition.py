@@ -6,8 +6,9 @@ explanation refers to exactly these rows.
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
 
 from logical_robots_tui.explain.clauses.bodies import (
     Names,
@@ -38,7 +39,8 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
+from logical_robots_tui.language.types import Kind, Plain, Tables, is_nested, load_kind
+from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
 from logical_robots_tui.mind.relations import GIVEN, with_given
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -50,18 +52,19 @@ def decompose(
     text: str,
     predicate: str,
     within: str,
-    with_rows: Collection[str],
+    kinds: Mapping[str, Mapping[str, str]],
     is_quick: Callable[[str, int], bool],
     define: Callable[[str, tuple[str, ...]], None],
 ) -> Probing:
     """Decompose a predicate's rules.
 
     `within` is the predicate made with ``:=`` whose copy of the rules to use, or "".
+    `kinds` has the predicates with rows, each with the types of its columns.
     """
     source, program = read_program(text)
     expanded = expand(program)
     name = expanded.name_of(predicate, within)
-    functions = _functions(expanded, with_rows)
+    functions = _functions(expanded, kinds)
     circle = _circle(name, expanded)
     tables = {
         each: f"{LOWER if each in circle else ROWS}{each}"
@@ -78,8 +81,14 @@ def decompose(
     read = {each: tables[each] for each in _read(name, expanded, functions) if each in tables}
     for each, table in read.items():
         define(table, _columns(expanded.rules[each]))
-    compiled = _compile(builder.probes, expanded, functions, tables, source)
-
+    copies, of_copies = _sources({*read, *(() if given else (name,))} - {*kinds}, expanded, source)
+    known = {
+        table: of_copies.get(each) or {c: load_kind(json.loads(k)) for c, k in kinds[each].items()}
+        for each, table in read.items()
+        if each in of_copies or each in kinds
+    }
+    compiled, of_queries = _compile(builder.probes, expanded, functions, tables, source, known)
+    quick = {probe: sql for probe, sql in compiled.items() if is_quick(*_final_form(sql))}
     return Probing(
         predicate,
         within,
@@ -89,12 +98,13 @@ def decompose(
         given,
         any(rule.is_distinct for rule in rules),
         parts,
-        {probe: sql for probe, sql in compiled.items() if is_quick(*_final_form(sql))},
+        quick,
         _ALL if given else "",
         read,
-        _sources({*read, *(() if given else (name,))} - {*with_rows}, expanded, source),
+        copies,
         {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
         _is_founded(circle, expanded, functions),
+        {probe: _told_apart(of_queries[probe]) for probe in quick if of_queries[probe]},
     )
 
 
@@ -148,7 +158,7 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
 # -- which are functions -------------------------------------------------------------------------
 
 
-def _functions(expanded: Expanded, with_rows: Collection[str]) -> dict[str, tuple[str, ...]]:
+def _functions(expanded: Expanded, with_rows: Container[str]) -> dict[str, tuple[str, ...]]:
     found: dict[str, tuple[str, ...]] = {}
     named = {*expanded.rules} - {*expanded.origins}
     grew = True
@@ -228,17 +238,27 @@ def _compile(
     functions: Mapping[str, Collection[str]],
     tables: Mapping[str, str],
     source: Prepared,
-) -> dict[str, str]:
+    known: Tables,
+) -> tuple[dict[str, str], Tables]:
     own = [rule for name in functions for rule in expanded.rules[name]]
     flags = [each for each in expanded.annotations if each.name == "@DefineFlag"]
     wanted: list[Statement] = [*own, *flags, *probes.values()]
     renamed = [rename(each, tables) for each in wanted]
-    return statements_of([*probes], renamed, source)
+    compiled = compile_statements(renamed, source, known)
+    return compiled.statements(probes), compiled.kinds
 
 
-def _sources(wanted: Collection[str], expanded: Expanded, source: Prepared) -> dict[str, str]:
+def _told_apart(kinds: Mapping[str, Kind]) -> dict[str, str]:
+    found = {c: "truth" if k is Plain.TRUTH else "nested" * is_nested(k) for c, k in kinds.items()}
+    return {column: kind for column, kind in found.items() if kind}
+
+
+def _sources(
+    wanted: Collection[str], expanded: Expanded, source: Prepared
+) -> tuple[dict[str, str], Tables]:
     copies = sorted(name for name in wanted if name in expanded.rules and name not in INPUTS)
     if not copies:
-        return {}
+        return {}, {}
     rules = [rule for own in expanded.rules.values() for rule in own]
-    return statements_of(copies, [*expanded.annotations, *rules], source)
+    compiled = compile_statements([*expanded.annotations, *rules], source)
+    return compiled.statements(copies), compiled.kinds

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -16,11 +17,11 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
-from logical_robots_tui.mind.relations import Relations, Way, alike
+from logical_robots_tui.mind.relations import Relations, Way, alike, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS, VALUE
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
@@ -151,10 +152,10 @@ class Telling:
     ) -> tuple[Node, ...]:
         if not found:
             return (Node("note", "goes over nothing"),)
-        operator = found[0][1].operator
+        name = found[0][1].operator
         number = number_of(len(found), "row", is_all=is_all)
-        if operator in DECIDED_BY_ONE:
-            best = winner(found, result)
+        if name in DECIDED_BY_ONE:
+            best = winner(self._relations, self._queries, found, result, is_all=is_all)
             if best is not None:
                 clause, collected, way = best
                 children = self.derivation(clause, way)
@@ -242,7 +243,7 @@ class Telling:
 
     def _element(self, collected: AggregateInput, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
-        by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
+        by = f" -> {spell(value_of(way, collected.by), is_rounded=True)}" if collected.by else ""
         span = collected.term.span if collected.term is not None else None
         text = span.text if span is not None else collected.operator
         return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
@@ -262,18 +263,29 @@ def grouped(nodes: Sequence[Node], taken: Sequence[Span]) -> list[Node]:
 
 
 def winner(
-    found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value
+    relations: Relations,
+    queries: Mapping[str, str],
+    found: Sequence[tuple[Clause, AggregateInput, Way]],
+    result: Value,
+    *,
+    is_all: bool = True,
 ) -> tuple[Clause, AggregateInput, Way] | None:
-    """Return the element that determines an aggregate's result."""
-    equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
-    if not equal or not equal[0][1].by:
-        return equal[0] if equal else None
-    keys = [value_of(way, one.by) for _, one, way in equal]
-    numbers = [key for key in keys if isinstance(key, int | float)]
-    if len(numbers) < len(keys):
-        return equal[0]
-    best = min if equal[0][1].operator == "ArgMin" else max
-    return equal[numbers.index(best(numbers))]
+    """Return the element that determines an aggregate's result; raise FailureError."""
+    for are_equal in (operator.eq, same, alike):
+        equal = [each for each in found if are_equal(value_of(each[2], each[1].value), result)]
+        if equal:
+            break
+    else:
+        return None
+    if not equal[0][1].by:
+        return equal[0] if result is not None else None
+    if not is_all:
+        return None  # another one may have the better key
+    aggregate = "arg_min" if equal[0][1].operator == "ArgMin" else "arg_max"
+    columns = {(queries.get(clause.query, ""), one.by) for clause, one, _ in equal}
+    keys = [way.get(one.by) for _, one, way in equal]
+    best = relations.chosen(aggregate, columns, keys)
+    return None if best is None else equal[best]
 
 
 def value_of(way: Way, place: str) -> Value:
@@ -303,10 +315,6 @@ def column_label(column: str) -> str:
 def number_of(number: int, what: str, *, is_all: bool) -> str:
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
-
-
-def _short(value: Value) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _is_among(term: Term, step: Step) -> bool:

@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, TypeAlias
 from logical_robots_tui.explain.why.deriving import value_of
 from logical_robots_tui.explain.why.probing import ORDERING, Call, Probing, RuleParts, Span, Term
 from logical_robots_tui.explain.why.refuting import Refuting, Stop
-from logical_robots_tui.explain.why.spelling import spell
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest, distance
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.relations import Way
 from logical_robots_tui.schema import INPUTS, VALUE
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
@@ -188,12 +187,12 @@ class Nearest:
             return
         is_less = operator[0] == "<"
         lack, value = min(lacks) if is_less else max(lacks)
-        subject = f"`{left.span.text}` is {spell(_rounded(value))}"
+        subject = f"`{left.span.text}` is {_short(value)}"
         if not lack:
             yield 0.0, _change(sign, f"{sign.text}=", f"{subject}, exactly the limit")
             return
         new = _beyond(value, limit.text, is_less=is_less, is_strict=len(operator) == 1)
-        much = f"{spell(_rounded(abs(lack)))} too {'much' if is_less else 'little'}"
+        much = f"{_short(abs(lack))} too {'much' if is_less else 'little'}"
         size = abs(lack) / (abs(float(limit.text)) or 1)
         yield min(size, 3.0), _change(limit, new, f"{subject}, {much}")
 
@@ -326,8 +325,8 @@ def _unlikeness(was: Value, other: Value) -> float | None:
     return None
 
 
-def _rounded(value: float) -> float:
-    return float(f"{value:.4g}")
+def _short(value: float) -> str:
+    return format(Decimal(f"{value:.4g}"), "f")
 
 
 def _beyond(value: float, limit: str, *, is_less: bool, is_strict: bool) -> str:

@@ -205,6 +205,7 @@ class Probing:
         recursive: The predicates that are mutually recursive with this one: their names in the
             program, and the made predicates of their copies.
         founded: Whether earlier rows can explain rows of these.
+        kinds: Columns of queries that are ``truth`` or ``nested``, by query.
     """
 
     predicate: str
@@ -221,6 +222,7 @@ class Probing:
     sources: Mapping[str, str] = field(default_factory=dict)
     recursive: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     founded: bool = True
+    kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     def arguments(self, given: Mapping[str, Value]) -> list[Scalar]:
         """Return the values of the required columns, null where none is given."""
@@ -258,7 +260,7 @@ def decompose(
         "text": program.text,
         "predicate": predicate,
         "within": within,
-        "with_rows": [p.name for p in program.predicates if p.kind == "program" and p.has_rows],
+        "kinds": program.kinds,
     }
     try:
         return compile_request(request, Probing, stop=stop, limits=limits)

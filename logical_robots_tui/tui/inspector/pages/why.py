@@ -23,7 +23,7 @@ from logical_robots_tui.tui.inspector.page import (
     progress,
     sight,
 )
-from logical_robots_tui.tui.inspector.widgets.plots import format_number
+from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -254,6 +254,4 @@ def _others(found: Explanation) -> Sequence[Node]:
 
 
 def _arguments(asked: Ask) -> str:
-    return ", ".join(
-        clip(format_number(value), _LONGEST_ARGUMENT) for value in asked.given.values()
-    )
+    return ", ".join(clip(format_value(value), _LONGEST_ARGUMENT) for value in asked.given.values())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
@@ -216,5 +216,5 @@ def _values(node: Node, room: int) -> Content:
 
 def _value(node: Node, value: Value, limit: int) -> tuple[str, str]:
     if node.is_truth:
-        return format_number(None if value is None else bool(value)), INK.number
+        return format_value(None if value is None else bool(value)), INK.number
     return cell(value, min(limit, _WIDEST_VALUE))
