@@ -6,6 +6,7 @@ Rows of a recursion are derived from earlier rows, so that no row proves itself.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -19,6 +20,7 @@ from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.values import Value
+from logical_robots_tui.wording import count_of
 
 MOST_ROWS = 1_000
 """Where counting rows ends."""
@@ -142,6 +144,10 @@ def check_given(given: Row, probing: Probing) -> Row:
         given = {(VALUE if c == "value" else c): v for c, v in given.items()}
     columns = ", ".join(map(column_label, probing.columns))
     for column in given:
+        if column not in probing.columns and re.fullmatch(r"col\d+", column):
+            number = sum(each.startswith("col") for each in probing.columns)
+            takes = f"takes {count_of(number, 'value')}" if number else "takes no values"
+            raise QueryError(f"{probing.predicate} {takes} by place; its columns are {columns}.")
         if column not in probing.columns:
             raise QueryError(f"{probing.predicate} has no column {column}; it has {columns}.")
     if missing := [name for name in probing.given if name not in given]:
