@@ -119,8 +119,6 @@ class Derivations:
 
     def prepare(self, probing: Probing, row: Row | None = None) -> None:
         """Fill the tables that queries read; for a recursion's `row`, only with earlier rows."""
-        queries = probing.queries
-        self.relations.learn({queries[query]: of for query, of in probing.kinds.items()})
         for name, table in probing.tables.items():
             rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
             if name in probing.recursive and row is not None:
