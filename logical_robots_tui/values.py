@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import math
 import re
@@ -32,7 +33,9 @@ class Desire:
 
 
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
-_TEXT_OR_FIELD = re.compile(r'"(?:[^"\\]|\\.)*"|([A-Za-z_]\w*)(?=\s*:)', re.ASCII | re.DOTALL)
+_TEXT_OR_FIELD = re.compile(
+    r""""(?:[^"\\]|\\.)*"|('(?:[^'\\]|\\.)*')|([A-Za-z_]\w*)(?=\s*:)""", re.ASCII | re.DOTALL
+)
 
 
 def spell(value: Value, room: int = 1_000_000, *, is_rounded: bool = False) -> str:
@@ -47,9 +50,15 @@ def spell(value: Value, room: int = 1_000_000, *, is_rounded: bool = False) -> s
 
 def read_value(text: str) -> Value:
     """Return the value that `spell` writes so, or JSON; raise ValueError."""
-    quoted = _TEXT_OR_FIELD.sub(lambda found: f'"{found[1]}"' if found[1] else found[0], text)
-    value: Value = json.loads(quoted)
+    value: Value = json.loads(_TEXT_OR_FIELD.sub(_as_json, text))
     return value
+
+
+def _as_json(found: re.Match[str]) -> str:
+    text, field = found.groups()
+    if text:
+        return json.dumps(ast.literal_eval(text))
+    return f'"{field}"' if field else found[0]
 
 
 def _spell(value: Value, parts: list[str], room: list[int], is_rounded: bool) -> None:
@@ -78,10 +87,19 @@ def _put(text: str, parts: list[str], room: list[int]) -> None:
 
 
 def _text(value: str) -> str:
-    text = json.dumps(value, ensure_ascii=False)
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in text)
+    """Return a text in quotes; only single ones know escapes."""
+    if value.isprintable() and not any(sign in value for sign in '"\\'):
+        return f'"{value}"'
+    return "'{}'".format("".join(map(_escaped, value)))
+
+
+def _escaped(character: str) -> str:
+    if character in "\\'":
+        return f"\\{character}"
+    if character.isprintable():
+        return character
+    code = ord(character)
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 def _scalar(value: float | bool | None, is_rounded: bool) -> str:

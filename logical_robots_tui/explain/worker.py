@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
+from logical_robots_tui.explain.clauses.calls import read_call
 from logical_robots_tui.explain.clauses.decomposition import decompose
 from logical_robots_tui.explain.diagnosis.checkup import check_up
 from logical_robots_tui.mind.compiling.worker import (
@@ -48,4 +49,8 @@ def _check_up(request: dict[str, Any]) -> dict[str, object]:
     return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
 
 
-JOBS = {"predicate": _decompose, "checkup": _check_up}
+def _read(request: dict[str, Any]) -> dict[str, object]:
+    return {"called": asdict(read_call(request["called"]))}
+
+
+JOBS = {"predicate": _decompose, "checkup": _check_up, "called": _read}

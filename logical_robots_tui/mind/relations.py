@@ -67,6 +67,7 @@ class Relations:
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
+        self._cut_off: list[tuple[str, int]] | None = None
 
     def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
         """Return a predicate's rows, by default with the program's query; raise FailureError."""
@@ -80,6 +81,15 @@ class Relations:
         found = self._rows[predicate]
         self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
         return found
+
+    def cut_off(self, predicate: str) -> list[tuple[str, int]]:
+        """Return the recursions that a predicate leans on and that were cut off, with their steps.
+
+        Only those that `Robot` leans on, too, are known.
+        """
+        if self._cut_off is None:
+            self._cut_off = [*self._asking.still_grew(*self._where)]
+        return [each for each in self._cut_off if each[0] in self._asking.reach(predicate)]
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
         """Return a question's rows, about any program; raise ProgramError or FailureError."""

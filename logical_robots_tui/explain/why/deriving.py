@@ -13,6 +13,7 @@ from logical_robots_tui.explain.why.probing import (
     Body,
     Call,
     Clause,
+    Span,
     Step,
     Term,
 )
@@ -35,20 +36,15 @@ class Telling:
         relations: Relations,
         queries: Mapping[str, str],
         refute: Callable[[Sequence[Clause], Sequence[Scalar]], tuple[Node, ...]],
+        robot: str,
     ) -> None:
         self._relations, self._queries, self._refute = relations, queries, refute
+        self._robot = robot
 
     def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
         """Return the nodes of a derivation, up to but excluding the step `until`."""
         nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
-        for span in reversed(clause.taken if until is None else ()):
-            inside = [n for n in nodes if n.span is not None and span.holds(n.span)]
-            if inside:
-                first = nodes.index(inside[0])
-                nodes = [node for node in nodes if node not in inside]
-                chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
-                nodes.insert(first, replace(chosen, children=tuple(inside)))
-        return tuple(nodes)
+        return tuple(grouped(nodes, clause.taken if until is None else ()))
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
         return tuple(
@@ -73,9 +69,11 @@ class Telling:
             )
             robot = value_of(way, step.call.arguments.get("robot_name", ""))
             is_input = step.call.predicate in INPUTS
+            is_others = is_input and isinstance(robot, str) and robot not in ("", self._robot)
             yield Node(
                 "call",
                 text,
+                f"{robot}'s {step.call.predicate.lower()}" if is_others else "",
                 holds=True,
                 span=span,
                 robot=robot if isinstance(robot, str) else "",
@@ -162,10 +160,13 @@ class Telling:
                 clause, collected, way = best
                 children = self.derivation(clause, way)
                 said = f"decides, of {number}" if len(found) > 1 else "is the only one"
+                if whose := self._whose(clause, way) if self._is_of_others([best]) else "":
+                    said = f"{whose}; {said}"
                 return (replace(self._element(collected, way, said), children=children),)
+        is_of_others = self._is_of_others(found[:_SHOWN_ELEMENTS])
         nodes = tuple(
             replace(
-                self._element(one, way, ""),
+                self._element(one, way, self._whose(clause, way) if is_of_others else ""),
                 children=self.derivation(clause, way) if place < _TOLD_ELEMENTS else (),
             )
             for place, (clause, one, way) in enumerate(found[:_SHOWN_ELEMENTS])
@@ -219,12 +220,46 @@ class Telling:
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 
+    def _robots(self, clause: Clause, way: Way) -> dict[str, dict[str, None]]:
+        """Return what an element was read from, by robot."""
+        found: dict[str, dict[str, None]] = {}
+        steps = [s for s in clause.steps if s.call and "robot_name" in s.call.arguments]
+        reading = [s for s in steps if s.reads or (s.call and s.call.predicate not in INPUTS)]
+        for call in (step.call for step in reading or steps):
+            robot = value_of(way, call.arguments["robot_name"]) if call else None
+            if call and isinstance(robot, str):
+                name = call.predicate
+                found.setdefault(robot, {})[name.lower() if name in INPUTS else name] = None
+        return found
+
+    def _is_of_others(self, found: Sequence[tuple[Clause, AggregateInput, Way]]) -> bool:
+        return any(self._robots(clause, way).keys() - {self._robot} for clause, _, way in found)
+
+    def _whose(self, clause: Clause, way: Way) -> str:
+        """Return what an element was read from: ``Bo's memory``."""
+        robots = self._robots(clause, way)
+        others = {robot: what for robot, what in robots.items() if robot != self._robot}
+        return " and ".join(f"{r}'s {' and '.join(what)}" for r, what in (others or robots).items())
+
     def _element(self, collected: AggregateInput, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
         by = f" -> {spell(value_of(way, collected.by), is_rounded=True)}" if collected.by else ""
         span = collected.term.span if collected.term is not None else None
         text = span.text if span is not None else collected.operator
         return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
+
+
+def grouped(nodes: Sequence[Node], taken: Sequence[Span]) -> list[Node]:
+    """Put the nodes of each alternative that holds under a node of its own."""
+    found = [*nodes]
+    for span in reversed(taken):
+        inside = [n for n in found if n.span is not None and span.holds(n.span)]
+        if inside:
+            first = found.index(inside[0])
+            found = [node for node in found if node not in inside]
+            chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
+            found.insert(first, replace(chosen, children=tuple(inside)))
+    return found
 
 
 def winner(

@@ -259,6 +259,14 @@ class _Queries(Mapping[str, str]):
         return len({**self._known, **self._later})
 
 
+@dataclass(frozen=True, slots=True)
+class Called:
+    """A predicate with values as a player wrote it; `given` holds those, by column, as JSON."""
+
+    predicate: str
+    given: str
+
+
 def decompose(
     program: Program,
     predicate: str,

@@ -237,9 +237,7 @@ class WhyPage(Page):
 
 
 def _suggestion(rule: int, each: Suggestion) -> Node:
-    change = f"write {each.change}" if each.change else f"leave out {each.span.text}"
-    text = f"line {each.span.line}: {change}"
-    return Node("note", text, f"rule in line {rule}: {each.text}", span=each.span)
+    return Node("note", each.text, f"rule in line {rule}", span=each.span)
 
 
 def _proving(found: Explanation) -> Sequence[Node]:

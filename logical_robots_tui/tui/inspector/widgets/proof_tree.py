@@ -161,7 +161,9 @@ class ProofTree:
         if node.asked is None:
             return ProofLine(node, depth, key, node.children, lacks=False)
         more = self._unfolded.get(key, ())
-        is_proved = more or any(child.kind in ("rule", "note") for child in node.children)
+        is_proved = more or any(
+            child.kind in ("rule", "note", "instance") for child in node.children
+        )
         return ProofLine(node, depth, key, (*node.children, *more), lacks=not is_proved)
 
 
