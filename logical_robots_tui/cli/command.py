@@ -203,11 +203,5 @@ def line_of_json(value: Any) -> str:
     return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in text)
 
 
-def line_within(value: Any, width: int | None = None) -> str:
-    """Format a value as one line of JSON, cut to a width in characters if one is given."""
-    text = harmless(json.dumps(finite(value), ensure_ascii=False, allow_nan=False))
-    return text if width is None else cut(text, width)
-
-
 def cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: max(0, width - 3)]}..."

@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
+from logical_robots_tui.explain.clauses.calls import read_call
 from logical_robots_tui.explain.clauses.decomposition import decompose
 from logical_robots_tui.explain.diagnosis.checkup import check_up
 from logical_robots_tui.mind.compiling.worker import (
@@ -23,24 +24,20 @@ def main() -> None:
     """Serve requests until standard input ends."""
     text = SAMPLES[0]
     samples = (
-        {"text": text, "predicate": "Robot", "within": "", "with_rows": ["Robot"]},
+        {"text": text, "predicate": "Robot", "within": "", "kinds": '{"Robot": {}}'},
         {"text": text, "checkup": []},
     )
     serve(JOBS, samples)
 
 
 def _decompose(request: dict[str, Any]) -> dict[str, object]:
-    """Decompose a predicate's rules, as far as SQLite can prepare them in time."""
+    """Decompose a predicate's rules, or return more of its queries."""
+    found = decompose(*(request[field] for field in ("text", "predicate", "within", "kinds")))
     with closing(Database()) as database:
-        probing = decompose(
-            request["text"],
-            request["predicate"],
-            request["within"],
-            request["with_rows"],
-            partial(is_prepared_soon, database),
-            partial(database.define, rows=()),
-        )
-    return {"probing": asdict(probing)}
+        queries = found.queries(database, request.get("queries", ()))
+    if "queries" in request:
+        return {"compiled": {"queries": queries}}
+    return {"probing": asdict(replace(found.probing, queries=queries))}
 
 
 def _check_up(request: dict[str, Any]) -> dict[str, object]:
@@ -52,4 +49,8 @@ def _check_up(request: dict[str, Any]) -> dict[str, object]:
     return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
 
 
-JOBS = {"predicate": _decompose, "checkup": _check_up}
+def _read(request: dict[str, Any]) -> dict[str, object]:
+    return {"called": asdict(read_call(request["called"]))}
+
+
+JOBS = {"predicate": _decompose, "checkup": _check_up, "called": _read}

@@ -6,7 +6,7 @@ They serve messages about a program, and the SQL that computes what DuckDB would
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import reduce
@@ -69,6 +69,9 @@ class RecordOf:
 
 
 Kind: TypeAlias = "Plain | Decimal | Word | ListOf | RecordOf"
+
+Tables: TypeAlias = "Mapping[str, Mapping[str, Kind]]"
+"""The types of columns, by table."""
 
 MOST_DIGITS = 38  # of a decimal number
 
@@ -194,6 +197,28 @@ def _spelling(kind: Kind) -> Any:
 def parse_spelling(text: str) -> Kind:
     """Return the type of what `try_cast` gives, from how that was spelled for it."""
     return _kind(json.loads(text))
+
+
+def dump_kind(kind: Kind) -> Any:
+    """Return a type as JSON, which `load_kind` reads; a word becomes a text, titles are lost."""
+    if isinstance(kind, Decimal):
+        return f"{kind.scale} {kind.whole}"
+    if isinstance(kind, ListOf):
+        return [dump_kind(kind.element)]
+    if isinstance(kind, RecordOf):
+        return {name: dump_kind(of) for name, of in kind.fields}
+    return kind.value if isinstance(kind, Plain) else Plain.TEXT.value
+
+
+def load_kind(data: Any) -> Kind:
+    if isinstance(data, str) and data[:1].isdigit():
+        scale, whole = map(int, data.split())
+        return Decimal(scale, whole)
+    if isinstance(data, list):
+        return ListOf(load_kind(data[0]))
+    if isinstance(data, dict):
+        return RecordOf(tuple((name, load_kind(of)) for name, of in data.items()))
+    return Plain(data)
 
 
 def _kind(spelling: Any) -> Kind:

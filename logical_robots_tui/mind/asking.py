@@ -115,6 +115,15 @@ class Asking:
             if rows[0][0]:
                 yield predicate, steps
 
+    def reach(self, predicate: str) -> set[str]:
+        """Return a predicate and all that it mentions, directly or through others."""
+        found, waiting = {predicate}, [predicate]
+        while waiting:
+            new = set(self._program.uses.get(waiting.pop(), ())) - found
+            found |= new
+            waiting += new
+        return found
+
     def place_of(self, predicate: str) -> str:
         """Return "Line 4: " for a predicate of the program, or "" for others."""
         found = (each.line for each in self._program.predicates if each.name == predicate)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.language.diagnostics import Stopped
@@ -31,6 +33,20 @@ Way = dict[str, "Scalar"]
 """A derivation: a row of a clause's query, as SQLite has it, by the names of the columns."""
 
 _CLOSE = 1e-12
+_KEYS_AT_ONCE = 400
+_REMARKS = re.compile(r"/\* truths:(\S*) nested:(\S*) \*/")
+_NONE: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
+
+
+def with_remarks(sql: str, truths: Iterable[str], nested: Iterable[str]) -> str:
+    """Prepend a comment on which columns of a query are booleans, and which lists or records."""
+    return f"/* truths:{','.join(truths)} nested:{','.join(nested)} */ {sql}"
+
+
+@lru_cache(maxsize=256)
+def _remarks(sql: str) -> tuple[frozenset[str], frozenset[str]]:
+    found = _REMARKS.match(sql)
+    return (frozenset(found[1].split(",")), frozenset(found[2].split(","))) if found else _NONE
 
 
 def with_given(sql: str, number: int) -> str:
@@ -51,6 +67,7 @@ class Relations:
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
+        self._cut_off: list[tuple[str, int]] | None = None
 
     def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
         """Return a predicate's rows, by default with the program's query; raise FailureError."""
@@ -64,6 +81,15 @@ class Relations:
         found = self._rows[predicate]
         self.spend(STEPS_OF_A_CALL * len(found))  # the caller looks through them
         return found
+
+    def cut_off(self, predicate: str) -> list[tuple[str, int]]:
+        """Return the recursions that a predicate leans on and that were cut off, with their steps.
+
+        Only those that `Robot` leans on, too, are known.
+        """
+        if self._cut_off is None:
+            self._cut_off = [*self._asking.still_grew(*self._where)]
+        return [each for each in self._cut_off if each[0] in self._asking.reach(predicate)]
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
         """Return a question's rows, about any program; raise ProgramError or FailureError."""
@@ -113,7 +139,28 @@ class Relations:
         query, parameters = _limited(sql, given, alike, what, most, compared)
         columns, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
-        return [dict(zip(columns, row, strict=True)) for row in rows]
+        ways: list[Way] = [dict(zip(columns, row, strict=True)) for row in rows]
+        for column in _remarks(sql)[0] & {*columns}:
+            for way in ways:
+                way[column] = None if way[column] is None else bool(way[column])
+        return ways
+
+    def chosen(
+        self, aggregate: str, columns: Iterable[tuple[str, str]], keys: Sequence[Scalar]
+    ) -> int | None:
+        """Return the place of the key that ``arg_min`` or ``arg_max`` chooses, None if none.
+
+        The keys are from some `columns`, each with its query. Raises FailureError.
+        """
+        if any(column in _remarks(sql)[1] for sql, column in columns):
+            aggregate += "_of_nested"
+        best: int | None = None
+        for start in range(0, len(keys), _KEYS_AT_ONCE):
+            places = [*([] if best is None else [best]), *range(len(keys))[start:][:_KEYS_AT_ONCE]]
+            pairs = ", ".join(f"({place}, ?)" for place in places)
+            sql = f"SELECT {aggregate}(column1, column2) FROM (VALUES {pairs})"  # noqa: S608 - ours
+            _, ((best,),) = self._ask(sql, [keys[place] for place in places])
+        return best
 
     def count(
         self,

@@ -123,10 +123,11 @@ def test_what_would_have_to_differ_is_told_of_a_rule_without_a_row(
     asked = ("why", level, program, "--tick", 3, "--robot", "Pip", "--predicate", "Near")
     (only,) = command(*asked).data["nearest"]
     assert (only["rule"], only["line"], only["text"]) == (1, 2, "5")
-    assert only["said"] == "`sensor.clock > 5` fails: sensor.clock is 2 too little."
+    sentence = "Change `5` to `2` in line 2: `sensor.clock` is 3, 2 too little."
+    assert only["said"] == sentence
     seen = shown(*asked)
     assert seen.status == 1
-    assert "Each of these would give the rule in line 1 a row:" in seen.text
-    assert "line 2, 5: write 2.997" in seen.text
+    assert "This change would give the rule in line 1 a row:" in seen.text
+    assert f"  {sentence}" in seen.text
     told = command("why", level, program, "--tick", 3, "--robot", "Pip")
     assert told.data["nearest"] == []

@@ -7,8 +7,9 @@ import asyncio
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import Commands, cut, harmless, line_within
+from logical_robots_tui.cli.command import Commands, cut, harmless
 from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
+from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.sourcing import Path, Read
@@ -78,7 +79,7 @@ def _link(number: int, link: Link) -> Iterator[str]:
     from logical_robots_tui.game.debugging.pins import path_text
 
     name = f"{link.robot}'s {path_text(link.path)}"
-    yield harmless(f"{number + 1}. {name} = {line_within(link.value, _LONGEST)}")
+    yield harmless(f"{number + 1}. {name} = {cut(spell(link.value), _LONGEST)}")
     if link.tick == 0:
         yield f"   there from the start until tick {link.until}"
         return
@@ -98,7 +99,7 @@ def _link(number: int, link: Link) -> Iterator[str]:
 def _read(read: Read) -> str:
     from logical_robots_tui.game.debugging.pins import path_text
 
-    return f"{read.robot}'s {path_text(read.path, read.what)} = {line_within(read.value, _LONGEST)}"
+    return f"{read.robot}'s {path_text(read.path, read.what)} = {cut(spell(read.value), _LONGEST)}"
 
 
 def _data(link: Link) -> dict[str, Any]:

@@ -13,13 +13,14 @@ from logical_robots_tui.cli.command import (
     UNRELIABLE,
     Commands,
     columns,
+    cut,
     harmless,
     line_of_json,
-    line_within,
     prefers_json,
 )
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.runs.common import frame_at, new_run_command, open_run, run_shown, show
+from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Matches
@@ -89,7 +90,7 @@ def _query(options: argparse.Namespace) -> int:
         }
         print(line_of_json(data))
     elif table.rows:
-        rows = [tuple(line_within(value, WIDEST) for value in row) for row in table.rows]
+        rows = [tuple(cut(spell(value), WIDEST) for value in row) for row in table.rows]
         head = table.columns
         if has_minds:
             head = ("IN THE MIND OF", *head)

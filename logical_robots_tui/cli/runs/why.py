@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import json
 import shlex
 import shutil
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import Commands, cut, harmless, line_within, number_from
+from logical_robots_tui.cli.command import Commands, cut, harmless, number_from
+from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
+from logical_robots_tui.values import read_value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask, Explanation, Node
@@ -31,7 +33,10 @@ def declare(commands: Commands) -> None:
         commands, "why", start, first_tick=1, robot="in whose mind", needs_robot=True
     )
     command.add_argument(
-        "--predicate", default="Robot", metavar="P", help="the predicate (default: %(default)s)"
+        "--predicate",
+        default="Robot",
+        metavar="P",
+        help="the predicate, or one with values as in Logica (default: %(default)s)",
     )
     command.add_argument(
         "--given",
@@ -67,7 +72,7 @@ def start(options: argparse.Namespace) -> int:
       logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
         --predicate Next
       logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
-        --predicate Steer --given col0=0.5
+        --predicate 'Steer(0.5)'
 
     A row is explained by one derivation. For each rule without a row you see the
     first condition that failed, and a single change that would have produced a row.
@@ -77,9 +82,8 @@ def start(options: argparse.Namespace) -> int:
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
     level, program = open_run(options)
-    own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
-    check_name("predicate", options.predicate, own)
-    explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, options))
+    asked = _read(program, options)
+    explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, asked, options))
     data = {
         **_data(explanation, options.tick),
         "tree": [*map(_node, nodes)],
@@ -90,16 +94,32 @@ def start(options: argparse.Namespace) -> int:
     return GAVE if explanation.rows else GAVE_NOT
 
 
-async def _explain(
-    level: Level, program: Program, options: argparse.Namespace
-) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
-    """Return the explanation, the nodes to show, whether they are complete, and suggestions."""
+def _read(program: Program, options: argparse.Namespace) -> Ask:
+    """Return the question; raise InputError, ProgramFileError or QueryError."""
     from logical_robots_tui.explain import Ask
+    from logical_robots_tui.explain.why.explainer import read_ask
+    from logical_robots_tui.mind import ProgramError
+
+    own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
+    name = options.predicate.partition("(")[0].strip()
+    check_name("predicate", name, own)
+    if name == options.predicate:
+        return Ask(name, dict(options.given), options.within)
+    try:
+        asked = read_ask(program, options.predicate, options.within)
+    except ProgramError as error:
+        raise ProgramFileError("predicate", error) from error
+    return replace(asked, given={**asked.given, **dict(options.given)})
+
+
+async def _explain(
+    level: Level, program: Program, asked: Ask, options: argparse.Namespace
+) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
+    """Return the explanation, the nodes, whether the depth suffices, and suggestions."""
     from logical_robots_tui.game import Inquiry
 
     frame = await frame_at(level, program, options.tick)
     inquiry = Inquiry(level)
-    asked = Ask(options.predicate, dict(options.given), options.within)
     robot = options.robot
     try:
         if not options.tree:
@@ -109,7 +129,7 @@ async def _explain(
                 nearest = await inquiry.nearest(program, robot, frame, asked.predicate)
             return explanation, explanation.nodes, True, nearest
         proof = await inquiry.proof(program, robot, frame, asked, depth=options.depth)
-        return proof.explanation, proof.nodes, proof.complete, []
+        return proof.explanation, proof.nodes, not proof.is_cut, []
     finally:
         await inquiry.close()
 
@@ -133,12 +153,10 @@ def _lines(
 
 def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
     for rule in dict.fromkeys(line for line, _ in found):
-        yield from ("", f"Each of these would give the rule in line {rule} a row:")
-        for line, each in found:
-            if line == rule:
-                change = f"write {each.change}" if each.change else "leave it out"
-                yield harmless(f"  {each.text}")
-                yield harmless(f"    line {each.span.line}, {each.span.text}: {change}")
+        sentences = [each.text for line, each in found if line == rule]
+        what = "This change" if len(sentences) == 1 else "Each of these changes"
+        yield from ("", f"{what} would give the rule in line {rule} a row:")
+        yield from (harmless(f"  {sentence}") for sentence in sentences)
 
 
 def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
@@ -152,9 +170,10 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
 
 
 def _deeper(ask: Ask) -> str:
-    given = [f"--given {shlex.quote(f'{c}={line_within(v)}')}" for c, v in ask.given.items()]
-    within = [f"--within {ask.within}"] if ask.within else []
-    return harmless(" ".join([f"--predicate {ask.predicate}", *given, *within]))
+    from logical_robots_tui.explain.why.spelling import spell_call
+
+    within = f" --within {ask.within}" if ask.within else ""
+    return harmless(f"--predicate {shlex.quote(spell_call(ask))}{within}")
 
 
 def _line(depth: int, node: Node, wide: int) -> str:
@@ -163,7 +182,7 @@ def _line(depth: int, node: Node, wide: int) -> str:
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
     said = f"  ({node.said})" if node.said else ""
     shown = node.values[:_MOST_VALUES]
-    values = [(_truth(value) if node.is_truth else line_within(value)) for value in shown]
+    values = [(_truth(value) if node.is_truth else spell(value)) for value in shown]
     if more := len(node.values) - len(shown) + node.more:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
@@ -230,6 +249,6 @@ def _column_value(text: str) -> tuple[str, Any]:
     if not sign or not column:
         raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")
     try:
-        return column, json.loads(value)
+        return column, read_value(value)
     except ValueError:
         return column, value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -12,14 +13,15 @@ from logical_robots_tui.explain.why.probing import (
     Body,
     Call,
     Clause,
+    Span,
     Step,
     Term,
 )
-from logical_robots_tui.mind.relations import Relations, Way, alike
+from logical_robots_tui.mind.relations import Relations, Way, alike, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS, VALUE
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
@@ -34,20 +36,15 @@ class Telling:
         relations: Relations,
         queries: Mapping[str, str],
         refute: Callable[[Sequence[Clause], Sequence[Scalar]], tuple[Node, ...]],
+        robot: str,
     ) -> None:
         self._relations, self._queries, self._refute = relations, queries, refute
+        self._robot = robot
 
     def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
         """Return the nodes of a derivation, up to but excluding the step `until`."""
         nodes = [node for step in clause.steps[:until] for node in self.step(step, way)]
-        for span in reversed(clause.taken if until is None else ()):
-            inside = [n for n in nodes if n.span is not None and span.holds(n.span)]
-            if inside:
-                first = nodes.index(inside[0])
-                nodes = [node for node in nodes if node not in inside]
-                chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
-                nodes.insert(first, replace(chosen, children=tuple(inside)))
-        return tuple(nodes)
+        return tuple(grouped(nodes, clause.taken if until is None else ()))
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
         return tuple(
@@ -72,9 +69,11 @@ class Telling:
             )
             robot = value_of(way, step.call.arguments.get("robot_name", ""))
             is_input = step.call.predicate in INPUTS
+            is_others = is_input and isinstance(robot, str) and robot not in ("", self._robot)
             yield Node(
                 "call",
                 text,
+                f"{robot}'s {step.call.predicate.lower()}" if is_others else "",
                 holds=True,
                 span=span,
                 robot=robot if isinstance(robot, str) else "",
@@ -153,18 +152,21 @@ class Telling:
     ) -> tuple[Node, ...]:
         if not found:
             return (Node("note", "goes over nothing"),)
-        operator = found[0][1].operator
+        name = found[0][1].operator
         number = number_of(len(found), "row", is_all=is_all)
-        if operator in DECIDED_BY_ONE:
-            best = winner(found, result)
+        if name in DECIDED_BY_ONE:
+            best = winner(self._relations, self._queries, found, result, is_all=is_all)
             if best is not None:
                 clause, collected, way = best
                 children = self.derivation(clause, way)
                 said = f"decides, of {number}" if len(found) > 1 else "is the only one"
+                if whose := self._whose(clause, way) if self._is_of_others([best]) else "":
+                    said = f"{whose}; {said}"
                 return (replace(self._element(collected, way, said), children=children),)
+        is_of_others = self._is_of_others(found[:_SHOWN_ELEMENTS])
         nodes = tuple(
             replace(
-                self._element(one, way, ""),
+                self._element(one, way, self._whose(clause, way) if is_of_others else ""),
                 children=self.derivation(clause, way) if place < _TOLD_ELEMENTS else (),
             )
             for place, (clause, one, way) in enumerate(found[:_SHOWN_ELEMENTS])
@@ -218,27 +220,72 @@ class Telling:
             return
         yield from self.contributors(found[:MOST_ELEMENTS], result, is_all)
 
+    def _robots(self, clause: Clause, way: Way) -> dict[str, dict[str, None]]:
+        """Return what an element was read from, by robot."""
+        found: dict[str, dict[str, None]] = {}
+        steps = [s for s in clause.steps if s.call and "robot_name" in s.call.arguments]
+        reading = [s for s in steps if s.reads or (s.call and s.call.predicate not in INPUTS)]
+        for call in (step.call for step in reading or steps):
+            robot = value_of(way, call.arguments["robot_name"]) if call else None
+            if call and isinstance(robot, str):
+                name = call.predicate
+                found.setdefault(robot, {})[name.lower() if name in INPUTS else name] = None
+        return found
+
+    def _is_of_others(self, found: Sequence[tuple[Clause, AggregateInput, Way]]) -> bool:
+        return any(self._robots(clause, way).keys() - {self._robot} for clause, _, way in found)
+
+    def _whose(self, clause: Clause, way: Way) -> str:
+        """Return what an element was read from: ``Bo's memory``."""
+        robots = self._robots(clause, way)
+        others = {robot: what for robot, what in robots.items() if robot != self._robot}
+        return " and ".join(f"{r}'s {' and '.join(what)}" for r, what in (others or robots).items())
+
     def _element(self, collected: AggregateInput, way: Way, said: str) -> Node:
         value = value_of(way, collected.value)
-        by = f" -> {_short(value_of(way, collected.by))}" if collected.by else ""
+        by = f" -> {spell(value_of(way, collected.by), is_rounded=True)}" if collected.by else ""
         span = collected.term.span if collected.term is not None else None
         text = span.text if span is not None else collected.operator
         return Node("contributor", f"{text}{by}", said, True, (value,), span=span)
 
 
+def grouped(nodes: Sequence[Node], taken: Sequence[Span]) -> list[Node]:
+    """Put the nodes of each alternative that holds under a node of its own."""
+    found = [*nodes]
+    for span in reversed(taken):
+        inside = [n for n in found if n.span is not None and span.holds(n.span)]
+        if inside:
+            first = found.index(inside[0])
+            found = [node for node in found if node not in inside]
+            chosen = Node("alternative", span.text, "this alternative holds", True, span=span)
+            found.insert(first, replace(chosen, children=tuple(inside)))
+    return found
+
+
 def winner(
-    found: Sequence[tuple[Clause, AggregateInput, Way]], result: Value
+    relations: Relations,
+    queries: Mapping[str, str],
+    found: Sequence[tuple[Clause, AggregateInput, Way]],
+    result: Value,
+    *,
+    is_all: bool = True,
 ) -> tuple[Clause, AggregateInput, Way] | None:
-    """Return the element that determines an aggregate's result."""
-    equal = [each for each in found if alike(value_of(each[2], each[1].value), result)]
-    if not equal or not equal[0][1].by:
-        return equal[0] if equal else None
-    keys = [value_of(way, one.by) for _, one, way in equal]
-    numbers = [key for key in keys if isinstance(key, int | float)]
-    if len(numbers) < len(keys):
-        return equal[0]
-    best = min if equal[0][1].operator == "ArgMin" else max
-    return equal[numbers.index(best(numbers))]
+    """Return the element that determines an aggregate's result; raise FailureError."""
+    for are_equal in (operator.eq, same, alike):
+        equal = [each for each in found if are_equal(value_of(each[2], each[1].value), result)]
+        if equal:
+            break
+    else:
+        return None
+    if not equal[0][1].by:
+        return equal[0] if result is not None else None
+    if not is_all:
+        return None  # another one may have the better key
+    aggregate = "arg_min" if equal[0][1].operator == "ArgMin" else "arg_max"
+    columns = {(queries.get(clause.query, ""), one.by) for clause, one, _ in equal}
+    keys = [way.get(one.by) for _, one, way in equal]
+    best = relations.chosen(aggregate, columns, keys)
+    return None if best is None else equal[best]
 
 
 def value_of(way: Way, place: str) -> Value:
@@ -268,10 +315,6 @@ def column_label(column: str) -> str:
 def number_of(number: int, what: str, *, is_all: bool) -> str:
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
-
-
-def _short(value: Value) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _is_among(term: Term, step: Step) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain.why.derivations import Derivations, Row
+from logical_robots_tui.explain.why.derivations import Derivations, Row, check_given
 from logical_robots_tui.explain.why.deriving import ask_of, column_label
 from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof
 from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
@@ -23,6 +23,7 @@ from logical_robots_tui.explain.why.probing import (
 )
 from logical_robots_tui.explain.why.proving import explain, prove
 from logical_robots_tui.explain.why.sourcing import Path, Provenance, source_of
+from logical_robots_tui.explain.why.spelling import read_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way
@@ -32,6 +33,7 @@ from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.mind import Memories, Mind
+    from logical_robots_tui.mind.program import Program
 
 _ROBOT = Ask()
 
@@ -125,6 +127,18 @@ class Explainer:
         if "robot_name" in probing.columns and "robot_name" not in probing.given:
             return replace(asked, given={"robot_name": self._robot, **asked.given})
         return asked
+
+
+def read_ask(program: Program, text: str, within: str = "") -> Ask:
+    """Read a question, such as ``Next(robot_name: "Crow")``. Blocks.
+
+    Raises:
+        ProgramError: It is no predicate with values.
+        QueryError: There is no such predicate or column, or arguments are missing.
+    """
+    asked = read_call(text, within)
+    probing = decompose(program, asked.predicate, within)
+    return replace(asked, given=check_given(asked.given, probing))
 
 
 _MOST_WAYS = 1_000

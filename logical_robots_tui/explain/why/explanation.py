@@ -33,7 +33,7 @@ class Node:
 
     Attributes:
         kind: ``column`` of the rule's row, ``contributor`` to an aggregate, ``read`` from a
-            sensor or a memory; the others by name.
+            sensor or a memory, ``instance`` of a call with other arguments; the others by name.
         text: The subject, often a piece of the program in one line.
         said: The remark on it, or "".
         holds: Whether it gave something; None if that is no question.
@@ -47,6 +47,7 @@ class Node:
         "rule",
         "column",
         "call",
+        "instance",
         "condition",
         "value",
         "element",
@@ -122,8 +123,13 @@ class Explanation:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """A row, or its absence, and the rules that it follows from."""
+    """A row, or its absence, and the rules that it follows from.
+
+    Attributes:
+        is_cut: Whether a larger depth would show more.
+    """
 
     explanation: Explanation
     nodes: tuple[Node, ...]
     complete: bool
+    is_cut: bool = False

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from operator import itemgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import value_of
 from logical_robots_tui.explain.why.probing import ORDERING, Call, Probing, RuleParts, Span, Term
@@ -17,30 +16,41 @@ from logical_robots_tui.language.diagnostics import ProgramError, QueryError, cl
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.relations import Way
-from logical_robots_tui.values import Value
+from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.values import Value, spell
+from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.derivations import Derivations
     from logical_robots_tui.mind.program import Program
 
-MOST = 5
+MOST = 3
 """The most suggestions for a rule."""
 
-_MOST_TRIED = 16
+_MOST_TRIED = 12
 _MOST_CALLS = 100  # calls of a function that are followed
 _MOST_VALUES = 60
 _DEEPEST = 8  # functions that call functions
+_LAST_RESORT = 50.0
 _ASKED = "NearestMiss"
-_ARGUMENT = re.compile(r"\s*(?P<name>[a-z_]\w*)\s*:(?P<value>.*)", re.DOTALL)
+_ARGUMENT = re.compile(r"\s*(?:(?P<name>[a-z_]\w*)\s*:)?\s*(?P<value>.*)", re.DOTALL)
+_OPPOSITE = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
 @dataclass(frozen=True, slots=True)
 class Suggestion:
-    """A tested change of a span, "" to remove it, after which a rule would have had a row."""
+    """A tested change of a span, "" to remove it, after which a rule would have had a row.
+
+    `text` says in one sentence what to change and why.
+    """
 
     text: str
     span: Span
     change: str
+
+
+_Sized: TypeAlias = "tuple[float, Suggestion]"
+"""A suggestion with its size: smaller ones are more likely meant."""
 
 
 class Nearest:
@@ -52,16 +62,23 @@ class Nearest:
         self._relations = derivations.relations
 
     def of(self, probing: Probing, rule: RuleParts) -> Iterator[Suggestion]:
-        """Yield single changes that give a rule a row, smallest first; raise Stopped."""
+        """Yield single changes that give a rule a row, smallest first; raise Stopped.
+
+        That a condition goes is suggested only where nothing else helps.
+        """
         self._relations.renew()
         stop = self._stop(probing, rule, self._given)
-        candidates = sorted(self._of_stop(stop, 0), key=itemgetter(0)) if stop else ()
-        distinct: dict[tuple[int, str], Suggestion] = {}
-        for _, each in candidates:
-            distinct.setdefault((each.span.start, each.change), each)
-        tried = list(distinct.values())[:_MOST_TRIED]
-        working = (each for each in tried if self._works(probing.predicate, rule.span, each))
-        yield from islice(working, MOST)
+        candidates = sorted(self._of_stop(rule, stop, 0), key=itemgetter(0)) if stop else ()
+        distinct: dict[tuple[int, int, str], _Sized] = {}
+        for size, each in candidates:
+            distinct.setdefault((each.span.start, each.span.stop, each.change), (size, each))
+        found = 0
+        for size, each in [*distinct.values()][:_MOST_TRIED]:
+            if found == MOST or (found and size >= _LAST_RESORT):
+                return
+            if self._works(probing.predicate, rule.span, each):
+                found += 1
+                yield each
 
     # -- what failed ---------------------------------------------------------------------------
 
@@ -72,29 +89,32 @@ class Nearest:
         given = probing.arguments(arguments)
         try:
             self._derivations.prepare(probing)
-            return Refuting(self._relations, probing.queries, given, wanted).stop(rule)
+            return Refuting(self._derivations, probing, given, wanted).stop(rule)
         except FailureError:
             return None
 
-    def _of_stop(self, stop: Stop, depth: int) -> Iterator[tuple[float, Suggestion]]:
+    def _of_stop(self, rule: RuleParts, stop: Stop, depth: int) -> Iterator[_Sized]:
         step = stop.step
         span, call = step.span, step.call
+        is_in_head = ":-" not in self._program.text[rule.span.start : span.start]
+        if call is not None and depth < _DEEPEST:
+            known = self._program.predicate(call.predicate)
+            if known is not None and known.is_function:
+                yield from self._of_function(call, stop.ways, depth)
+        if is_in_head:
+            return
         yield from self._of_fields(stop)
         if step.kind == "denial" and span.text.startswith("~"):
             sign = Span(span.start, span.start + 1, span.line, "~")
-            said = f"`{span.text[1:].strip()}` has rows; without ~ the rule holds."
-            yield 5.0, Suggestion(said, sign, "")
-        elif call is not None:
-            known = self._program.predicate(call.predicate)
-            if known is not None and known.is_function and depth < _DEEPEST:
-                yield from self._of_function(call, stop.ways, depth)
-            yield from self._of_call(call.predicate, span)
+            yield 5.0, _removal(sign, f"`{span.text[1:].strip()}` has rows")
+        elif step.kind == "call" and call is not None and call.predicate not in INPUTS:
+            yield from self._of_call(call, span, binds=bool(step.gives))
         elif step.kind in ("condition", "value"):
             yield from self._of_condition(span, step.terms, stop.ways)
+            if not step.gives:
+                yield _LAST_RESORT, _removal(span, "all the rest of the rule holds")
 
-    def _of_function(
-        self, call: Call, ways: Sequence[Way], depth: int
-    ) -> Iterator[tuple[float, Suggestion]]:
+    def _of_function(self, call: Call, ways: Sequence[Way], depth: int) -> Iterator[_Sized]:
         try:
             function = self._derivations.decompose(call.predicate, call.within)
         except QueryError:
@@ -102,20 +122,20 @@ class Nearest:
         places = {c: p for c, p in call.arguments.items() if c in function.given}
         calls = [{c: value_of(way, p) for c, p in places.items()} for way in ways]
         different = list({repr(each): each for each in calls}.values())[:_MOST_CALLS]
-        stops: dict[str, Stop] = {}  # by the step's query, with the ways of all calls
         for rule in function.rules:
+            stops: dict[str, Stop] = {}  # by the step's query, with the ways of all calls
             for arguments in different:
                 stop = self._stop(function, rule, arguments)
                 if stop is not None:
                     before = stops.get(stop.step.query)
                     found = [*before.ways, *stop.ways] if before else stop.ways
                     stops[stop.step.query] = replace(stop, ways=found)
-        for stop in stops.values():
-            yield from self._of_stop(stop, depth + 1)
+            for stop in stops.values():
+                yield from self._of_stop(rule, stop, depth + 1)
 
     def _of_condition(
         self, span: Span, terms: Sequence[Term], ways: Sequence[Way]
-    ) -> Iterator[tuple[float, Suggestion]]:
+    ) -> Iterator[_Sized]:
         for term in terms:
             if term.kind == "truth":
                 yield from self._of_condition(term.span, term.parts, ways)
@@ -123,62 +143,79 @@ class Nearest:
             left, right = terms
             between = self._program.text[left.span.stop : right.span.start]
             operator = between.strip("() \n")
-            if operator == "==":
+            if operator in ("==", "="):
                 yield from self._of_equation(left, right, ways)
             elif operator in ORDERING:
-                yield from self._of_threshold(span, operator, left, right, ways)
-        yield 50.0, Suggestion(f"Without `{span.text}` the rule holds.", span, "true")
+                at = left.span.stop + between.index(operator)
+                sign = self._span(at, at + len(operator))
+                yield from self._of_threshold(operator, sign, left, right, ways)
+                yield from self._of_threshold(_OPPOSITE[operator], sign, right, left, ways)
 
     # -- candidates ----------------------------------------------------------------------------
 
     @staticmethod
-    def _of_equation(
-        left: Term, right: Term, ways: Sequence[Way]
-    ) -> Iterator[tuple[float, Suggestion]]:
+    def _of_equation(left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
         if left.kind == "literal":
             left, right = right, left
+        if right.kind != "literal" or left.kind == "literal":
+            return
+        subject = f"`{left.span.text}` is"
         for value in _examples(left, ways):
-            new = _spell(value)
             for other in _examples(right, ways):
-                was = _spell(other)
                 size = _unlikeness(other, value)
-                if not isinstance(other, str) or right.kind != "literal":
-                    said = f"{left.span.text} is {new}, and {right.span.text} is {was}."
-                    yield size + 1, Suggestion(said, right.span, new)
-                    continue
-                said = f"{left.span.text} is {new}, not {was}."
-                yield size, Suggestion(said, right.span, new)
-                if other.lower() in ("true", "false") and value in (0, 1):
-                    yield 0.0, Suggestion(said, right.span, other.lower())
+                if isinstance(other, str) and other.lower() in ("true", "false"):
+                    is_truth = value in (0, 1) and not isinstance(value, str)
+                    reason = f"{subject} a truth value and no text"
+                    if is_truth:
+                        yield 0.0, _change(right.span, other.lower(), reason)
+                elif size is not None:
+                    kind = "the number " if isinstance(other, str) != isinstance(value, str) else ""
+                    kind = "" if isinstance(value, str) else kind
+                    yield size, _change(right.span, spell(value), f"{subject} {kind}{spell(value)}")
 
-    @staticmethod
     def _of_threshold(
-        span: Span, operator: str, left: Term, right: Term, ways: Sequence[Way]
-    ) -> Iterator[tuple[float, Suggestion]]:
+        self, operator: str, sign: Span, left: Term, right: Term, ways: Sequence[Way]
+    ) -> Iterator[_Sized]:
+        limit = self._constant(right)
         pairs = [(value_of(way, left.column), value_of(way, right.column)) for way in ways]
         lacks = [
-            one - other
+            (one - other, one)
             for one, other in pairs
             if isinstance(one, int | float) and isinstance(other, int | float)
         ]
-        if not lacks:
+        if limit is None or not lacks or left.kind == "literal":
             return
         is_less = operator[0] == "<"
-        lack = abs(min(lacks) if is_less else max(lacks))
-        limit = right.span.text
-        sign, what = ("+", "too much") if is_less else ("-", "too little")
-        more = lack * 1.001 + 0.001
-        try:
-            number = float(limit)
-            new = f"{number + more if is_less else number - more:.6g}"
-            size = lack / (abs(number) or 1)
-        except ValueError:
-            new, size = f"({limit}) {sign} {more:.6g}", 1.0
-        how = f"{lack:.4g} {what}" if lack else "exactly the limit"
-        said = f"`{span.text}` fails: {left.span.text} is {how}."
-        yield min(size, 10.0), Suggestion(said, right.span, new)
+        lack, value = min(lacks) if is_less else max(lacks)
+        subject = f"`{left.span.text}` is {_short(value)}"
+        if not lack:
+            yield 0.0, _change(sign, f"{sign.text}=", f"{subject}, exactly the limit")
+            return
+        new = _beyond(value, limit.text, is_less=is_less, is_strict=len(operator) == 1)
+        much = f"{_short(abs(lack))} too {'much' if is_less else 'little'}"
+        size = abs(lack) / (abs(float(limit.text)) or 1)
+        yield min(size, 3.0), _change(limit, new, f"{subject}, {much}")
 
-    def _of_fields(self, stop: Stop) -> Iterator[tuple[float, Suggestion]]:
+    def _constant(self, term: Term) -> Span | None:
+        """Return the place of the number that a limit is, also through ``Near() = 40;``."""
+        if (
+            term.kind == "call"
+            and term.call is not None
+            and not term.call.arguments.keys() - {VALUE}
+        ):
+            try:
+                (rule,) = self._derivations.decompose(term.call.predicate, term.call.within).rules
+                (clause,) = rule.clauses
+            except (QueryError, ValueError):
+                return None
+            term = clause.terms.get(VALUE, term)
+        try:
+            float(term.span.text)
+        except ValueError:
+            return None
+        return term.span
+
+    def _of_fields(self, stop: Stop) -> Iterator[_Sized]:
         within = stop.step.span
         for step in stop.clause.steps:
             if step.call is None or step.call.predicate != "Memory" or not stop.ways:
@@ -187,40 +224,47 @@ class Nearest:
             there = list(map(str, memory)) if isinstance(memory, dict) else []
             for read in step.reads:
                 name = read.names[0] if read.names else ""
-                if not name or name in there:
-                    continue
                 close = closest(name, there, 0.6)
+                if not name or name in there or not close:
+                    continue
                 pattern = re.compile(rf"\.\s*({re.escape(name)})\b")
                 for found in pattern.finditer(self._program.text, within.start, within.stop):
                     span = self._span(*found.span(1))
-                    for other in there:
-                        said = f"memory has no field {name}; it has {other}."
-                        size = 0.5 if other == close else 3.0
-                        yield size, Suggestion(said, span, other)
+                    yield 0.5, _change(span, close, f"the memory has no field {name}, but {close}")
 
-    def _of_call(self, predicate: str, span: Span) -> Iterator[tuple[float, Suggestion]]:
-        for start, stop in _arguments(self._program.text, span):
-            named = _ARGUMENT.fullmatch(self._program.text[start:stop])
-            if named is None:
+    def _of_call(self, call: Call, span: Span, *, binds: bool) -> Iterator[_Sized]:
+        name = call.predicate
+        for place, (start, stop) in enumerate(_arguments(self._program.text, span)):
+            argument = _ARGUMENT.fullmatch(self._program.text, start, stop)
+            if argument is None:
                 continue
-            name, value = named["name"], named["value"].strip()
-            argument = self._span(start, stop)
-            there = self._known(predicate, name)
+            column, value = argument["name"] or f"col{place}", argument["value"].strip()
+            there = self._known(name, column)
             if value.startswith('"') and value.endswith('"'):
+                literal = self._span(argument.start("value"), stop)
                 for other in there:
-                    new = _spell(other)
-                    said = f"{predicate} has {name} {new}, not {value}."
                     size = _unlikeness(value[1:-1], other)
-                    yield size, Suggestion(said, argument, f"{name}: {new}")
-            listed = ", ".join(map(_spell, there[:3]))
-            has = f" It has {listed}." if listed else ""
-            said = f"`{span.text}` fails in the column {name} alone.{has}"
-            yield 4.0, Suggestion(said, argument, "")
-        said = f"`{span.text}` has no rows; with ~ before it the rule holds."
-        yield 6.0, Suggestion(said, replace(span, stop=span.start), "~")
-        yield 50.0, Suggestion(f"Without `{span.text}` the rule holds.", span, "")
+                    if size is not None:
+                        new = spell(other)
+                        has = f"{name} has {argument['name'] or ''} {new}".replace("  ", " ")
+                        yield size, _change(literal, new, has)
+            elif there and argument["name"]:
+                listed = join_names(map(spell, there[:3]))
+                more = " and others" if len(there) > 3 else ""
+                reason = f"{name} fails in the column {column} alone, which has {listed}{more}"
+                yield 4.0, _removal(self._span(start, stop), reason)
+        if not binds:
+            before = replace(span, stop=span.start)
+            said = f"Put `~` before `{span.text}` in line {span.line}: there is no such row."
+            known = self._program.predicate(name)
+            is_function = known is not None and known.is_function
+            yield _LAST_RESORT if is_function else 4.5, Suggestion(said, before, "~")
+            yield _LAST_RESORT, _removal(span, "all the rest of the rule holds")
 
     def _known(self, predicate: str, column: str) -> list[Value]:
+        known = self._program.predicate(predicate)
+        if known is None or not known.has_rows:
+            return []
         try:
             rows = self._relations.rows(predicate)
         except FailureError:
@@ -253,8 +297,13 @@ class Nearest:
         return Span(start, stop, text.count("\n", 0, start) + 1, text[start:stop].strip())
 
 
-def _spell(value: Value) -> str:
-    return json.dumps(value, ensure_ascii=False)
+def _change(span: Span, new: str, reason: str) -> Suggestion:
+    text = f"Change `{span.text}` to `{new}` in line {span.line}: {reason}."
+    return Suggestion(text, span, new)
+
+
+def _removal(span: Span, reason: str) -> Suggestion:
+    return Suggestion(f"Remove `{span.text}` in line {span.line}: {reason}.", span, "")
 
 
 def _examples(term: Term, ways: Sequence[Way]) -> list[Value]:
@@ -263,12 +312,35 @@ def _examples(term: Term, ways: Sequence[Way]) -> list[Value]:
     return list(found.values())[:_MOST_VALUES]
 
 
-def _unlikeness(text: Value, other: Value) -> float:
-    """Return the dissimilarity of two values: 0 if only case or type differs."""
-    one, two = str(text), str(other)
-    if one.lower() == two.lower():
+def _unlikeness(was: Value, other: Value) -> float | None:
+    """Return how far a value is from another, 0 if only case or type differs; None if far."""
+    one, two = str(was).lower(), str(other).lower()
+    if one == two:
         return 0.0
-    return distance(one.lower(), two.lower()) / max(1, min(len(one), len(two))) * 4
+    if isinstance(was, str) and isinstance(other, str):
+        size = distance(one, two)
+        return 1.0 * size if size <= min(len(one), len(two), 9) // 3 else None
+    if isinstance(was, int) and isinstance(other, int):
+        return 1.0 if abs(was - other) <= 1 else None
+    return None
+
+
+def _short(value: float) -> str:
+    return format(Decimal(f"{value:.4g}"), "f")
+
+
+def _beyond(value: float, limit: str, *, is_less: bool, is_strict: bool) -> str:
+    """Return the next round number after a value, with about as many digits as a limit."""
+    digits = len(limit.partition(".")[2])
+    is_whole = digits == 0 and float(value).is_integer()
+    while not is_whole and 10.0**-digits > 0.1 * max(abs(value), abs(float(limit))) and digits < 6:
+        digits += 1
+    unit, exact = Decimal(1).scaleb(-digits), Decimal(repr(value))
+    rounding = ROUND_CEILING if is_less else ROUND_FLOOR
+    new = exact.quantize(unit, rounding)
+    if new == exact and is_strict:
+        new += unit if is_less else -unit
+    return format(new, "f")
 
 
 def _arguments(text: str, call: Span) -> Iterator[tuple[int, int]]:

@@ -17,13 +17,17 @@ from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label,
 from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
+from logical_robots_tui.explain.why.spelling import spell_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same
 
 
-def explain(derivations: Derivations, asked: Ask) -> Explanation:
-    """Explain a predicate's rows, or their absence; raise QueryError or Stopped."""
+def explain(derivations: Derivations, asked: Ask, *, is_first: bool = True) -> Explanation:
+    """Explain a predicate's rows, or their absence; raise QueryError or Stopped.
+
+    `is_first` is False for the questions that follow from another one.
+    """
     probing = derivations.decompose(asked.predicate, asked.within)
     given = check_given(asked.given, probing)
     asked = replace(asked, given=given)
@@ -39,7 +43,10 @@ def explain(derivations: Derivations, asked: Ask) -> Explanation:
         if _is_over_nothing(probing, row):
             rules = (_over_nothing(rules[0], row), *rules[1:])
         else:
-            rules = (*rules, _note_unexplained(rules[0], probing))
+            rules = (*rules, _note(rules[0], _unexplained(probing)))
+    if row is None and (is_first or probing.recursive):
+        cut = derivations.relations.cut_off(asked.predicate)
+        rules = (*rules, *(_note(rules[0], _cut_off(*each)) for each in cut))
     return Explanation(
         asked, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
     )
@@ -60,8 +67,7 @@ class _Proving:
         self._given, self._rows, self._row = given, rows, row
         self._arguments = probing.arguments(given)
         wanted = {c: v for c, v in given.items() if c not in probing.given}
-        relations, queries = derivations.relations, probing.queries
-        self._refuting = Refuting(relations, queries, self._arguments, wanted)
+        self._refuting = Refuting(derivations, probing, self._arguments, wanted)
         self._telling = self._refuting.telling
 
     def rule(self, rule: RuleParts) -> RuleFound:
@@ -78,12 +84,12 @@ class _Proving:
             if number:
                 said = f"gives {_number_of_rows(number)}, but not the first"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
-            others, stopped, children = self._refuting.rule(rule)
+            is_else, stopped, children = self._refuting.rule(rule)
             if row is None and stopped is None and is_aggregated(rule):
                 unlike = self._unlike(rule)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
-            said = "is about something else" if others else "gives no row"
-            node = _heading(rule, said, None if others else False, children)
+            said = "is about something else" if is_else else "gives no row"
+            node = _heading(rule, said, None if is_else else False, children)
             return RuleFound(rule.span, 0, None, stopped, node)
         except FailureError as failure:
             note = Node("note", "This could not be asked", str(failure))
@@ -179,41 +185,68 @@ def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
     return replace(found, rows=1, row=row, node=node)
 
 
-def _note_unexplained(like: RuleFound, probing: Probing) -> RuleFound:
-    if probing.recursive:
-        text = "This row is from a recursion that was cut off, or that goes through a sum."
-    else:
-        text = "How this row came about could not be told."
+def _note(like: RuleFound, text: str) -> RuleFound:
     return RuleFound(like.span, None, None, None, Node("note", text))
+
+
+def _unexplained(probing: Probing) -> str:
+    if not probing.recursive:
+        return "How this row came about could not be told."
+    if not probing.founded:
+        return "This row is from a recursion that goes through a sum or a negation."
+    return "This row is from a recursion that was cut off."
+
+
+def _cut_off(predicate: str, steps: int) -> str:
+    return (
+        f"The recursion of {predicate} was cut off after {steps} steps, so later rows are missing; "
+        f"@Recursive({predicate}, {2 * steps}) would allow more."
+    )
 
 
 def prove(derivations: Derivations, asked: Ask, *, depth: int, nodes: int) -> Proof:
     """Prove a row, or its absence, up to `depth` predicates and `nodes` nodes."""
     explanation = explain(derivations, asked)
     unfolding = _Unfolding(derivations, nodes)
-    roots = tuple(unfolding.node(node, depth, ()) for node in _premises(explanation))
-    return Proof(explanation, roots, unfolding.complete)
+    above = (_key(explanation.asked),)
+    roots = tuple(unfolding.node(node, depth, above) for node in _premises(explanation))
+    return Proof(explanation, roots, unfolding.complete, unfolding.is_cut)
 
 
 class _Unfolding:
-    def __init__(self, derivations: Derivations, most: int) -> None:
-        self._derivations, self._left = derivations, most
-        self._known: dict[str, tuple[Node, ...] | str] = {}
-        self.complete = True
+    """Unfolds calls into their proofs; `is_cut` if the depth has cut some off."""
 
-    def node(self, node: Node, depth: int, above: tuple[str, ...]) -> Node:
+    def __init__(self, derivations: Derivations, most: int) -> None:
+        self._derivations, self._most, self._left = derivations, most, most
+        self._known: dict[str, Explanation | str] = {}
+        self.complete, self.is_cut = True, False
+
+    def node(
+        self, node: Node, depth: int, above: tuple[str, ...], *, is_tried: bool = True
+    ) -> Node:
+        """Return a node with proofs below; of the calls in `instance` nodes, only of the first."""
         self._left -= 1
-        children = tuple(self.node(child, depth, above) for child in node.children)
-        if node.asked is not None:
+        tried = next((child for child in node.children if child.kind == "instance"), None)
+        children = tuple(
+            self.node(child, depth, above, is_tried=child is tried or child.kind != "instance")
+            for child in node.children
+        )
+        if node.asked is not None and is_tried and tried is None:
             children = (*children, *self._called(node.asked, depth, above))
         return replace(node, children=children)
 
     def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
-        key = json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
-        if depth <= 1 or self._left <= 0 or key in above:
-            self.complete = False
+        key = _key(asked)
+        if key in above:
+            return (
+                Node("note", f"{spell_call(asked)} is asked above; no row follows from itself."),
+            )
+        if depth <= 1:
+            self.complete, self.is_cut = False, True
             return ()
         try:
+            if self._left <= 0:
+                raise FailureError(f"it has {self._most:,} lines")
             self._derivations.relations.spend(len(key))
         except FailureError as failure:
             self.complete = False
@@ -221,13 +254,17 @@ class _Unfolding:
         found = self._known.get(key)
         if found is None:
             try:
-                found = _premises(explain(self._derivations, asked))
+                found = explain(self._derivations, asked, is_first=False)
             except QueryError as error:
                 found = str(error)
             self._known[key] = found
         if isinstance(found, str):
             return (Node("note", found),)
-        return tuple(self.node(each, depth - 1, (*above, key)) for each in found)
+        return tuple(self.node(each, depth - 1, (*above, key)) for each in _premises(found))
+
+
+def _key(asked: Ask) -> str:
+    return json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
 
 
 def _premises(explanation: Explanation) -> tuple[Node, ...]:

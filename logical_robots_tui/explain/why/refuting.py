@@ -5,19 +5,41 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
-from logical_robots_tui.explain.why.deriving import Telling, ask_of, negation, number_of, value_of
-from logical_robots_tui.explain.why.explanation import Node
-from logical_robots_tui.explain.why.probing import Clause, RuleParts, Step, Term
+from logical_robots_tui.explain.why.derivations import Derivations
+from logical_robots_tui.explain.why.deriving import (
+    Telling,
+    ask_of,
+    column_label,
+    grouped,
+    negation,
+    number_of,
+    value_of,
+)
+from logical_robots_tui.explain.why.explanation import Ask, Node
+from logical_robots_tui.explain.why.probing import (
+    Call,
+    Clause,
+    Probing,
+    RuleParts,
+    Span,
+    Step,
+    Term,
+)
+from logical_robots_tui.explain.why.spelling import spell_call
+from logical_robots_tui.language.diagnostics import distance
 from logical_robots_tui.mind.failures import FailureError
-from logical_robots_tui.mind.relations import Relations, Way, same
+from logical_robots_tui.mind.relations import Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
-from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
+_MOST_COMPARED = 20_000  # pairs of asked arguments and rows
+_SHOWN_CALLS = 10
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,44 +51,57 @@ class Stop:
     ways: Sequence[Way]
 
 
+class _Reached(NamedTuple):
+    """How far ways get: steps that hold, their query, the wanted values there, number of ways."""
+
+    steps: int
+    query: str
+    wanted: list[tuple[str, Value]]
+    ways: int
+
+
 class Refuting:
-    """Explains why bodies have no derivation; `alike` are the wanted values of head columns."""
+    """Explains why bodies have no derivation; `wanted` are the values of head columns."""
 
     def __init__(
         self,
-        relations: Relations,
-        queries: Mapping[str, str],
+        derivations: Derivations,
+        probing: Probing,
         given: Sequence[Scalar],
-        alike: Mapping[str, Value],
+        wanted: Mapping[str, Value],
     ) -> None:
-        self._relations, self._queries = relations, queries
-        self._given, self._alike = given, alike
+        self._relations, self._given, self._wanted = derivations.relations, given, wanted
+        self._probing, self._queries = probing, probing.queries
 
         def refuted(clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
-            return Refuting(relations, queries, given, {}).of(clauses)
+            return Refuting(derivations, probing, given, {}).of(clauses)
 
-        self.telling = Telling(relations, queries, refuted)
+        self.telling = Telling(self._relations, probing.queries, refuted, derivations.robot)
 
-    def rule(self, rule: RuleParts) -> tuple[dict[str, Value], Node | None, tuple[Node, ...]]:
-        """Return head values unlike those asked for, the stopping node, and all nodes."""
-        others = self._others(rule)
-        if others:
-            return others, None, tuple(Node("column", c, values=(v,)) for c, v in others.items())
+    def rule(self, rule: RuleParts) -> tuple[bool, Node | None, tuple[Node, ...]]:
+        """Return whether it is about something else, the stopping node, and all nodes."""
+        if others := self._others(rule):
+            is_else = self._is_about_else(rule, others)
+            said, holds = ("", None) if is_else else ("came out", False)
+            columns = (
+                Node("column", column_label(c), said, holds, (v,)) for c, v in others.items()
+            )
+            nodes = tuple(columns)
+            return is_else, None if is_else else nodes[0], nodes
         found = [self._clause(clause) for clause in rule.clauses]
-        nodes = _join(rule.clauses, [nodes for _, nodes in found])
-        return {}, _last_step(found), nodes
+        return False, max(found, key=lambda each: each.steps).stop, _join(found)
 
     def stop(self, rule: RuleParts) -> Stop | None:
         """Return what stops the clause that gets furthest, or None if nothing stops it."""
         if self._others(rule):
             return None
-        reached = [(clause, *self._reached(clause)) for clause in rule.clauses]
-        clause, number, query, now, _ = max(reached, key=lambda each: each[1])
-        sql = self._queries.get(query)
-        if number == len(clause.steps) or sql is None:
+        reached = [(clause, self._reached(clause)) for clause in rule.clauses]
+        clause, found = max(reached, key=lambda each: each[1].steps)
+        sql = self._queries.get(found.query)
+        if found.steps == len(clause.steps) or sql is None:
             return None
-        ways = self._relations.ways(sql, self._given, now, most=_MOST_WAYS)
-        return Stop(clause, clause.steps[number], ways)
+        ways = self._relations.ways(sql, self._given, found.wanted, most=_MOST_WAYS)
+        return Stop(clause, clause.steps[found.steps], ways)
 
     def of(self, clauses: Sequence[Clause]) -> tuple[Node, ...]:
         """Return why none of some clauses has a derivation, or the derivation of one that has."""
@@ -74,96 +109,179 @@ class Refuting:
             way = self._first(clause.query)
             if way is not None:
                 return self.telling.derivation(clause, way)
-        return _join(clauses, [self._clause(clause)[1] for clause in clauses])
+        return _join([self._clause(clause) for clause in clauses])
 
-    # -- inside ----------------------------------------------------------------------------------
+    # -- columns ---------------------------------------------------------------------------------
 
     def _others(self, rule: RuleParts) -> dict[str, Value]:
+        """Return the constants of a head that are unlike what is wanted."""
         clause = rule.clauses[0]
-        way = self._first(clause.before)
+        way = self._first(clause.before) or {}
         return {
             column: value_of(way, place)
             for column, place in clause.head.items()
-            if way is not None and column in self._alike and place in way and column != VALUE
-            if not same(value_of(way, place), self._alike[column])
+            if column in self._wanted and place in way and not _is_asked_of_body(clause, column)
+            if not same(value_of(way, place), self._wanted[column])
         }
 
-    def _reached(self, clause: Clause) -> tuple[int, str, list[tuple[str, Value]], int]:
-        """Return how many steps hold, their query, its conditions, and the number of ways."""
-        reached: tuple[str, list[tuple[str, Value]], int] = (clause.before, [], 1)
-        for number, step in enumerate(clause.steps):
+    def _is_about_else(self, rule: RuleParts, others: Mapping[str, Value]) -> bool:
+        """Return whether a rule's constants share nothing with what is wanted."""
+        alike = self._wanted.keys() - others.keys() - {"robot_name"}
+        head = rule.clauses[0].terms
+        is_near = any(head[column].kind == "literal" for column in alike if column in head)
+        is_computed = all(head[column].kind != "literal" for column in others)
+        return "robot_name" in others or not (self._probing.given or is_near or is_computed)
+
+    def _places(self, clause: Clause, query: str, *, joined: bool) -> list[tuple[str, Value]]:
+        """Return the wanted values of a query's columns that are bound by calls, or computed."""
+        sql = self._queries[query]
+        return [
+            (place, self._wanted[column])
+            for column, place in clause.head.items()
+            if column in self._wanted
+            and joined == _is_joined(clause, column)
+            and re.search(rf"\bAS {place}\b", sql)
+        ]
+
+    def _came_out(self, clause: Clause, way: Way) -> Node | None:
+        """Return the first computed column that differs from what is wanted wherever steps hold."""
+        sql = self._queries[clause.query]
+        wanted = self._places(clause, clause.query, joined=True)
+        for column, place in clause.head.items():
+            if column not in self._wanted or _is_joined(clause, column):
+                continue
+            further = [*wanted, (place, self._wanted[column])]
+            if self._relations.count(sql, self._given, further):
+                wanted = further
+                continue
+            what = f"DISTINCT {place}"
+            ways = self._relations.ways(sql, self._given, wanted, what, _MOST_WAYS)
+            values = tuple(from_sql(each[place]) for each in ways)
+            return self._computed(column, clause.terms[column], way, values)
+        return None
+
+    def _computed(self, column: str, term: Term, way: Way, values: tuple[Value, ...]) -> Node:
+        shown, more = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
+        found = Node("column", column_label(column), "came out", False, shown, more)
+        if term.kind in ("literal", "variable"):
+            return found
+        text = f"{found.text}: {term.span.text}"
+        if term.kind == "call" and term.call is not None:
+            (called,) = self.telling.term(term, way) or (found,)
+            asked, inside = called.asked, called.children
+        else:
+            asked, inside = None, tuple(self.telling.reason(term, way))
+        inside = inside if len(values) == 1 else ()
+        return replace(found, text=text, span=term.span, asked=asked, children=inside)
+
+    # -- steps -----------------------------------------------------------------------------------
+
+    def _reached(self, clause: Clause) -> _Reached:
+        reached = _Reached(0, clause.before, [], 1)
+        for number, step in enumerate(clause.steps, 1):
             sql = self._queries.get(step.query)
             if sql is None:
                 continue  # the next step answers for this one, too
-            now = self._conditions(clause, step.query)
-            found = self._relations.count(sql, self._given, now, _MOST_WAYS)
+            wanted = self._places(clause, step.query, joined=True)
+            found = self._relations.count(sql, self._given, wanted, _MOST_WAYS)
             if not found:
-                return number, *reached
-            reached = step.query, now, found
-        return len(clause.steps), *reached
+                return reached._replace(steps=number - 1)
+            reached = _Reached(number, step.query, wanted, found)
+        return reached._replace(steps=len(clause.steps))
 
-    def _clause(self, clause: Clause) -> tuple[int, tuple[Node, ...]]:
-        number, query, now, ways = self._reached(clause)
-        before = self._first(query, now)
-        held = self._held(clause, number, before, ways)
-        if number == len(clause.steps):
-            return number, (*held, *self._unlike(clause, query))
-        return number, (*held, self._failed(clause, clause.steps[number], query, before, ways))
+    def _clause(self, clause: Clause) -> _Refuted:
+        reached = self._reached(clause)
+        way = self._first(reached.query, reached.wanted)
+        held = self._held(clause, reached, way)
+        if reached.steps < len(clause.steps):
+            step = clause.steps[reached.steps]
+            return _Refuted(clause, reached.steps, held, self._failed(clause, step, reached, way))
+        failed = self._came_out(clause, way or {}) if self._wanted else None
+        return _Refuted(clause, reached.steps, held, failed)
 
-    def _held(self, clause: Clause, until: int, way: Way | None, ways: int) -> tuple[Node, ...]:
-        nodes = self.telling.derivation(clause, way or {}, until)
-        if ways > 1 and nodes:
-            said = f"one of {number_of(ways, 'way', is_all=ways < _MOST_WAYS)}"
+    def _held(self, clause: Clause, reached: _Reached, way: Way | None) -> tuple[Node, ...]:
+        nodes = self.telling.derivation(clause, way or {}, reached.steps)
+        if reached.ways > 1 and nodes:
+            said = f"one of {number_of(reached.ways, 'way', is_all=reached.ways < _MOST_WAYS)}"
             nodes = (*nodes[:-1], replace(nodes[-1], said=said))
         return nodes
 
-    def _failed(self, clause: Clause, step: Step, before: str, way: Way | None, ways: int) -> Node:
-        span, text = step.span, step.span.text
-        sql = self._queries[step.query]
-        elsewhere = self._relations.count(sql, self._given, (), _MOST_WAYS) if self._alike else 0
-        said = "in no way"
-        if elsewhere:
-            number = number_of(elsewhere, "way", is_all=elsewhere < _MOST_WAYS)
-            said = f"not here, but in {number} elsewhere"
+    def _failed(self, clause: Clause, step: Step, reached: _Reached, way: Way | None) -> Node:
+        text, said = step.span.text, self._elsewhere(step)
         children: tuple[Node, ...] = ()
-        asked = None
-        is_one = ways == 1
+        asked: Ask | None = None
         if way is not None and step.denied is not None:
             children = self.telling.refuted(step.denied, way)
             text, found = negation(text, holds=False)
-            said = said if elsewhere else found
+            said = said or found
         elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
-            asked = ask_of(step.call, way | self._known(clause))
+            asked, children = self._call(step.call, reached, self._known(clause))
         terms = [term for term in step.terms if term.kind != "literal"]
-        if way is not None and is_one:
-            children = (*children, *(n for term in terms for n in self.telling.term(term, way)))
-        elif before:
-            columns = self._conditions(clause, before)
-            children = (*children, *self._examples(terms, before, columns))
-        if asked is not None:
-            arguments = (Node("value", c, values=(v,)) for c, v in asked.given.items())
-            children = (*children, *arguments)
+        if way is not None and reached.ways == 1:
+            inside = tuple(node for term in terms for node in self.telling.term(term, way))
+        else:
+            inside = tuple(self._examples(terms, reached))
         return Node(
             "call" if step.kind == "function" else step.kind,
             text,
-            said,
+            said or "in no way",
             False,
-            span=span,
+            span=step.span,
             asked=asked,
-            children=children,
+            children=(*inside, *children),
         )
 
-    def _examples(
-        self, terms: Sequence[Term], query: str, alike: Sequence[tuple[str, Value]]
-    ) -> Iterator[Node]:
+    def _elsewhere(self, step: Step) -> str:
+        """Return that a step holds for other values than those wanted, or ""."""
+        number = 0
+        if self._wanted:
+            sql = self._queries[step.query]
+            number = self._relations.count(sql, self._given, (), _MOST_WAYS)
+        if not number:
+            return ""
+        ways = number_of(number, "way", is_all=number < _MOST_WAYS)
+        if self._wanted.keys() == {"robot_name"}:
+            return f"not here, but in {ways} elsewhere"
+        return f"not for these values, but in {ways} for others"
+
+    def _call(self, call: Call, reached: _Reached, known: Way) -> tuple[Ask, tuple[Node, ...]]:
+        """Return what a call was asked for, nearest to a row that is there first."""
+        sql = self._queries[reached.query]
+        places = [p for p in call.arguments.values() if re.search(rf"\bAS {p}\b", sql)]
+        what = f"DISTINCT {', '.join(dict.fromkeys(places))}" if places else "1"
+        ways = self._relations.ways(
+            sql, self._given, reached.wanted, what, _MOST_WAYS if places else 1
+        )
+        asks = [ask_of(call, way | known) for way in ways]
+        if len(asks) > 1:
+            asks = self._nearest_first(asks)
+            shown = [Node("instance", spell_call(ask), asked=ask) for ask in asks[:_SHOWN_CALLS]]
+            if more := len(asks) - len(shown):
+                shown.append(Node("note", f"and {more:,} more"))
+            return asks[0], tuple(shown)
+        given = asks[0].given.items()
+        return asks[0], tuple(Node("value", column_label(c), values=(v,)) for c, v in given)
+
+    def _nearest_first(self, asks: list[Ask]) -> list[Ask]:
+        name, probing = asks[0].predicate, self._probing
+        if asks[0].within or name not in probing.tables:
+            return asks
+        rows = self._relations.rows(name, probing.sources.get(name, ""))
+        rows = rows[: _MOST_COMPARED // len(asks)]
+
+        def gap(ask: Ask) -> float:
+            return min((_gap(ask.given, row) for row in rows), default=0.0)
+
+        return sorted(asks, key=gap)
+
+    def _examples(self, terms: Sequence[Term], reached: _Reached) -> Iterator[Node]:
+        sql = self._queries.get(reached.query)
         for term in _flat(terms):
-            sql = self._queries.get(query)
             if sql is None or not term.column or term.kind == "literal":
                 continue
+            what = f"DISTINCT {term.column}"
             try:
-                found = self._relations.ways(
-                    sql, self._given, alike, f"DISTINCT {term.column}", _MOST_WAYS
-                )
+                found = self._relations.ways(sql, self._given, reached.wanted, what, _MOST_WAYS)
             except FailureError:
                 continue
             values = tuple(from_sql(way[term.column]) for way in found)
@@ -176,30 +294,108 @@ class Refuting:
                 span=term.span,
             )
 
-    def _unlike(self, clause: Clause, query: str) -> Iterator[Node]:
-        way = self._first(query, self._conditions(clause, query))
-        for column, place in clause.head.items() if way is not None else ():
-            if column in self._alike and not same(value_of(way or {}, place), self._alike[column]):
-                value = value_of(way or {}, place)
-                yield Node("column", column, "is another", False, (value,))
-
     def _known(self, clause: Clause) -> Way:
-        head, alike = clause.head, self._alike
-        return {place: to_sql(alike[c]) for c, place in head.items() if c in alike}
+        return {
+            place: to_sql(self._wanted[column])
+            for column, place in clause.head.items()
+            if column in self._wanted and _is_joined(clause, column)
+        }
 
-    def _first(self, query: str, alike: Sequence[tuple[str, Value]] = ()) -> Way | None:
+    def _first(self, query: str, wanted: Sequence[tuple[str, Value]] = ()) -> Way | None:
         sql = self._queries.get(query)
         if sql is None:
             return None
-        return next(iter(self._relations.ways(sql, self._given, alike)), None)
+        return next(iter(self._relations.ways(sql, self._given, wanted)), None)
 
-    def _conditions(self, clause: Clause, query: str) -> list[tuple[str, Value]]:
-        sql = self._queries[query]
-        return [
-            (place, self._alike[column])
-            for column, place in clause.head.items()
-            if column in self._alike and column != VALUE and re.search(rf"\bAS {place}\b", sql)
-        ]
+
+class _Refuted(NamedTuple):
+    """How a clause ends: steps that hold, as nodes, and what stops it."""
+
+    clause: Clause
+    steps: int
+    held: tuple[Node, ...]
+    stop: Node | None
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        return (*self.held, *((self.stop,) if self.stop is not None else ()))
+
+    @property
+    def met(self) -> tuple[Span, ...]:
+        """The alternatives that were evaluated, at least in part."""
+        reached = self.clause.steps[: self.steps + 1]
+        return tuple(
+            span for span in self.clause.taken if any(span.holds(step.span) for step in reached)
+        )
+
+    @property
+    def failing(self) -> Span | None:
+        """The innermost alternative that it ends in, or None if it gets past all of them."""
+        ends = self.clause.steps[self.steps : self.steps + 1]
+        return next((s for s in self.met[::-1] if any(s.holds(step.span) for step in ends)), None)
+
+
+def _join(found: Sequence[_Refuted]) -> tuple[Node, ...]:
+    """Return the nodes of a body with alternatives: each that fails, and what stops the others."""
+    if len(found) == 1:
+        return found[0].nodes
+    different = {(each.met, repr(each.nodes)): each for each in found}
+    ends = [*different.values()]
+    if len(ends) == 1:
+        return tuple(grouped(ends[0].nodes, ends[0].met))
+    common = 0
+    while (
+        all(len(each.nodes) > common for each in ends)
+        and len({repr(each.nodes[common]) for each in ends}) == 1
+    ):
+        common += 1
+    failing = [_alternative(each, common) for each in ends if each.failing is not None]
+    passed = [each for each in ends if each.failing is None]
+    if len(passed) == 1:
+        rest: Sequence[Node] = grouped(passed[0].nodes[common:], passed[0].met)
+    else:
+        rest = [_alternative(each, common) for each in passed]
+    return (*ends[0].nodes[:common], *failing, *rest)
+
+
+def _alternative(end: _Refuted, common: int) -> Node:
+    nodes, span = end.nodes[common:], end.failing
+    if span is not None:
+        held = [each for each in end.met if not each.holds(span)]
+        said, children = "this alternative does not hold", tuple(grouped(nodes, held))
+        return Node("alternative", span.text, said, False, span=span, children=children)
+    text = " and ".join(each.text for each in end.met)
+    said = "this alternative holds, but not what comes after it"
+    span = end.met[-1] if end.met else None
+    return Node("alternative", text, said, span=span, children=nodes)
+
+
+def _is_joined(clause: Clause, column: str) -> bool:
+    """Return whether a column of the head is a variable that no equation or list gives."""
+    place = clause.head[column]
+    return clause.terms[column].kind in ("variable", "literal") and not any(
+        place in step.gives.values() for step in clause.steps if step.kind in ("value", "element")
+    )
+
+
+def _is_asked_of_body(clause: Clause, column: str) -> bool:
+    """Return whether a column's value is known only together with the body."""
+    return bool(clause.steps) and clause.terms[column].kind != "literal"
+
+
+def _gap(given: Mapping[str, Value], row: Mapping[str, Value]) -> float:
+    """Return the dissimilarity of arguments and a row, at most 1 for each argument."""
+    return sum(_difference(value, row.get(column)) for column, value in given.items())
+
+
+def _difference(one: Value, other: Value) -> float:
+    if same(one, other):
+        return 0.0
+    if isinstance(one, int | float) and isinstance(other, int | float):
+        return 0.5 * (size := abs(one - other)) / (size + 1)
+    if isinstance(one, str) and isinstance(other, str):
+        return min(1.0, distance(one, other) / max(1, len(one), len(other)))
+    return 1.0
 
 
 def _flat(terms: Sequence[Term]) -> Iterator[Term]:
@@ -207,32 +403,3 @@ def _flat(terms: Sequence[Term]) -> Iterator[Term]:
         yield term
         if term.kind in ("truth", "if"):
             yield from _flat(term.parts)
-
-
-def _join(clauses: Sequence[Clause], found: Sequence[tuple[Node, ...]]) -> tuple[Node, ...]:
-    if len(clauses) == 1:
-        return found[0]
-    common = 0
-    while (
-        all(len(nodes) > common for nodes in found)
-        and len({repr(nodes[common]) for nodes in found}) == 1
-    ):
-        common += 1
-    branches = tuple(
-        Node(
-            "alternative",
-            " and ".join(span.text for span in clause.taken),
-            "this alternative does not hold",
-            False,
-            span=clause.taken[-1] if clause.taken else None,
-            children=nodes[common:],
-        )
-        for clause, nodes in zip(clauses, found, strict=True)
-        if nodes[common:]
-    )
-    return (*found[0][:common], *branches)
-
-
-def _last_step(found: Sequence[tuple[int, tuple[Node, ...]]]) -> Node | None:
-    _, nodes = max(found, key=lambda each: each[0])
-    return nodes[-1] if nodes and nodes[-1].holds is False else None

@@ -224,7 +224,8 @@ class _Sourcing:
         operator = found[0][1].operator
         chosen = None
         if operator in DECIDED_BY_ONE:
-            best = winner(found, value)
+            queries = frames[0].probing.queries
+            best = winner(self._derivations.relations, queries, found, value)
             chosen = next((n for n, each in enumerate(found) if each is best), None)
         elif path and isinstance(value, list) and isinstance(path[0], int):
             wanted = part_of(value, path[:1])

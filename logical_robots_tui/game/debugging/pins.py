@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Table
@@ -50,8 +50,9 @@ class Pin(NamedTuple):
     def words(self) -> str:
         """Its full description, such as ``Robot.memory for Ada``."""
         parts = (
-            f"{'' if name in ROBOT_COLUMNS else name} {_short(value)}".strip()
+            one if name in ROBOT_COLUMNS else f"{name} {one}"
             for name, value in self.where
+            for one in [value if isinstance(value, str) else spell(value, is_rounded=True)]
         )
         return f"{self.name} for {', '.join(parts)}" if self.where else self.name
 
@@ -115,10 +116,6 @@ def read(pin: Pin, table: Table | QueryError) -> Reading:
     if len(rows) != 1:
         return Reading(problem=f"{len(rows)} rows." if rows else "No row.")
     return _inside(rows[0][table.columns.index(pin.column)], pin.path)
-
-
-def _short(value: Value) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else f"{value}"
 
 
 def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tuple[Value, ...]]:

@@ -5,7 +5,8 @@ The package keeps global state, so one process compiles one program at a time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
@@ -38,6 +39,7 @@ from logical_robots_tui.language.tree import (
     text_of,
     variables,
 )
+from logical_robots_tui.language.types import Kind, Plain, Tables, dump_kind
 from logical_robots_tui.language.web import web_remarks
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
@@ -86,7 +88,13 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         mentions=mentions,
         needed=needed,
         uses=uses,
-        truths={name: compiled.truths[name] for name in statements if name in compiled.truths},
+        truths={name: truths for name in statements if (truths := compiled.truths(name))},
+        kinds=json.dumps(
+            {
+                name: {column: dump_kind(kind) for column, kind in compiled.kinds[name].items()}
+                for name in statements
+            }
+        ),
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
     return program, compiled.trees
@@ -104,8 +112,12 @@ def without_visibility(program: Sequence[Statement], text: str) -> list[Statemen
     return _take_visibility(program, text)[0]
 
 
-def compile_statements(program: Sequence[Statement], source: Prepared) -> RobotProgram:
+def compile_statements(
+    program: Sequence[Statement], source: Prepared, tables: Tables | None = None
+) -> RobotProgram:
     """Return the package's program for some statements and the prelude.
+
+    `tables` are those that the statements may read besides the inputs.
 
     Raises:
         ProgramError: They can't be compiled.
@@ -116,9 +128,8 @@ def compile_statements(program: Sequence[Statement], source: Prepared) -> RobotP
         own = definitions(spelled)
         library = [rule for rule in prelude() if rule.name not in own]
         iterated, found = fixpoints([*spelled, *library])
-        return RobotProgram(
-            to_package(iterated, source), found, user_flags={"logica_default_engine": "sqlite"}
-        )
+        flags = {"logica_default_engine": "sqlite"}
+        return RobotProgram(to_package(iterated, source), found, tables or {}, user_flags=flags)
     except error_messages.COMPLAINTS as error:
         raise ProgramError(
             (_endless(error, program, source.original) or error_messages.explain(error, source),)
@@ -133,12 +144,7 @@ def statements_of(
     Raises:
         ProgramError: The program can't be compiled.
     """
-    compiled = compile_statements(program, source)
-    found = {}
-    for name in wanted:
-        with suppress(*error_messages.COMPLAINTS):
-            found[name] = compiled.FormattedPredicateSql(name).rstrip().removesuffix(";")
-    return found
+    return compile_statements(program, source).statements(wanted)
 
 
 def _refuse(found: list[Diagnostic]) -> None:
@@ -153,11 +159,14 @@ def _refuse(found: list[Diagnostic]) -> None:
 class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package has no types
     """The package's program, as single queries that create no tables."""
 
-    def __init__(self, rules: list[Raw], fixpoints: list[Fixpoint], **options: Any) -> None:
+    def __init__(
+        self, rules: list[Raw], fixpoints: list[Fixpoint], tables: Tables, **options: Any
+    ) -> None:
+        self.tables = tables
         self.steps: dict[str, int] = {}
         self.fixpoints = fixpoints
         self.trees: dict[str, exp.Query] = {}  # by statement
-        self.truths: dict[str, tuple[str, ...]] = {}  # boolean columns by predicate
+        self.kinds: dict[str, Mapping[str, Kind]] = {}  # of columns, by predicate
         self._step_queries: dict[Fixpoint, tuple[str, ...]] = {}
         super().__init__(rules, **options)
 
@@ -176,12 +185,23 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         """Return a predicate's SQL with DuckDB's types; raise the package's exceptions."""
         iterated = next((each for each in self.fixpoints if name in each.names), None)
         sql = iterated.all_rows(name) if iterated else super().FormattedPredicateSql(name)
-        text, tree, truths = as_on_duckdb(with_fixpoints(sql, self._steps()))
-        if truths:
-            self.truths[name] = truths
+        text, tree, self.kinds[name] = as_on_duckdb(with_fixpoints(sql, self._steps()), self.tables)
         if tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
             self.trees[text] = tree
         return text
+
+    def truths(self, name: str) -> tuple[str, ...]:
+        """Return the boolean columns of a predicate that was compiled."""
+        kinds = self.kinds.get(name, {})
+        return tuple(column for column, kind in kinds.items() if kind is Plain.TRUTH)
+
+    def statements(self, wanted: Iterable[str]) -> dict[str, str]:
+        """Return SQL for the rows of those predicates that can be computed alone."""
+        found = {}
+        for name in wanted:
+            with suppress(*error_messages.COMPLAINTS):
+                found[name] = self.FormattedPredicateSql(name).rstrip().removesuffix(";")
+        return found
 
     def _steps(self) -> dict[Fixpoint, tuple[str, ...]]:
         if not self._step_queries:

@@ -106,7 +106,7 @@ def _compile(whole: str, asked: str, *, is_bare: bool) -> tuple[str, tuple[str, 
                 (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
         raise ProgramError((error_messages.explain(error, source),)) from None
-    return sql, compiled.truths.get(asked, ())
+    return sql, compiled.truths(asked)
 
 
 def _place(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:

@@ -14,6 +14,7 @@ from logical_robots_tui.language.types import (
     Kind,
     ListOf,
     Plain,
+    Tables,
     common,
     digits,
     is_nested,
@@ -160,7 +161,8 @@ _MOST_DIGITS = 15  # of a decimal number that a real one holds exactly enough
 class Reader:
     """One query. Methods that return an expression's type rewrite the expression in place."""
 
-    def __init__(self) -> None:
+    def __init__(self, tables: Tables) -> None:
+        self._tables = tables
         self._named: dict[str, Columns] = {}
         self._scopes: list[dict[str, Columns]] = []
 
@@ -228,7 +230,8 @@ class Reader:
             return {"value": found.element if isinstance(found, ListOf) else Plain.ANY}
         if table.name in self._named:
             return self._named[table.name]
-        return dict(_INPUTS.get(table.name.lower(), {}))
+        known = self._tables.get(table.name) or _INPUTS.get(table.name.lower(), {})
+        return dict(known)
 
     # -- expressions ---------------------------------------------------------------------------
 

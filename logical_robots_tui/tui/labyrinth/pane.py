@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.inspector.widgets.plots import format_number
+from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
 from logical_robots_tui.tui.labyrinth.camera import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
@@ -155,7 +155,7 @@ def _content(
         _label(
             "memory",
             Content.styled(
-                format_number(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text
+                format_value(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text
             ),
         ),
     ]

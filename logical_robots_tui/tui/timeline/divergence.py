@@ -15,7 +15,7 @@ from logical_robots_tui.game.debugging.proof_difference import Comparison, compa
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
-from logical_robots_tui.tui.inspector.widgets.plots import format_number
+from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
@@ -68,7 +68,7 @@ def derivation(comparison: Comparison) -> Content:
         return Content(f"The proofs of {robot}'s decision are equal as far as they go.")
     given = ", ".join(
         f"{'' if name.startswith('col') and name[3:].isdigit() else f'{name}: '}"
-        f"{format_number(value, _LONGEST_ARGUMENT)}"
+        f"{format_value(value, _LONGEST_ARGUMENT)}"
         for name, value in found.asked.given.items()
     )
     what = one_line(f"{found.asked.predicate}({given})")
@@ -89,7 +89,7 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
     line = f"line {node.span.line}  " if node.span is not None else ""
     text = Content.assemble((line, INK.key), (clip(one_line(node.text), _LONGEST_TEXT), INK.text))
     if kind == "value" or node.kind == "column":
-        values = " or ".join(format_number(value, _LONGEST_TEXT) for value in node.values)
+        values = " or ".join(format_value(value, _LONGEST_TEXT) for value in node.values)
         return text.append(Content.styled(f" = {values}" if values else "", INK.number))
     if node.holds is False:
         return text.append(Content.styled("  does not hold", INK.bad))
@@ -143,4 +143,4 @@ def _describe_matter(matter: Matter, value: Any, digits: int) -> str:
             return visible(" ".join(value)) or "none"
         case "desire":
             return "none"
-    return format_number(value, _LONGEST)
+    return format_value(value, _LONGEST)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game import Goal
 from logical_robots_tui.tui.inspector.pages.robots import radar_strip
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
 from logical_robots_tui.tui.layout.status_line import Status, fit
 from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
 from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
@@ -64,7 +64,7 @@ def test_clipped_text_is_never_longer(text: str, width: int) -> None:
     ],
 )
 def test_values_are_written_as_a_program_would(value: object, text: str) -> None:
-    assert format_number(value) == text  # type: ignore[arg-type] # any value will do
+    assert format_value(value) == text  # type: ignore[arg-type] # any value will do
 
 
 @pytest.mark.parametrize(
@@ -79,13 +79,13 @@ def test_text_in_a_table_has_quotes_only_where_it_could_be_something_else(
 
 @given(VALUES, st.integers(1, 50))
 def test_any_value_can_be_written_in_any_room(value: object, limit: int) -> None:
-    assert len(format_number(value, limit)) <= limit  # type: ignore[arg-type] # any value will do
+    assert len(format_value(value, limit)) <= limit  # type: ignore[arg-type] # any value will do
     assert len(cell(value, limit)[0]) <= limit  # type: ignore[arg-type] # any value will do
 
 
 def test_a_large_value_is_cut_without_being_written_out() -> None:
     endless: Value = {"a": "x" * 10_000_000, "b": list(range(1_000_000))}
-    assert len(format_number(endless, 100)) == 100
+    assert len(format_value(endless, 100)) == 100
 
 
 def test_the_radar_is_31_bars_of_the_objects_colours() -> None:

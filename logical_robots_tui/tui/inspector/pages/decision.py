@@ -13,7 +13,7 @@ from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, radar_plot
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value, radar_plot
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
@@ -158,5 +158,5 @@ def _named(name: str, text: str) -> Content:
 def _valued(name: str, value: Value, *, changed: bool = False) -> Content:
     mark = ("• ", INK.key) if changed else ("  ", INK.dim)
     return Content.assemble(
-        mark, (f"{one_line(name)}  ", INK.dim), (format_number(value, _LONGEST), INK.record)
+        mark, (f"{one_line(name)}  ", INK.dim), (format_value(value, _LONGEST), INK.record)
     )

@@ -12,7 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Questions, Survey
-from logical_robots_tui.tui.inspector.widgets.plots import format_number
+from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -83,7 +83,7 @@ class PredicatePage(Page):
         self._value_box.display = self.view.display and pointed is not None
         if pointed is not None:
             shown = Content.assemble(
-                (f"{one_line(pointed[0])} = ", INK.dim), format_number(pointed[1])
+                (f"{one_line(pointed[0])} = ", INK.dim), format_value(pointed[1])
             )
             if shown != self._value_shown:
                 self._value_shown = shown

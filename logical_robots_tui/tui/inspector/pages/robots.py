@@ -15,7 +15,7 @@ from logical_robots_tui.game import Frame
 from logical_robots_tui.schema import SENSOR_RANGE
 from logical_robots_tui.tui.inspector.page import Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_number
+from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -147,7 +147,7 @@ def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
         found.append(
             Content.assemble(
                 (f"{one_line(chosen or '')} remembers ", INK.dim),
-                (format_number(frame.memories.get(chosen or ""), 4000), INK.text),
+                (format_value(frame.memories.get(chosen or ""), 4000), INK.text),
             )
         )
     return found
@@ -255,7 +255,7 @@ def _charge(robot: _Robot) -> Content:
 
 
 def _memory(robot: _Robot, width: int) -> Content:
-    return Content.styled(f" {format_number(robot.memory, width - 1)}", INK.dim)
+    return Content.styled(f" {format_value(robot.memory, width - 1)}", INK.dim)
 
 
 def _number(value: float) -> Content:

@@ -23,7 +23,7 @@ from logical_robots_tui.tui.inspector.page import (
     progress,
     sight,
 )
-from logical_robots_tui.tui.inspector.widgets.plots import format_number
+from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -237,9 +237,7 @@ class WhyPage(Page):
 
 
 def _suggestion(rule: int, each: Suggestion) -> Node:
-    change = f"write {each.change}" if each.change else f"leave out {each.span.text}"
-    text = f"line {each.span.line}: {change}"
-    return Node("note", text, f"rule in line {rule}: {each.text}", span=each.span)
+    return Node("note", each.text, f"rule in line {rule}", span=each.span)
 
 
 def _proving(found: Explanation) -> Sequence[Node]:
@@ -256,6 +254,4 @@ def _others(found: Explanation) -> Sequence[Node]:
 
 
 def _arguments(asked: Ask) -> str:
-    return ", ".join(
-        clip(format_number(value), _LONGEST_ARGUMENT) for value in asked.given.values()
-    )
+    return ", ".join(clip(format_value(value), _LONGEST_ARGUMENT) for value in asked.given.values())

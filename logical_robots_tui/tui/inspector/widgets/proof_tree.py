@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
@@ -161,7 +161,9 @@ class ProofTree:
         if node.asked is None:
             return ProofLine(node, depth, key, node.children, lacks=False)
         more = self._unfolded.get(key, ())
-        is_proved = more or any(child.kind in ("rule", "note") for child in node.children)
+        is_proved = more or any(
+            child.kind in ("rule", "note", "instance") for child in node.children
+        )
         return ProofLine(node, depth, key, (*node.children, *more), lacks=not is_proved)
 
 
@@ -214,5 +216,5 @@ def _values(node: Node, room: int) -> Content:
 
 def _value(node: Node, value: Value, limit: int) -> tuple[str, str]:
     if node.is_truth:
-        return format_number(None if value is None else bool(value)), INK.number
+        return format_value(None if value is None else bool(value)), INK.number
     return cell(value, min(limit, _WIDEST_VALUE))

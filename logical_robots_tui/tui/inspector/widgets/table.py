@@ -20,7 +20,7 @@ from textual.strip import Strip
 
 from logical_robots_tui.game import MIND, ROBOT_COLUMNS
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_number, is_number
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value, is_number
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
@@ -78,7 +78,7 @@ def arrange(rows: Rows, how: RowOrder) -> Rows:
         kept = [
             number
             for number in kept
-            if any(wanted in format_number(value).casefold() for value in rows.rows[number])
+            if any(wanted in format_value(value).casefold() for value in rows.rows[number])
         ]
     if how.sort in columns:
         by = columns.index(how.sort)
@@ -135,7 +135,7 @@ def _rank(value: Value) -> tuple[int, Any]:
         return 0, 0
     if isinstance(value, bool | int | float):
         return 1, value
-    return (2, value) if isinstance(value, str) else (3, format_number(value))
+    return (2, value) if isinstance(value, str) else (3, format_value(value))
 
 
 def _plain(value: Value) -> Any:

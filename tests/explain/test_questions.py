@@ -1,0 +1,79 @@
+"""Questions of a player's own: a predicate with values, as Logica writes it."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.explain import Ask
+from logical_robots_tui.explain.clauses import calls
+from logical_robots_tui.explain.why.spelling import read_call, spell_call
+from logical_robots_tui.language.diagnostics import ProgramError
+
+if TYPE_CHECKING:
+    from logical_robots_tui.values import Value
+
+NAMES = st.from_regex(r"[a-z][a-z_0-9]{0,6}", fullmatch=True).filter(
+    lambda name: name not in {"if", "then", "else", "in", "is", "not", "null", "true", "false"}
+)
+LEAVES = (
+    st.none()
+    | st.booleans()
+    | st.integers(-(10**9), 10**9)
+    | st.floats(-1e9, 1e9).map(lambda x: round(x, 6))
+    | st.text(st.characters(categories=("L", "N", "P", "Zs", "Cc")), max_size=12)
+)
+VALUES = st.recursive(
+    LEAVES,
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(NAMES, inner, min_size=1, max_size=3)
+    ),
+    max_leaves=6,
+)
+
+
+@given(st.lists(VALUES, max_size=3), st.dictionaries(NAMES, VALUES, max_size=3))
+def test_a_question_that_is_written_can_be_read_again(
+    in_place: list[Value], named: dict[str, Value]
+) -> None:
+    columns = {f"col{place}": value for place, value in enumerate(in_place)}
+    asked = Ask("Pred", {**columns, **named})
+    called = calls.read_call(spell_call(asked))
+    assert (called.predicate, json.loads(called.given)) == (asked.predicate, asked.given)
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("Robot", Ask("Robot")),
+        ("Next(robot_name:, ray:)", Ask("Next")),
+        ("Speed(d)", Ask("Speed")),
+        ('Next(robot_name: "Crow", ray:)', Ask("Next", {"robot_name": "Crow"})),
+        ("Speed(-0.5) == 3", Ask("Speed", {"col0": -0.5, "logica_value": 3})),
+    ],
+)
+def test_what_has_no_value_is_left_open(text: str, asked: Ask) -> None:
+    assert read_call(text) == asked
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "the question is empty"),
+        ("x > 5", "this is no predicate with values"),
+        ("12", "this is no predicate with values"),
+        ("A(1), B(2)", "these are several conditions"),
+        ("Speed(1 + 2)", "this is no value"),
+        ("Speed(F(2))", "this is no value"),
+        ("Speed(1", "bracket"),
+        ('Speed("a)', "this text is never closed"),
+        ("Speed(1).x == 2", "this is no predicate with values"),
+    ],
+)
+def test_nonsense_is_refused_with_the_reason(text: str, message: str) -> None:
+    with pytest.raises(ProgramError, match=message):
+        read_call(text)

@@ -1,0 +1,163 @@
+"""Refutations: what fails is named where it fails, and what holds is not said to fail."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.explain import Node
+from tests.explain.asking import REST, below, find, proof, texts, why
+
+ITEMS = "Item(x: 1, y: 2); Item(x: 2, y: 3);"
+
+COUNTING = """
+Number(x: 0) distinct;
+Number(x: x + 1) distinct :- Number(x:), x < {most};
+@Recursive(Number, 5);
+Robot(robot_name:, desire: {{left_engine: x, right_engine: x}}, memory: "") :-
+  Sensor(robot_name:), x == Max{{n :- Number(x: n)}};
+"""
+
+
+def lines(node: Node) -> list[tuple[str, str]]:
+    return [(each.text, each.said) for each in node.children]
+
+
+def test_an_alternative_that_holds_is_not_said_to_fail_when_what_fails_stands_behind_it() -> None:
+    text = f"{ITEMS} P(x:) :- Item(x:), (x > 1 | x < 0), x > 5;{REST}"
+    (rule,) = why(text, "P").rules
+    said = {node.text: node.said for node in below(rule.node, "alternative")}
+    assert said == {"x < 0": "this alternative does not hold", "x > 1": "this alternative holds"}
+    assert rule.stopped_by is rule.node.children[-1]
+    assert rule.stopped_by.text == "x > 5"
+
+
+def test_where_several_alternatives_hold_each_is_told_with_what_fails_behind_it() -> None:
+    text = f"P(x:) :- x in [1, 2], (x == 1 | x == 2), x > 5;{REST}"
+    (rule,) = why(text, "P").rules
+    found = below(rule.node, "alternative")
+    assert texts(tuple(found)) == ["x == 1", "x == 2"]
+    assert {(node.said, node.holds) for node in found} == {
+        ("this alternative holds, but not what comes after it", None)
+    }
+    assert all(node.children[-1].text == "x > 5" for node in found)
+
+
+def test_of_two_choices_only_the_one_that_fails_is_said_to_fail() -> None:
+    text = f"P(x:) :- x in [1], (x == 1 | x == 2), (x == 3 | x == 4);{REST}"
+    (rule,) = why(text, "P").rules
+    failed = [n.text for n in below(rule.node, "alternative") if n.holds is False]
+    assert failed == ["x == 3", "x == 4", "x == 2"]
+    assert find(rule.node, "x == 1").said != "this alternative does not hold"
+
+
+def test_what_fails_before_any_alternative_is_told_once() -> None:
+    text = f"P(x:) :- x in [1], y == x, y > 5, (y == 7 | y == 8);{REST}"
+    (rule,) = why(text, "P").rules
+    assert texts(rule.node.children) == ["x in [1]", "y == x", "y > 5"]
+
+
+def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
+    text = f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);{REST}"
+    (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules
+    call, column = rule.node.children
+    assert (call.text, call.holds) == ("Item(x:, y:)", True)
+    assert (column.text, column.said, column.values) == ("z: y + 1", "came out", (3,))
+    assert rule.stopped_by is column
+
+
+def test_a_column_that_an_equation_gives_came_out_otherwise_too() -> None:
+    text = f"{ITEMS} P(x:, z:) :- Item(x:, y:), z == y + 1;{REST}"
+    (rule,) = why(text, "P", given={"z": 1}).rules
+    assert rule.stopped_by is not None
+    assert (rule.stopped_by.text, rule.stopped_by.values) == ("z", (3, 4))
+
+
+def test_what_a_function_in_a_column_came_out_as_can_be_asked() -> None:
+    text = f"F(a) = a + 1; {ITEMS} P(x:, z: F(x)) :- Item(x:);{REST}"
+    (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules
+    assert rule.stopped_by is not None
+    assert (rule.stopped_by.said, rule.stopped_by.values) == ("came out", (2,))
+    assert rule.stopped_by.asked is not None
+    assert rule.stopped_by.asked.given == {"col0": 1, "logica_value": 2}
+
+
+def test_conditions_are_told_before_columns() -> None:
+    text = f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:), y > 10;{REST}"
+    (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules
+    assert rule.stopped_by is not None
+    assert rule.stopped_by.text == "y > 10"
+
+
+def test_a_fact_tells_which_of_its_columns_is_another() -> None:
+    near, other = why(f"{ITEMS}{REST}", "Item", given={"x": 1, "y": 7}).rules
+    assert [(n.text, n.said, n.values) for n in near.node.children] == [("y", "came out", (2,))]
+    assert near.node.said == "gives no row"
+    assert other.node.said == "is about something else"
+
+
+def test_a_failed_call_shows_all_it_was_asked_for_nearest_first() -> None:
+    text = f"""
+    Kind(object: "wall", label: "Blue"); Kind(object: "robot", label: "Bo");
+    P(object:) :- object in ["beacon", "wall"], label in ["Red", "Blues"], Kind(object:, label:);
+    {REST}"""
+    (rule,) = why(text, "P").rules
+    assert rule.stopped_by is not None
+    assert texts(rule.stopped_by.children) == [
+        'Kind(object: "wall", label: "Blues")',
+        'Kind(object: "wall", label: "Red")',
+        'Kind(object: "beacon", label: "Blues")',
+        'Kind(object: "beacon", label: "Red")',
+    ]
+    assert all(node.asked is not None for node in rule.stopped_by.children)
+    assert rule.stopped_by.asked == rule.stopped_by.children[0].asked
+
+
+def test_of_many_calls_only_the_nearest_is_proved() -> None:
+    text = f"Even(2); Even(4); Odd(11); Odd(7); Odd(5); P(x) :- Odd(x), Even(x);{REST}"
+    (root,) = proof(text, "P").nodes
+    call = find(root, "Even(x)")
+    assert texts(call.children) == ["Even(5)", "Even(7)", "Even(11)"]
+    assert [bool(node.children) for node in call.children] == [True, False, False]
+
+
+def test_calls_that_are_too_many_to_show_are_counted() -> None:
+    text = f"Even(200); P(x) :- x in Range(100), Even(x);{REST}"
+    (rule,) = why(text, "P").rules
+    assert rule.stopped_by is not None
+    assert texts(rule.stopped_by.children)[::10] == ["Even(99)", "and 90 more"]
+
+
+def test_a_circle_in_a_refutation_is_named() -> None:
+    text = f"""
+    Edge(1, 2); Edge(2, 1);
+    Reach(a:, b:) distinct :- Edge(a, b);
+    Reach(a:, b:) distinct :- Edge(a, m), Reach(a: m, b:);
+    {REST}"""
+    found = proof(text, "Reach", given={"a": 1, "b": 9})
+    notes = [n.text for root in found.nodes for n in below(root, "note")]
+    assert notes == ["Reach(a: 1, b: 9) is asked above; no row follows from itself."]
+    assert found.complete
+    assert not found.is_cut
+
+
+def test_a_recursion_that_was_cut_off_is_named_where_a_row_is_missing() -> None:
+    expected = (
+        "The recursion of Number was cut off after 5 steps, so later rows are missing; "
+        "@Recursive(Number, 10) would allow more."
+    )
+    text = f"{COUNTING.format(most=100)} Big(x) :- Number(x:), x > 20;"
+    for predicate, values in (("Number", {"x": 50}), ("Big", {})):
+        explained = why(text, predicate, given=dict(values))
+        assert explained.nodes[-1].text == expected
+    assert why(text, "Number", given={"x": 3}).nodes[-1].text != expected
+    whole = f"{COUNTING.format(most=3)} Big(x) :- Number(x:), x > 20;"
+    assert [rule.node.kind for rule in why(whole, "Big").rules] == ["rule"]
+
+
+@given(st.integers(1, 6))
+def test_a_larger_depth_is_promised_only_where_it_shows_more(depth: int) -> None:
+    text = f"A(1); A(2); B(x) :- A(x), x > 1; C(x) :- B(x), ~A(x + 1); D(x) :- C(x), x > 5;{REST}"
+    shown = proof(text, "D", depth=depth)
+    more = proof(text, "D", depth=depth + 1)
+    assert shown.is_cut == (more.nodes != shown.nodes)
