@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, value_of
-from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.explanation import Ask, Explanation
 from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -43,6 +43,7 @@ class Derivations:
     ) -> None:
         self.relations, self.robot, self.decompose = relations, robot, decompose
         self._stages: dict[tuple[str, ...], Stages] = {}
+        self.explained: dict[tuple[str, bool], Explanation] = {}
 
     def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
         """Return a predicate's rows with given values; raise FailureError."""

@@ -272,10 +272,12 @@ def decompose(
     predicate: str,
     within: str = "",
     *,
-    stop: threading.Event | None = None,
+    stop: Callable[[], threading.Event | None] = lambda: None,
     limits: Limits | None = None,
 ) -> Probing:
     """Decompose the rules of a predicate; results are cached. Blocks.
+
+    `stop` returns what stops it, and later queries of what it returns, which block, too.
 
     Raises:
         QueryError: There is no such predicate, or it can't be computed.
@@ -296,14 +298,14 @@ def decompose(
         "kinds": program.kinds,
     }
     try:
-        probing = compile_request(request, Probing, stop=stop, limits=limits)
+        probing = compile_request(request, Probing, stop=stop(), limits=limits)
     except ProgramError as error:
         raise QueryError(f"{predicate} can't be explained: {error}") from None
 
     def compiled(group: tuple[str, ...]) -> Mapping[str, str]:
         more = {**request, "queries": group}
         try:
-            return compile_request(more, Compiled, stop=stop, limits=limits).queries
+            return compile_request(more, Compiled, stop=stop(), limits=limits).queries
         except ProgramError:
             return {}  # each of them answers that it can't be asked
 
