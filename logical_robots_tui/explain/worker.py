@@ -24,24 +24,20 @@ def main() -> None:
     """Serve requests until standard input ends."""
     text = SAMPLES[0]
     samples = (
-        {"text": text, "predicate": "Robot", "within": "", "kinds": {"Robot": {}}},
+        {"text": text, "predicate": "Robot", "within": "", "kinds": '{"Robot": {}}'},
         {"text": text, "checkup": []},
     )
     serve(JOBS, samples)
 
 
 def _decompose(request: dict[str, Any]) -> dict[str, object]:
-    """Decompose a predicate's rules, as far as SQLite can prepare them in time."""
+    """Decompose a predicate's rules, or return more of its queries."""
+    found = decompose(*(request[field] for field in ("text", "predicate", "within", "kinds")))
     with closing(Database()) as database:
-        probing = decompose(
-            request["text"],
-            request["predicate"],
-            request["within"],
-            request["kinds"],
-            partial(is_prepared_soon, database),
-            partial(database.define, rows=()),
-        )
-    return {"probing": asdict(probing)}
+        queries = found.queries(database, request.get("queries", ()))
+    if "queries" in request:
+        return {"compiled": {"queries": queries}}
+    return {"probing": asdict(replace(found.probing, queries=queries))}
 
 
 def _check_up(request: dict[str, Any]) -> dict[str, object]:

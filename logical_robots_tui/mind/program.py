@@ -125,7 +125,7 @@ class Program:
         tuned: The queries that could be rewritten for tuned tables, by predicate name; those of
             `recursions` by ``name + " grows"``.
         truths: The boolean columns of predicates that have some.
-        kinds: The types of the columns of predicates with rows, as JSON.
+        kinds: The predicates with rows, each with the types of its columns, as JSON.
         team: The team whose program it is, or "" if all robots think with it.
         teams: The programs of all teams, in order; {} if all robots think with it.
     """
@@ -143,7 +143,7 @@ class Program:
     recursions: Mapping[str, tuple[int, str]] = field(default_factory=dict)
     tuned: Mapping[str, Tuned] = field(default_factory=dict)
     truths: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    kinds: str = "{}"
     team: str = ""
     teams: Mapping[str, Program] = field(default_factory=dict)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.language.diagnostics import Stopped
@@ -32,6 +34,19 @@ Way = dict[str, "Scalar"]
 
 _CLOSE = 1e-12
 _KEYS_AT_ONCE = 400
+_REMARKS = re.compile(r"/\* truths:(\S*) nested:(\S*) \*/")
+_NONE: tuple[frozenset[str], frozenset[str]] = (frozenset(), frozenset())
+
+
+def with_remarks(sql: str, truths: Iterable[str], nested: Iterable[str]) -> str:
+    """Prepend a comment on which columns of a query are booleans, and which lists or records."""
+    return f"/* truths:{','.join(truths)} nested:{','.join(nested)} */ {sql}"
+
+
+@lru_cache(maxsize=256)
+def _remarks(sql: str) -> tuple[frozenset[str], frozenset[str]]:
+    found = _REMARKS.match(sql)
+    return (frozenset(found[1].split(",")), frozenset(found[2].split(","))) if found else _NONE
 
 
 def with_given(sql: str, number: int) -> str:
@@ -53,11 +68,6 @@ class Relations:
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
         self._cut_off: list[tuple[str, int]] | None = None
-        self._kinds: dict[str, Mapping[str, str]] = {}
-
-    def learn(self, kinds: Mapping[str, Mapping[str, str]]) -> None:
-        """Take notice which columns of queries are ``truth`` or ``nested``, by SQL."""
-        self._kinds |= kinds
 
     def rows(self, predicate: str, sql: str = "") -> tuple[dict[str, Value], ...]:
         """Return a predicate's rows, by default with the program's query; raise FailureError."""
@@ -130,7 +140,7 @@ class Relations:
         columns, rows = self._ask(query, parameters)
         self.spend(_steps_of(rows))
         ways: list[Way] = [dict(zip(columns, row, strict=True)) for row in rows]
-        for column in self._of_kind("truth", sql) & {*columns}:
+        for column in _remarks(sql)[0] & {*columns}:
             for way in ways:
                 way[column] = None if way[column] is None else bool(way[column])
         return ways
@@ -142,7 +152,7 @@ class Relations:
 
         The keys are from some `columns`, each with its query. Raises FailureError.
         """
-        if any(column in self._of_kind("nested", sql) for sql, column in columns):
+        if any(column in _remarks(sql)[1] for sql, column in columns):
             aggregate += "_of_nested"
         best: int | None = None
         for start in range(0, len(keys), _KEYS_AT_ONCE):
@@ -151,9 +161,6 @@ class Relations:
             sql = f"SELECT {aggregate}(column1, column2) FROM (VALUES {pairs})"  # noqa: S608 - ours
             _, ((best,),) = self._ask(sql, [keys[place] for place in places])
         return best
-
-    def _of_kind(self, kind: str, sql: str) -> set[str]:
-        return {column for column, of in self._kinds.get(sql, {}).items() if of == kind}
 
     def count(
         self,

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Collection, Container, Mapping, Sequence
+from collections.abc import Collection, Container, Mapping, Sequence
+from functools import lru_cache
+from typing import Any
 
 from logical_robots_tui.explain.clauses.bodies import (
     Names,
@@ -41,71 +43,105 @@ from logical_robots_tui.language.tree import (
 )
 from logical_robots_tui.language.types import Kind, Plain, Tables, is_nested, load_kind
 from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
-from logical_robots_tui.mind.relations import GIVEN, with_given
+from logical_robots_tui.mind.compiling.worker import is_prepared_soon
+from logical_robots_tui.mind.relations import GIVEN, with_given, with_remarks
+from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.schema import INPUTS, VALUE
 
 _ALL = "WhyAll"
+_FEW_STEPS = 4  # of a clause whose queries are compiled at once
 _GIVEN_COLUMN = re.compile(rf"\b{GIVEN}\.g(\d+)\b")
 
 
-def decompose(
-    text: str,
-    predicate: str,
-    within: str,
-    kinds: Mapping[str, Mapping[str, str]],
-    is_quick: Callable[[str, int], bool],
-    define: Callable[[str, tuple[str, ...]], None],
-) -> Probing:
+@lru_cache(maxsize=2)  # its further queries are often wanted next
+def decompose(text: str, predicate: str, within: str, kinds: str) -> Decomposition:
     """Decompose a predicate's rules.
 
     `within` is the predicate made with ``:=`` whose copy of the rules to use, or "".
-    `kinds` has the predicates with rows, each with the types of its columns.
+    `kinds` has the predicates with rows, each with the types of its columns, as JSON.
     """
-    source, program = read_program(text)
-    expanded = expand(program)
-    name = expanded.name_of(predicate, within)
-    functions = _functions(expanded, kinds)
-    circle = _circle(name, expanded)
-    tables = {
-        each: f"{LOWER if each in circle else ROWS}{each}"
-        for each in expanded.rules
-        if each not in functions
-    }
-    builder = Builder(source, Names(functions, tables, expanded.origins))
-    rules = expanded.rules.get(name, [])
-    given = tuple(functions.get(name, ()))
-    parts = tuple(_rule(rule, given, builder) for rule in rules)
-    columns = _columns(rules)
-    if given:
-        builder.probes[_ALL] = _all(name, columns, given)
-    read = {each: tables[each] for each in _read(name, expanded, functions) if each in tables}
-    for each, table in read.items():
-        define(table, _columns(expanded.rules[each]))
-    copies, of_copies = _sources({*read, *(() if given else (name,))} - {*kinds}, expanded, source)
-    known = {
-        table: of_copies.get(each) or {c: load_kind(json.loads(k)) for c, k in kinds[each].items()}
-        for each, table in read.items()
-        if each in of_copies or each in kinds
-    }
-    compiled, of_queries = _compile(builder.probes, expanded, functions, tables, source, known)
-    quick = {probe: sql for probe, sql in compiled.items() if is_quick(*_final_form(sql))}
-    return Probing(
-        predicate,
-        within,
-        name,
-        expanded.bases.get(name, ""),
-        columns,
-        given,
-        any(rule.is_distinct for rule in rules),
-        parts,
-        quick,
-        _ALL if given else "",
-        read,
-        copies,
-        {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
-        _is_founded(circle, expanded, functions),
-        {probe: _told_apart(of_queries[probe]) for probe in quick if of_queries[probe]},
-    )
+    return Decomposition(text, predicate, within, json.loads(kinds))
+
+
+class Decomposition:
+    """The clauses of a predicate's rules; `probing` holds the queries that most answers need."""
+
+    def __init__(
+        self, text: str, predicate: str, within: str, kinds: Mapping[str, Mapping[str, Any]]
+    ) -> None:
+        self._source, program = read_program(text)
+        self._expanded = expanded = expand(program)
+        name = expanded.name_of(predicate, within)
+        self._functions = functions = _functions(expanded, kinds)
+        circle = _circle(name, expanded)
+        self._tables = {
+            each: f"{LOWER if each in circle else ROWS}{each}"
+            for each in expanded.rules
+            if each not in functions
+        }
+        builder = Builder(self._source, Names(functions, self._tables, expanded.origins))
+        rules = expanded.rules.get(name, [])
+        given = tuple(functions.get(name, ()))
+        parts = tuple(_rule(rule, given, builder) for rule in rules)
+        columns = _columns(rules)
+        if given:
+            builder.probes[_ALL] = _all(name, columns, given)
+        self._probes = builder.probes
+        read = [each for each in _read(name, expanded, functions) if each in self._tables]
+        copies, of_copies = _sources(
+            {*read, *(() if given else (name,))} - {*kinds}, expanded, self._source
+        )
+        self._known = {
+            self._tables[each]: of_copies.get(each)
+            or {column: load_kind(kind) for column, kind in kinds[each].items()}
+            for each in read
+            if each in of_copies or each in kinds
+        }
+        later = tuple(
+            (clause.before, *(step.query for step in clause.steps[:-1]))
+            for rule in parts
+            for clause in rule.clauses
+            if len(clause.steps) > _FEW_STEPS
+        )
+        self.probing = Probing(
+            predicate,
+            within,
+            name,
+            expanded.bases.get(name, ""),
+            columns,
+            given,
+            any(rule.is_distinct for rule in rules),
+            parts,
+            {},
+            _ALL if given else "",
+            {each: self._tables[each] for each in read},
+            copies,
+            {each: expanded.origins.get(each, (each, "")) for each in sorted(circle)},
+            _is_founded(circle, expanded, functions),
+            later,
+        )
+
+    def queries(self, database: Database, wanted: Collection[str] = ()) -> dict[str, str]:
+        """Return the queries `wanted`, or all but later ones, that are prepared in time."""
+        for each, table in self.probing.tables.items():
+            database.define(table, _columns(self._expanded.rules[each]), ())
+        later = {query for group in self.probing.later for query in group}
+        probes = [*(wanted or (query for query in self._probes if query not in later))]
+        own = [rule for name in self._functions for rule in self._expanded.rules[name]]
+        flags = [each for each in self._expanded.annotations if each.name == "@DefineFlag"]
+        asked: list[Statement] = [*own, *flags, *(self._probes[query] for query in probes)]
+        renamed = [rename(each, self._tables) for each in asked]
+        compiled = compile_statements(renamed, self._source, self._known)
+        return {
+            query: _with_remarks(sql, compiled.kinds[query])
+            for query, sql in compiled.statements(probes).items()
+            if is_prepared_soon(database, *_final_form(sql))
+        }
+
+
+def _with_remarks(sql: str, kinds: Mapping[str, Kind]) -> str:
+    truths = [column for column, kind in kinds.items() if kind is Plain.TRUTH]
+    return with_remarks(sql, truths, [c for c, kind in kinds.items() if is_nested(kind)])
 
 
 def _columns(rules: list[Rule]) -> tuple[str, ...]:
@@ -230,27 +266,6 @@ def _is_founded(
 
 
 # -- SQL -----------------------------------------------------------------------------------------
-
-
-def _compile(
-    probes: Mapping[str, Rule],
-    expanded: Expanded,
-    functions: Mapping[str, Collection[str]],
-    tables: Mapping[str, str],
-    source: Prepared,
-    known: Tables,
-) -> tuple[dict[str, str], Tables]:
-    own = [rule for name in functions for rule in expanded.rules[name]]
-    flags = [each for each in expanded.annotations if each.name == "@DefineFlag"]
-    wanted: list[Statement] = [*own, *flags, *probes.values()]
-    renamed = [rename(each, tables) for each in wanted]
-    compiled = compile_statements(renamed, source, known)
-    return compiled.statements(probes), compiled.kinds
-
-
-def _told_apart(kinds: Mapping[str, Kind]) -> dict[str, str]:
-    found = {c: "truth" if k is Plain.TRUTH else "nested" * is_nested(k) for c, k in kinds.items()}
-    return {column: kind for column, kind in found.items() if kind}
 
 
 def _sources(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, value_of
-from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.explanation import Ask, Explanation
 from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -45,6 +45,7 @@ class Derivations:
     ) -> None:
         self.relations, self.robot, self.decompose = relations, robot, decompose
         self._stages: dict[tuple[str, ...], Stages] = {}
+        self.explained: dict[tuple[str, bool], Explanation] = {}
 
     def rows(self, probing: Probing, given: Row) -> Sequence[Row]:
         """Return a predicate's rows with given values; raise FailureError."""
@@ -121,8 +122,6 @@ class Derivations:
 
     def prepare(self, probing: Probing, row: Row | None = None) -> None:
         """Fill the tables that queries read; for a recursion's `row`, only with earlier rows."""
-        queries = probing.queries
-        self.relations.learn({queries[query]: of for query, of in probing.kinds.items()})
         for name, table in probing.tables.items():
             rows: Sequence[Row] = self.relations.rows(name, probing.sources.get(name, ""))
             if name in probing.recursive and row is not None:

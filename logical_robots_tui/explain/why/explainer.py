@@ -66,7 +66,12 @@ class Explainer:
         relations = mind.relations(robot, rows, memories, stop=stop)
         self._program, self._robot = mind.program, robot
         self._limits, self._within = mind.limits, relations.within
+        self._decomposed: dict[tuple[str, str], Probing] = {}
         self._derivations = Derivations(relations, robot, self._decompose)
+
+    def stop_with(self, stop: threading.Event) -> None:
+        """Let another event end the questions from now on."""
+        self._within.stop = stop
 
     def why(self, asked: Ask = _ROBOT) -> Explanation:
         """Explain a predicate's rows, or their absence.
@@ -117,8 +122,17 @@ class Explainer:
         return source_of(self._derivations, path)
 
     def _decompose(self, predicate: str, within: str) -> Probing:
-        stop = self._within.stop
-        return decompose(self._program, predicate, within, stop=stop, limits=self._limits)
+        known = self._decomposed.get((predicate, within))
+        if known is None:
+            known = decompose(
+                self._program,
+                predicate,
+                within,
+                stop=lambda: self._within.stop,
+                limits=self._limits,
+            )
+            self._decomposed[predicate, within] = known
+        return known
 
     def _about(self, asked: Ask) -> Ask:
         """Return the question about this robot, unless it names another one."""

@@ -7,12 +7,11 @@ derivation, with the values of all variables and of all shown expressions.
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest
-from logical_robots_tui.mind.compilation import compile_request
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import to_sql
@@ -205,7 +204,7 @@ class Probing:
         recursive: The predicates that are mutually recursive with this one: their names in the
             program, and the made predicates of their copies.
         founded: Whether earlier rows can explain rows of these.
-        kinds: Columns of queries that are ``truth`` or ``nested``, by query.
+        later: Queries that are compiled when one of them is asked for, in groups.
     """
 
     predicate: str
@@ -222,11 +221,42 @@ class Probing:
     sources: Mapping[str, str] = field(default_factory=dict)
     recursive: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     founded: bool = True
-    kinds: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    later: tuple[tuple[str, ...], ...] = ()
 
     def arguments(self, given: Mapping[str, Value]) -> list[Scalar]:
         """Return the values of the required columns, null where none is given."""
         return [to_sql(given.get(column)) for column in self.given]
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """More queries of a decomposed predicate."""
+
+    queries: Mapping[str, str]
+
+
+class _Queries(Mapping[str, str]):
+    """A predicate's queries; `compiled` returns those of a group of later ones."""
+
+    def __init__(
+        self, probing: Probing, compiled: Callable[[tuple[str, ...]], Mapping[str, str]]
+    ) -> None:
+        self._known = dict(probing.queries)
+        self._later = {query: group for group in probing.later for query in group}
+        self._compiled = compiled
+
+    def __getitem__(self, query: str) -> str:
+        group = self._later.get(query)
+        if group is not None:
+            self._known |= self._compiled(group)
+            self._later = {each: of for each, of in self._later.items() if of is not group}
+        return self._known[query]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter({**self._known, **self._later})
+
+    def __len__(self) -> int:
+        return len({**self._known, **self._later})
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,15 +287,20 @@ def decompose(
     predicate: str,
     within: str = "",
     *,
-    stop: threading.Event | None = None,
+    stop: Callable[[], threading.Event | None] = lambda: None,
     limits: Limits | None = None,
 ) -> Probing:
     """Decompose the rules of a predicate; results are cached. Blocks.
+
+    `stop` returns what stops it, and later queries of what it returns, which block, too.
 
     Raises:
         QueryError: There is no such predicate, or it can't be computed.
         Stopped: `stop` was set.
     """
+    # The compile process, which loads this module, has no use for another one.
+    from logical_robots_tui.mind.compilation import compile_request
+
     known = program.predicate(predicate)
     if known is None or known.kind != "program":
         raise QueryError(_without_rules(program, predicate))
@@ -278,6 +313,15 @@ def decompose(
         "kinds": program.kinds,
     }
     try:
-        return compile_request(request, Probing, stop=stop, limits=limits)
+        probing = compile_request(request, Probing, stop=stop(), limits=limits)
     except ProgramError as error:
         raise QueryError(f"{predicate} can't be explained: {error}") from None
+
+    def compiled(group: tuple[str, ...]) -> Mapping[str, str]:
+        more = {**request, "queries": group}
+        try:
+            return compile_request(more, Compiled, stop=stop(), limits=limits).queries
+        except ProgramError:
+            return {}  # each of them answers that it can't be asked
+
+    return replace(probing, queries=_Queries(probing, compiled)) if probing.later else probing

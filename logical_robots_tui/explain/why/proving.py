@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -28,6 +29,13 @@ def explain(derivations: Derivations, asked: Ask, *, is_first: bool = True) -> E
 
     `is_first` is False for the questions that follow from another one.
     """
+    key = (_key(asked), is_first)
+    if key not in derivations.explained:
+        derivations.explained[key] = _explain(derivations, asked, is_first=is_first)
+    return derivations.explained[key]
+
+
+def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explanation:
     probing = derivations.decompose(asked.predicate, asked.within)
     given = check_given(asked.given, probing)
     asked = replace(asked, given=given)
@@ -73,11 +81,12 @@ class _Proving:
     def rule(self, rule: RuleParts) -> RuleFound:
         row = self._row
         try:
-            number, nodes = self._number(rule), None
+            nodes = None
             if row is not None:
                 self._derivations.prepare(self._probing, row)
                 nodes = self._derived(rule, row)
                 self._derivations.prepare(self._probing)
+            number = 1 if nodes is not None and len(self._rows) == 1 else self._number(rule)
             if nodes is not None:
                 heading = _heading(rule, _gives(number, len(self._rows)), True, nodes)
                 return RuleFound(rule.span, number, row, None, heading)
@@ -218,7 +227,6 @@ class _Unfolding:
 
     def __init__(self, derivations: Derivations, most: int) -> None:
         self._derivations, self._most, self._left = derivations, most, most
-        self._known: dict[str, Explanation | str] = {}
         self.complete, self.is_cut = True, False
 
     def node(
@@ -226,6 +234,8 @@ class _Unfolding:
     ) -> Node:
         """Return a node with proofs below; of the calls in `instance` nodes, only of the first."""
         self._left -= 1
+        if not node.children and (node.asked is None or not is_tried):
+            return node
         tried = next((child for child in node.children if child.kind == "instance"), None)
         children = tuple(
             self.node(child, depth, above, is_tried=child is tried or child.kind != "instance")
@@ -233,6 +243,8 @@ class _Unfolding:
         )
         if node.asked is not None and is_tried and tried is None:
             children = (*children, *self._called(node.asked, depth, above))
+        elif all(map(operator.is_, children, node.children)):
+            return node
         return replace(node, children=children)
 
     def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
@@ -251,15 +263,10 @@ class _Unfolding:
         except FailureError as failure:
             self.complete = False
             return (Node("note", f"The proof ends here: {failure}."),)
-        found = self._known.get(key)
-        if found is None:
-            try:
-                found = explain(self._derivations, asked, is_first=False)
-            except QueryError as error:
-                found = str(error)
-            self._known[key] = found
-        if isinstance(found, str):
-            return (Node("note", found),)
+        try:
+            found = explain(self._derivations, asked, is_first=False)
+        except QueryError as error:
+            return (Node("note", str(error)),)
         return tuple(self.node(each, depth - 1, (*above, key)) for each in _premises(found))
 
 

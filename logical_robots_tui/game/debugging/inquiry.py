@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import operator
 import threading
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from logical_robots_tui import explain
 from logical_robots_tui.game.debugging.pins import Pin, Reading, read
@@ -28,6 +29,13 @@ T = TypeVar("T")
 _LIMITS = Limits()
 
 
+class _Explained(NamedTuple):
+    """An explainer and what it is about: one that is asked again knows what it has told."""
+
+    about: tuple[Mind, str, Frame]
+    explainer: Explainer
+
+
 class Inquiry:
     """Answers questions about frames of a level, without side effects, during the game.
 
@@ -40,6 +48,7 @@ class Inquiry:
         self._explainer = Thinker("explain")
         self._surveyor = Thinker("survey")
         self._watcher = Thinker("watch")
+        self._last: dict[Thinker, _Explained] = {}
 
     async def ask(self, program: Program, query: str, frame: Frame) -> Table:
         """Evaluate a call, an expression, conditions, or rules of which the last is evaluated.
@@ -125,9 +134,14 @@ class Inquiry:
         work: Callable[[Explainer], T],
     ) -> T:
         def explained(mind: Mind, stop: threading.Event) -> T:
-            return work(
-                explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
-            )
+            about = mind, robot, frame
+            last = self._last.get(thinker)
+            if last is None or not all(map(operator.is_, last.about, about)):
+                sensors, memories = frame.sensors, frame.memories_before
+                explainer = explain.Explainer(mind, robot, sensors, memories)
+                self._last[thinker] = last = _Explained(about, explainer)
+            last.explainer.stop_with(stop)
+            return work(last.explainer)
 
         return await self._do(thinker, program, explained)
 

@@ -89,11 +89,12 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         needed=needed,
         uses=uses,
         truths={name: truths for name in statements if (truths := compiled.truths(name))},
-        kinds={
-            name: {column: json.dumps(dump_kind(kind)) for column, kind in kinds.items()}
-            for name, kinds in compiled.kinds.items()
-            if name in statements
-        },
+        kinds=json.dumps(
+            {
+                name: {column: dump_kind(kind) for column, kind in compiled.kinds[name].items()}
+                for name in statements
+            }
+        ),
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
     return program, compiled.trees
