@@ -161,3 +161,20 @@ def test_a_larger_depth_is_promised_only_where_it_shows_more(depth: int) -> None
     shown = proof(text, "D", depth=depth)
     more = proof(text, "D", depth=depth + 1)
     assert shown.is_cut == (more.nodes != shown.nodes)
+
+
+def test_a_call_in_a_condition_is_evaluated_before_it() -> None:
+    text = f"G(a) = a + 1; {ITEMS} P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);{REST}"
+    (rule,) = why(text, "P", given={"col0": 7}).rules
+    stops = [node.text for _, node in rule.node.walk() if node.kind == "value" and not node.holds]
+    assert "v == G(w)" in stops
+
+
+def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
+    text = f"{ITEMS} P(x:) :- Item(x:, y:), x + y in [9, 10];{REST}"
+    (rule,) = why(text, "P").rules
+    assert rule.stopped_by is not None
+    assert [(node.text, node.values) for node in rule.stopped_by.children] == [
+        ("[9, 10]", ([9, 10],)),
+        ("x + y", (3, 5)),
+    ]
