@@ -118,10 +118,12 @@ async def _explain(
     """Return the explanation, the nodes, whether the depth suffices, and suggestions."""
     from logical_robots_tui.game import Inquiry
 
-    frame = await frame_at(level, program, options.tick)
     inquiry = Inquiry(level)
     robot = options.robot
     try:
+        frame, _ = await asyncio.gather(
+            frame_at(level, program, options.tick), inquiry.prepare(program, asked)
+        )
         if not options.tree:
             explanation = await inquiry.why(program, robot, frame, asked)
             nearest: list[tuple[int, Suggestion]] = []
