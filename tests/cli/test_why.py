@@ -78,6 +78,9 @@ def _asked(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
         (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
         (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of col0"),
         (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),
+        (["--robot", "Pip", "--predicate", "Speed(x + 1)"], "this is no value"),
+        (["--robot", "Pip", "--predicate", "Speed(1"], "this '(' is never closed"),
+        (["--robot", "Pip", "--predicate", "Robot(pace: 1)"], "Robot has no column pace"),
         (["--robot", "Pip", "--tick", "0"], "'0' is not an integer of at least 1"),
     ],
 )
@@ -89,13 +92,24 @@ def test_what_is_not_there_is_named(
     assert message in told.err
 
 
+def test_values_of_ones_own_show_where_a_rule_stops_then(
+    command: Command, level: Path, two: Path
+) -> None:
+    asked = ("why", level, two, "--tick", 2, "--robot", "Pip", "--predicate")
+    there, low = command(*asked, "Speed(30)"), command(*asked, "Speed(d: 7, col0: 5)")
+    assert (there.status, there.data["row"]["col0"]) == (0, 30)
+    assert low.status == 2
+    low = command(*asked, "Speed(5)")
+    assert (low.status, low.data["rules"][0]["stopped_by"]) == (1, "d > 20")
+
+
 def test_in_a_terminal_it_is_told_line_by_line(level: Path, two: Path) -> None:
     told = shown("why", level, two, "--tick", 3, "--robot", "Pip")
     assert told.status == 0
     assert "Robot for Pip at tick 3" in told.text
     assert "(gives this row)" in told.text
     assert "- d <= 20  (in no way)" in told.text
-    assert "--predicate Speed --given" in told.text
+    assert "--predicate 'Speed(" in told.text
 
 
 def test_a_line_that_is_too_long_shows_that_it_is_cut(level: Path, tmp_path: Path) -> None:

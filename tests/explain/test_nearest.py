@@ -83,6 +83,11 @@ CASES = {
         "Change `places` to `place` in line 1: the memory has no field places, but place.",
         "place",
     ),
+    "the field beside it": Case(
+        f'Near(robot_name:) :- {SEES}, ray.object == "Green";',
+        'Change `object` to `label` in line 1: `label` is "Green".',
+        "label",
+    ),
     "a text in a call": Case(
         'Kind(robot_name:, kind: "out") :- Sensor(robot_name:);\n'
         'Near(robot_name:) :- Kind(robot_name:, kind: "aut");',

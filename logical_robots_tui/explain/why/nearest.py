@@ -153,12 +153,12 @@ class Nearest:
 
     # -- candidates ----------------------------------------------------------------------------
 
-    @staticmethod
-    def _of_equation(left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
+    def _of_equation(self, left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
         if left.kind == "literal":
             left, right = right, left
         if right.kind != "literal" or left.kind == "literal":
             return
+        yield from self._of_other_fields(left, right, ways)
         subject = f"`{left.span.text}` is"
         for value in _examples(left, ways):
             for other in _examples(right, ways):
@@ -172,6 +172,19 @@ class Nearest:
                     kind = "the number " if isinstance(other, str) != isinstance(value, str) else ""
                     kind = "" if isinstance(value, str) else kind
                     yield size, _change(right.span, spell(value), f"{subject} {kind}{spell(value)}")
+
+    def _of_other_fields(self, left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
+        """Yield the fields beside one that have the value that it is compared with."""
+        if left.kind != "field" or not left.span.text.endswith(f".{left.names[-1]}"):
+            return
+        span = self._span(left.span.stop - len(left.names[-1]), left.span.stop)
+        for way in ways[:_MOST_VALUES]:
+            record = value_of(way, left.parts[0].column)
+            for name in left.names[:-1]:
+                record = record.get(name) if isinstance(record, Mapping) else None
+            for name, value in record.items() if isinstance(record, Mapping) else ():
+                if isinstance(value, str) and value == value_of(way, right.column):
+                    yield 0.5, _change(span, name, f"`{name}` is {spell(value)}")
 
     def _of_threshold(
         self, operator: str, sign: Span, left: Term, right: Term, ways: Sequence[Way]

@@ -89,6 +89,22 @@ def origin(screen: MainScreen) -> None:
     inspector.follow_back(asked)
 
 
+async def other_values(screen: MainScreen) -> None:
+    from logical_robots_tui.tui.inspector.predicate_list import WHY
+    from logical_robots_tui.tui.inspector.question_prompt import ValuesPrompt
+
+    inspector = screen.inspector
+    page, program = inspector.pages.why, screen.session.program
+    asked = page.question_here if inspector.inspected == WHY else None
+    if asked is None or program is None:
+        screen.tell(with_keys("Put the cursor on a line of a proof; {why} makes one."))
+        return
+    program = program.for_team(screen.session.level.team_of(inspector.robot))
+    found = await screen.app.push_screen_wait(ValuesPrompt(program, *asked))
+    if found is not None:
+        page.ask(found)
+
+
 async def graph(screen: MainScreen) -> None:
     from logical_robots_tui.tui.inspector.page import NO_PROGRAM
     from logical_robots_tui.tui.inspector.predicate_graph import Graph

@@ -254,6 +254,9 @@ inspecting.add("open_value", "Open the value", "X", rows.open_value,
     "Show the value under the cursor, or the inputs of a decision, as a tree.")
 inspecting.add("origin", "Origin", "less_than_sign", rows.origin,
     "Trace the memory under the cursor, or a part of it, to the tick and rule that made it.")
+inspecting.add("other_values", "Other values…", "exclamation_mark", rows.other_values,
+    "Change a value of the line under the cursor in a proof, and see where its rules stop then.",
+    worker="dialog")
 inspecting.add("graph", "Dependency graph", "R", rows.graph,
     "Show which predicate uses which, and open one of them.", worker="dialog")
 inspecting.add("sql", "SQL and query plan", "K", rows.sql,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from textual.content import Content
@@ -12,6 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
+from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
@@ -27,12 +28,14 @@ from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.tui.app.session import Session
 
 _LONGEST_ARGUMENT = 24
+_LONGEST_VALUE = 60
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +70,7 @@ class WhyPage(Page):
     def __init__(self, session: Session, questions: Questions) -> None:
         self._way = Static(id="way")
         view = WhyView(
-            pointed=self._pointed, deeper=self._deeper, lacking=self._unfold, back=self._back
+            pointed=self._pointed, deeper=self.ask, lacking=self._unfold, back=self._back
         )
         super().__init__(session, questions, view, above=(self._way,))
         self._steps: list[Ask] = [Ask("Robot", {})]
@@ -80,6 +83,26 @@ class WhyPage(Page):
     def begin(self, predicate: str) -> None:
         self._steps = [Ask(predicate, {})]
         self.post_message(self.Changed())
+
+    def ask(self, asked: Ask) -> None:
+        """Go on with another question; backspace leads back."""
+        self._steps.append(asked)
+        self.post_message(self.Changed())
+
+    @property
+    def question_here(self) -> tuple[Ask, str] | None:
+        """The question that the line under the cursor belongs to, and its column of it, or ""."""
+        line = self.view.pointed
+        if self._answered is None or line is None:
+            return None
+        asked = next(iter(self.view.questions_above), self._answered.asked)
+        own: tuple[Node, ...] = ()
+        if line.kind == "column" and line.asked is None:
+            own = (line,)
+        elif line.kind == "rule" and line.holds:
+            own = tuple(n for n in line.children if n.kind == "column" and _is_short(n))
+        given = {_column(node): node.values[0] for node in own if len(node.values) == 1}
+        return replace(asked, given={**asked.given, **given}), _column(line)
 
     async def show(self, frame: Frame) -> None:
         """Answer the question at a tick; while the game runs, only with the first level."""
@@ -185,10 +208,6 @@ class WhyPage(Page):
             way = way.append(Content.styled(f"  ← {before}", INK.faint))
         self._way.update(way, layout=False)
 
-    def _deeper(self, asked: Ask) -> None:
-        self._steps.append(asked)
-        self.post_message(self.Changed())
-
     def _back(self) -> None:
         if len(self._steps) > 1:
             self._steps.pop()
@@ -234,6 +253,15 @@ class WhyPage(Page):
         if moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
+
+
+def _column(node: Node) -> str:
+    name = node.text.split(":")[0]
+    return VALUE if name == "value" else name
+
+
+def _is_short(node: Node) -> bool:
+    return all(len(spell(value, _LONGEST_VALUE)) <= _LONGEST_VALUE for value in node.values)
 
 
 def _suggestion(rule: int, each: Suggestion) -> Node:

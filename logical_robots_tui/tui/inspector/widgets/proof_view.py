@@ -66,6 +66,17 @@ class WhyView(CursorView):
         return None if parent is None else self.lines[parent].node
 
     @property
+    def questions_above(self) -> Sequence[Ask]:
+        """The question of the line under the cursor, then those of the lines that it is below."""
+        found: list[Ask] = []
+        at: int | None = self._at if self.lines else None
+        while at is not None:
+            if (asked := self.lines[at].node.asked) is not None:
+                found.append(asked)
+            at = self._tree.parent(at)
+        return found
+
+    @property
     def height(self) -> int:
         return len(self.lines)
 
