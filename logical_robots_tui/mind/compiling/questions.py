@@ -17,7 +17,7 @@ from logical_robots_tui.language.adapter import (
     parse_proposition,
 )
 from logical_robots_tui.language.checks import check
-from logical_robots_tui.language.definitions import definitions
+from logical_robots_tui.language.definitions import column_labels, definitions
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import diagnostic_for, prepare
 from logical_robots_tui.language.tree import (
@@ -77,8 +77,7 @@ def compile_question(text: str, query: str) -> Question:
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        sql, truths = _compile(whole, asked, is_bare=not query)
-        return Question(query or bare, sql, gives, truths)
+        return replace(_compile(whole, asked, is_bare=not query), text=query or bare, gives=gives)
     except ProgramError as error:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
@@ -88,8 +87,8 @@ def _names() -> Iterator[str]:
     yield from (f"Asked{number}" for number in itertools.count(2))
 
 
-def _compile(whole: str, asked: str, *, is_bare: bool) -> tuple[str, tuple[str, ...]]:
-    """Return a predicate's SQL and its boolean columns."""
+def _compile(whole: str, asked: str, *, is_bare: bool) -> Question:
+    """Return the question for a predicate's rows."""
     source = prepare(whole)
     parsed = parse(source)
     found = tuple(d for d in check(parsed, whole, runs).problems if d.severity == "error")
@@ -106,7 +105,9 @@ def _compile(whole: str, asked: str, *, is_bare: bool) -> tuple[str, tuple[str, 
                 (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
         raise ProgramError((error_messages.explain(error, source),)) from None
-    return sql, compiled.truths(asked)
+    return Question(
+        "", sql, "rows", compiled.truths(asked), column_labels(asked, definitions(rest))
+    )
 
 
 def _place(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
