@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import (
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["answers"]
 
 TICKS = 3  # to run, for each of the effort
+WHY_AT = 300
 
 
 def answers(effort: Effort) -> Iterator[Measurement]:
@@ -41,6 +44,7 @@ def answers(effort: Effort) -> Iterator[Measurement]:
         "when": ["when", *run, "--ticks", str(last), "Memory(memory:), memory == 1"],
     }
     computing = []
+    yield _first_why(effort, run, level.robots[0].name)
     with tempfile.TemporaryDirectory() as folder:
         first = _milliseconds(folder, *again["query"])
         yield summed_up("first answer", f"{level.name}, tick {last}", "ms", [first])
@@ -54,6 +58,20 @@ def answers(effort: Effort) -> Iterator[Measurement]:
                 summed_up("next answer, computing", subject, "ms", computed, value=min)
             )
     yield from computing
+
+
+def _first_why(effort: Effort, run: list[str], robot: str) -> Measurement:
+    """Measure the first why where the run is on disk, and nothing is decomposed."""
+    at = ["--tick", str(WHY_AT)]
+    took = []
+    with tempfile.TemporaryDirectory() as folder:
+        _milliseconds(folder, "query", *run, *at, "Robot")
+        for number in range(effort.repeats):
+            place = Path(folder) / f"first {number}"
+            shutil.copytree(folder, place, ignore=shutil.ignore_patterns("first *"))
+            took.append(_milliseconds(str(place), "why", *run, *at, "--robot", robot))
+    subject = f"{run[0]}, tick {WHY_AT}, run on disk"
+    return summed_up("first why", subject, "ms", took, target=at_most(1200), value=min)
 
 
 def _milliseconds(folder: str, *command: str) -> float:

@@ -45,7 +45,7 @@ def inspector(effort: Effort) -> Iterator[Measurement]:
     yield summed_up("step to rows", subject, "ms", [*medians.values()], target=at_most(50))
     subject_of_one = f"{subject}, {slowest}, the slowest"
     yield summed_up("step to rows", subject_of_one, "ms", found[slowest], target=at_most(50))
-    yield summed_up("step to why", f"{subject}, Robot", "ms", reasons)
+    yield summed_up("step to why", f"{subject}, Robot", "ms", reasons, target=at_most(50))
 
 
 def _go_down_to(terminal: Terminal, name: str) -> None:

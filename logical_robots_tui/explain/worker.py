@@ -11,7 +11,6 @@ from logical_robots_tui.explain.clauses.calls import read_call
 from logical_robots_tui.explain.clauses.decomposition import decompose
 from logical_robots_tui.explain.diagnosis.checkup import check_up
 from logical_robots_tui.mind.compiling.worker import (
-    SAMPLES,
     is_prepared_soon,
     keep_preparable,
     serve,
@@ -22,12 +21,7 @@ from logical_robots_tui.mind.tuning import tune_all
 
 def main() -> None:
     """Serve requests until standard input ends."""
-    text = SAMPLES[0]
-    samples = (
-        {"text": text, "predicate": "Robot", "within": "", "kinds": '{"Robot": {}}'},
-        {"text": text, "checkup": []},
-    )
-    serve(JOBS, samples)
+    serve(JOBS)
 
 
 def _decompose(request: dict[str, Any]) -> dict[str, object]:

@@ -25,6 +25,7 @@ from logical_robots_tui.language.tree import (
     Rule,
     Statement,
     Tree,
+    variable_of,
     walk,
 )
 from logical_robots_tui.schema import VALUE
@@ -85,6 +86,26 @@ def definitions(program: Iterable[Statement]) -> dict[str, list[Rule | Functor]]
 def rules_of(program: Iterable[Statement]) -> list[Rule]:
     """Return the rules among statements."""
     return [each for each in program if isinstance(each, Rule)]
+
+
+def column_labels(name: str, own: Mapping[str, Sequence[Rule | Functor]]) -> dict[str, str]:
+    """Return what a predicate's columns are called where SQL has another name for them.
+
+    A place is called like the first parameter in it, and a result ``value``.
+    """
+    heads = [each.head for each in own.get(name, ()) if isinstance(each, Rule)]
+    columns = [column for head in heads for column in head.columns]
+    names = {column.field for column in columns}
+    labels: dict[str, str] = {}
+    for column in columns:
+        is_place = isinstance(column.field, int) and column.column not in labels
+        label = variable_of(column.value) if is_place else "value" * (column.field == VALUE)
+        if label and label not in {*names, *labels.values()}:
+            labels[column.column] = label
+    for each in own.get(name, ()):
+        if isinstance(each, Functor) and each.base != name:
+            labels |= column_labels(each.base, {n: of for n, of in own.items() if n != name})
+    return labels
 
 
 def calls(tree: Tree) -> Iterator[Call | Atom]:

@@ -124,6 +124,9 @@ class Asking:
             waiting += new
         return found
 
+    def label(self, predicate: str, column: str) -> str:
+        return self._program.label(predicate, column)
+
     def place_of(self, predicate: str) -> str:
         """Return "Line 4: " for a predicate of the program, or "" for others."""
         found = (each.line for each in self._program.predicates if each.name == predicate)

@@ -205,7 +205,7 @@ class Mind:
             return self._asking.question(question, moment, within, in_order=in_order)
 
         try:
-            return self._counted(answers, stop)
+            return self._counted(answers, question.labels, stop)
         except FailureError as failure:
             what = question.text if question.text.isidentifier() else "This"
             raise QueryError(f"{what} failed: {failure}.") from None
@@ -334,7 +334,7 @@ class Mind:
         moment = self._moment_of(rows, memories)
         has_thought = moment is self._moment and len(self._thought) == len(moment.views)
         if predicate == "Robot" and has_thought:
-            return self._collected(self._thought)
+            return self._collected(self._thought, {})
 
         def answers(within: Within) -> Iterator[tuple[View, Answer]]:
             for view, answer in self._asking.each(predicate, moment, within):
@@ -342,26 +342,29 @@ class Mind:
                     raise QueryError(f"{predicate} failed: {answer}")
                 yield view, answer
 
-        return self._counted(answers, stop)
+        return self._counted(answers, self.program.labels.get(predicate, {}), stop)
 
     def _counted(
         self,
         answers: Callable[[Within], Iterable[tuple[View, Answer]]],
+        labels: Mapping[str, str],
         stop: threading.Event | None,
     ) -> Table:
         """Return the answers for all views; recounted exactly if the budget is nearly used up."""
         within = self._within_query(self.limits.rows, stop)
         try:
-            table = self._collected(answers(within))
+            table = self._collected(answers(within), labels)
         except (QueryError, FailureError):
             if not within.is_close:
                 raise
         else:
             if not within.is_close:
                 return table
-        return self._collected(answers(within.again()))
+        return self._collected(answers(within.again()), labels)
 
-    def _collected(self, answers: Iterable[tuple[View, Answer]]) -> Table:
+    def _collected(
+        self, answers: Iterable[tuple[View, Answer]], labels: Mapping[str, str]
+    ) -> Table:
         separate = not (self.memory == "all" and self.sensor == "all")
         by_viewer = ((view.viewers[0], *answer) for view, answer in answers)
-        return table_of(by_viewer, self.limits.rows, separate=separate)
+        return table_of(by_viewer, self.limits.rows, labels, separate=separate)

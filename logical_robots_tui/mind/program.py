@@ -47,13 +47,15 @@ class Question:
     """A compiled question about a program.
 
     It gives the ``rows`` of a predicate or of conditions, the ``value`` of an expression, or
-    the ``truth`` of conditions without variables. `truths` names its boolean columns.
+    the ``truth`` of conditions without variables. `truths` names its boolean columns, `labels`
+    has what columns are called where SQL has another name.
     """
 
     text: str
     sql: str
     gives: Literal["rows", "value", "truth"] = "rows"
     truths: tuple[str, ...] = ()
+    labels: Mapping[str, str] = field(default_factory=dict)
     tuned: Tuned | None = None
 
 
@@ -126,6 +128,7 @@ class Program:
             `recursions` by ``name + " grows"``.
         truths: The boolean columns of predicates that have some.
         kinds: The predicates with rows, each with the types of its columns, as JSON.
+        labels: What columns are called where SQL has another name, by predicate.
         team: The team whose program it is, or "" if all robots think with it.
         teams: The programs of all teams, in order; {} if all robots think with it.
     """
@@ -144,6 +147,7 @@ class Program:
     tuned: Mapping[str, Tuned] = field(default_factory=dict)
     truths: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     kinds: str = "{}"
+    labels: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     team: str = ""
     teams: Mapping[str, Program] = field(default_factory=dict)
 
@@ -234,6 +238,10 @@ class Program:
     def predicate(self, name: str) -> Predicate | None:
         """Return the predicate of that name, or None."""
         return next((p for p in self.predicates if p.name == name), None)
+
+    def label(self, predicate: str, column: str) -> str:
+        """Return what a column of a predicate is called."""
+        return self.labels.get(predicate, {}).get(column, column)
 
     @property
     def texts(self) -> Texts:

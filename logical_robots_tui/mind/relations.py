@@ -98,6 +98,10 @@ class Relations:
         columns, rows = self._asking.plainly(question.sql, *self._where)
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
+    def label(self, predicate: str, column: str) -> str:
+        """Return what a column of a predicate is called in the program."""
+        return self._asking.label(predicate, column)
+
     def renew(self) -> None:
         self.within.renew()
 

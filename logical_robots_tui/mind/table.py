@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from logical_robots_tui.schema import VALUE
 from logical_robots_tui.values import Value
 
 
@@ -34,6 +33,7 @@ class Table:
 def table_of(
     answers: Iterable[tuple[str, Sequence[str], Sequence[tuple[Value, ...]]]],
     most: int,
+    labels: Mapping[str, str],
     *,
     separate: bool,
 ) -> Table:
@@ -44,10 +44,8 @@ def table_of(
         columns = names
         rows += found
         viewers += [viewer] * len(found)
-    if VALUE in columns and "value" not in columns:
-        columns = ["value" if column == VALUE else column for column in columns]
     return Table(
-        tuple(columns),
+        tuple(labels.get(column, column) for column in columns),
         tuple(rows[:most]),
         tuple(viewers[:most]) if separate else (),
         truncated=len(rows) > most,

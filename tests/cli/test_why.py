@@ -76,7 +76,7 @@ def _asked(nodes: list[dict[str, Any]]) -> list[dict[str, Any]]:
     [
         (["--robot", "Pop"], "there is no robot Pop. There is Pip."),
         (["--robot", "Pip", "--predicate", "Robbot"], "there is no predicate Robbot."),
-        (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of col0"),
+        (["--robot", "Pip", "--predicate", "Speed"], "Speed is a function of d"),
         (["--robot", "Pip", "--given", "nonsense"], "'nonsense' is not COLUMN=VALUE"),
         (["--robot", "Pip", "--predicate", "Speed(x + 1)"], "this is no value"),
         (["--robot", "Pip", "--predicate", "Speed(1"], "this '(' is never closed"),
@@ -97,7 +97,7 @@ def test_values_of_ones_own_show_where_a_rule_stops_then(
 ) -> None:
     asked = ("why", level, two, "--tick", 2, "--robot", "Pip", "--predicate")
     there, low = command(*asked, "Speed(30)"), command(*asked, "Speed(d: 7, col0: 5)")
-    assert (there.status, there.data["row"]["col0"]) == (0, 30)
+    assert (there.status, there.data["row"]["d"]) == (0, 30)
     assert low.status == 2
     low = command(*asked, "Speed(5)")
     assert (low.status, low.data["rules"][0]["stopped_by"]) == (1, "d > 20")

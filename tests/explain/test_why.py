@@ -285,7 +285,7 @@ def test_a_function_with_patterns_tells_which_pattern_does_not_fit() -> None:
 
 
 def test_a_function_without_its_arguments_is_refused_by_name() -> None:
-    with pytest.raises(QueryError, match="Speed is a function of col0: give a value"):
+    with pytest.raises(QueryError, match="Speed is a function of d: give a value"):
         why(f"Speed(d) = d + 1;{REST}", "Speed")
 
 

@@ -25,6 +25,7 @@ Home() = "Base";
 Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: "") :- Sensor(robot_name:)
 # The end"""
 
+IDLE = 'Robot(robot_name: "Ada", desire: {left_engine: 0, right_engine: 0}, memory: "");'
 ROWS = [row("Ada"), row("Bo")]
 
 
@@ -57,8 +58,8 @@ def ask(query: str, text: str = PROGRAM, **visibility: Any) -> Table:
         ('if 1 < 2 then "a" else "b"', ("value",), (("a",),)),
         ("{a: 1, b: [2]}", ("value",), (({"a": 1, "b": [2]},),)),
         ("x in [1, 2], x != 1", ("x",), ((2,),)),
-        ("Big(n) :- Item(n, x), x > 1", ("col0",), (("two",),)),
-        ("A(x) :- Item(n, x); B(x) :- A(x), x < 2;", ("col0",), ((1,),)),
+        ("Big(n) :- Item(n, x), x > 1", ("n",), (("two",),)),
+        ("A(x) :- Item(n, x); B(x) :- A(x), x < 2;", ("x",), ((1,),)),
         ("# only a comment\nTwice(2) # and one more", ("value",), ((4,),)),
     ],
 )
@@ -160,3 +161,24 @@ def test_nonsense_is_refused_or_answered_and_never_stumbles(query: str) -> None:
         lines = query.count("\n") + 1
         told = all(1 <= d.line <= lines and "gave up" not in d.message for d in wrong)
         assert told, wrong
+
+
+@pytest.mark.parametrize(
+    ("rules", "columns"),
+    [
+        ("P(a, b) = a + b :- a in [1], b in [2]", ("a", "b", "value")),
+        ("P(1, a) :- a == 3; P(b, 2) :- b == 1", ("b", "a")),
+        ("P(a, a: 2) :- a == 3", ("col0", "a")),
+        ("P(a, a) :- a == 3", ("a", "col1")),
+        ("P(value: 1) = 2", ("value", "logica_value")),
+    ],
+)
+def test_columns_are_called_like_the_parameters(rules: str, columns: tuple[str, ...]) -> None:
+    with closing(Mind(Program.compile(f"{rules};\n{IDLE}"))) as mind:
+        assert mind.query("P", [row("Ada")], {}).columns == columns
+
+
+def test_a_predicate_made_from_another_has_its_columns() -> None:
+    text = f"P(n) :- In(n);\nA(1);\nB := P(In: A);\n{IDLE}"
+    with closing(Mind(Program.compile(text))) as mind:
+        assert mind.query("B", [row("Ada")], {}).columns == ("n",)

@@ -6,14 +6,14 @@ import argparse
 import asyncio
 import shlex
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless, number_from
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
-from logical_robots_tui.values import read_value, spell
+from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask, Explanation, Node
@@ -79,7 +79,7 @@ def start(options: argparse.Namespace) -> int:
     A row is explained by one derivation. For each rule without a row you see the
     first condition that failed, and a single change that would have produced a row.
     + holds, - does not. --tree follows every call, down to what was sensed and
-    remembered. Function arguments are called col0, col1 ...
+    remembered.
 
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
@@ -87,8 +87,8 @@ def start(options: argparse.Namespace) -> int:
     asked = _read(program, options)
     explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, asked, options))
     data = {
-        **_data(explanation, options.tick),
-        "tree": [*map(_node, nodes)],
+        **_data(explanation, options.tick, program),
+        "tree": [_node(node, program) for node in nodes],
         "nearest": [_suggestion(*each) for each in nearest],
     }
     more = () if complete else ("", "This is not complete; a larger --depth shows more.")
@@ -123,10 +123,12 @@ async def _explain(
     """Return the explanation, the nodes, whether the depth suffices, and suggestions."""
     from logical_robots_tui.game import Inquiry
 
-    frame = await frame_at(level, program, options.tick)
     inquiry = Inquiry(level)
     robot = options.robot
     try:
+        frame, _ = await asyncio.gather(
+            frame_at(level, program, options.tick), inquiry.prepare(program, asked)
+        )
         if not options.tree:
             explanation = await inquiry.why(program, robot, frame, asked)
             nearest: list[tuple[int, Suggestion]] = []
@@ -209,14 +211,14 @@ def _truth(value: Any) -> str:
     return "null" if value is None else "true" if value else "false"
 
 
-def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
+def _data(explanation: Explanation, tick: int, program: Program) -> dict[str, Any]:
     return {
         "tick": tick,
         "robot": explanation.robot,
         "predicate": explanation.asked.predicate,
         "made_from": explanation.made_from or None,
         "rows": explanation.rows,
-        "row": explanation.row,
+        "row": explanation.row and _labelled(explanation.asked.predicate, explanation.row, program),
         "rules": [
             {
                 "line": rule.span.line,
@@ -233,7 +235,11 @@ def _data(explanation: Explanation, tick: int) -> dict[str, Any]:
     }
 
 
-def _node(node: Node) -> dict[str, Any]:
+def _labelled(predicate: str, row: Mapping[str, Value], program: Program) -> dict[str, Value]:
+    return {program.label(predicate, column): value for column, value in row.items()}
+
+
+def _node(node: Node, program: Program) -> dict[str, Any]:
     data: dict[str, Any] = {"kind": node.kind, "text": node.text}
     if node.said:
         data["said"] = node.said
@@ -250,11 +256,12 @@ def _node(node: Node) -> dict[str, Any]:
     if node.ray is not None:
         data["ray"] = node.ray
     if node.asked is not None:
-        data["asked"] = {"predicate": node.asked.predicate, "given": node.asked.given}
+        name = node.asked.predicate
+        data["asked"] = {"predicate": name, "given": _labelled(name, node.asked.given, program)}
         if node.asked.within:
             data["asked"]["within"] = node.asked.within
     if node.children:
-        data["children"] = [*map(_node, node.children)]
+        data["children"] = [_node(child, program) for child in node.children]
     return data
 
 

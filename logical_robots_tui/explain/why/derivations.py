@@ -11,14 +11,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, value_of
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, value_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation
 from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
-from logical_robots_tui.schema import VALUE
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import count_of
 
@@ -69,7 +68,7 @@ class Derivations:
         Raises QueryError if there is none, and FailureError if a query failed.
         """
         probing = self.decompose(asked.predicate, asked.within)
-        given = check_given(asked.given, probing)
+        given = check_given(asked, probing, self.relations.label)
         self.prepare(probing)
         rows = self.rows(probing, given)
         if not rows:
@@ -137,21 +136,22 @@ class Derivations:
         return self._stages[key]
 
 
-def check_given(given: Row, probing: Probing) -> Row:
+def check_given(asked: Ask, probing: Probing, label: Callable[[str, str], str]) -> Row:
     """Return the given values; QueryError for an unknown column or a missing argument."""
-    if VALUE in probing.columns and "value" in given and "value" not in probing.columns:
-        given = {(VALUE if c == "value" else c): v for c, v in given.items()}
-    columns = ", ".join(map(column_label, probing.columns))
+    name = asked.predicate
+    labels = {label(name, column): column for column in probing.columns}
+    given = {labels.get(column, column): value for column, value in asked.given.items()}
+    if len(given) < len(asked.given):
+        raise QueryError(f"A column of {name} is given twice.")
     for column in given:
         if column not in probing.columns and re.fullmatch(r"col\d+", column):
             number = sum(each.startswith("col") for each in probing.columns)
             takes = f"takes {count_of(number, 'value')}" if number else "takes no values"
-            raise QueryError(f"{probing.predicate} {takes} by place; its columns are {columns}.")
+            raise QueryError(f"{name} {takes} by place; its columns are {', '.join(labels)}.")
         if column not in probing.columns:
-            raise QueryError(f"{probing.predicate} has no column {column}; it has {columns}.")
-    if missing := [name for name in probing.given if name not in given]:
-        names = ", ".join(missing)
-        raise QueryError(f"{probing.predicate} is a function of {names}: give a value for it.")
+            raise QueryError(f"{name} has no column {column}; it has {', '.join(labels)}.")
+    if missing := [label(name, column) for column in probing.given if column not in given]:
+        raise QueryError(f"{name} is a function of {', '.join(missing)}: give a value for it.")
     return given
 
 

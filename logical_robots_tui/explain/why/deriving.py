@@ -20,7 +20,7 @@ from logical_robots_tui.explain.why.probing import (
 from logical_robots_tui.mind.relations import Relations, Way, alike, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql
-from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value, spell
 
 MOST_ELEMENTS = 1_000
@@ -37,9 +37,10 @@ class Telling:
         queries: Mapping[str, str],
         refute: Callable[[Sequence[Clause], Sequence[Scalar]], tuple[Node, ...]],
         robot: str,
+        predicate: str,
     ) -> None:
         self._relations, self._queries, self._refute = relations, queries, refute
-        self._robot = robot
+        self._robot, self._predicate = robot, predicate
 
     def derivation(self, clause: Clause, way: Way, until: int | None = None) -> tuple[Node, ...]:
         """Return the nodes of a derivation, up to but excluding the step `until`."""
@@ -179,7 +180,7 @@ class Telling:
     # -- inside ----------------------------------------------------------------------------------
 
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
-        title = column_label(name)
+        title = self._relations.label(self._predicate, name)
         if term.kind in ("literal", "variable"):
             return Node("column", title, values=(value,))
         if term.kind == "call":
@@ -307,10 +308,6 @@ def negation(text: str, *, holds: bool) -> tuple[str, str]:
     if "=>" in text:
         return text, "there is no counterexample" if holds else "there is a counterexample"
     return f"not: {text}", ""
-
-
-def column_label(column: str) -> str:
-    return "value" if column == VALUE else column
 
 
 def number_of(number: int, what: str, *, is_all: bool) -> str:

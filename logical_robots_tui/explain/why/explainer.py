@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.derivations import Derivations, Row, check_given
-from logical_robots_tui.explain.why.deriving import ask_of, column_label
+from logical_robots_tui.explain.why.deriving import ask_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof
 from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
 from logical_robots_tui.explain.why.probing import (
@@ -113,7 +113,9 @@ class Explainer:
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
         return Table(
-            tuple(map(column_label, columns)), tuple(found[:most]), truncated=len(found) > most
+            tuple(self._program.label(function, column) for column in columns),
+            tuple(found[:most]),
+            truncated=len(found) > most,
         )
 
     def source(self, path: Path) -> Provenance:
@@ -152,7 +154,7 @@ def read_ask(program: Program, text: str, within: str = "") -> Ask:
     """
     asked = read_call(text, within)
     probing = decompose(program, asked.predicate, within)
-    return replace(asked, given=check_given(asked.given, probing))
+    return replace(asked, given=check_given(asked, probing, program.label))
 
 
 _MOST_WAYS = 1_000

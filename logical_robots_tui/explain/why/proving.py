@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from logical_robots_tui.explain.why.derivations import (
@@ -14,7 +14,7 @@ from logical_robots_tui.explain.why.derivations import (
     check_given,
     is_aggregated,
 )
-from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, column_label, number_of
+from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, number_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
@@ -37,7 +37,7 @@ def explain(derivations: Derivations, asked: Ask, *, is_first: bool = True) -> E
 
 def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explanation:
     probing = derivations.decompose(asked.predicate, asked.within)
-    given = check_given(asked.given, probing)
+    given = check_given(asked, probing, derivations.relations.label)
     asked = replace(asked, given=given)
     try:
         rows = derivations.rows(probing, given)
@@ -49,7 +49,7 @@ def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explana
     rules = tuple(map(proving.rule, probing.rules))
     if row is not None and all(found.row is None for found in rules):
         if _is_over_nothing(probing, row):
-            rules = (_over_nothing(rules[0], row), *rules[1:])
+            rules = (_over_nothing(rules[0], row, proving.label), *rules[1:])
         else:
             rules = (*rules, _note(rules[0], _unexplained(probing)))
     if row is None and (is_first or probing.recursive):
@@ -109,11 +109,14 @@ class _Proving:
         given = self._given
         keys = {c: v for c, v in given.items() if any(c in each.head for each in rule.clauses)}
         return tuple(
-            Node("column", column, "came out", False, (row[column],))
+            Node("column", self.label(column), "came out", False, (row[column],))
             for row in self._derivations.rows(self._probing, keys)[:1]
             for column, value in given.items()
             if column not in keys and not same(row[column], value)
         )
+
+    def label(self, column: str) -> str:
+        return self._derivations.relations.label(self._probing.predicate, column)
 
     def _number(self, rule: RuleParts) -> int:
         if not self._rows:
@@ -160,7 +163,7 @@ class _Proving:
             if len(self._probing.rules) > 1:
                 said += " of this rule"
             yield Node(
-                "aggregate", column_label(column), said, values=(row[column],), children=children
+                "aggregate", self.label(column), said, values=(row[column],), children=children
             )
 
 
@@ -185,9 +188,9 @@ def _is_over_nothing(probing: Probing, row: Row) -> bool:
     return is_keyless and all(value in (None, 0) for value in row.values())
 
 
-def _over_nothing(found: RuleFound, row: Row) -> RuleFound:
+def _over_nothing(found: RuleFound, row: Row, label: Callable[[str], str]) -> RuleFound:
     columns = tuple(
-        Node("column", column_label(c), "goes over nothing", None, (v,)) for c, v in row.items()
+        Node("column", label(c), "goes over nothing", None, (v,)) for c, v in row.items()
     )
     children = (*columns, *found.node.children)
     node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)

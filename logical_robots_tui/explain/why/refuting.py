@@ -11,7 +11,6 @@ from logical_robots_tui.explain.why.derivations import Derivations
 from logical_robots_tui.explain.why.deriving import (
     Telling,
     ask_of,
-    column_label,
     grouped,
     negation,
     number_of,
@@ -76,16 +75,16 @@ class Refuting:
         def refuted(clauses: Sequence[Clause], given: Sequence[Scalar]) -> tuple[Node, ...]:
             return Refuting(derivations, probing, given, {}).of(clauses)
 
-        self.telling = Telling(self._relations, probing.queries, refuted, derivations.robot)
+        self.telling = Telling(
+            self._relations, probing.queries, refuted, derivations.robot, probing.predicate
+        )
 
     def rule(self, rule: RuleParts) -> tuple[bool, Node | None, tuple[Node, ...]]:
         """Return whether it is about something else, the stopping node, and all nodes."""
         if others := self._others(rule):
             is_else = self._is_about_else(rule, others)
             said, holds = ("", None) if is_else else ("came out", False)
-            columns = (
-                Node("column", column_label(c), said, holds, (v,)) for c, v in others.items()
-            )
+            columns = (Node("column", self._label(c), said, holds, (v,)) for c, v in others.items())
             nodes = tuple(columns)
             return is_else, None if is_else else nodes[0], nodes
         found = [self._clause(clause) for clause in rule.clauses]
@@ -110,6 +109,9 @@ class Refuting:
             if way is not None:
                 return self.telling.derivation(clause, way)
         return _join([self._clause(clause) for clause in clauses])
+
+    def _label(self, column: str) -> str:
+        return self._relations.label(self._probing.predicate, column)
 
     # -- columns ---------------------------------------------------------------------------------
 
@@ -162,7 +164,7 @@ class Refuting:
 
     def _computed(self, column: str, term: Term, way: Way, values: tuple[Value, ...]) -> Node:
         shown, more = values[:_EXAMPLES], max(0, len(values) - _EXAMPLES)
-        found = Node("column", column_label(column), "came out", False, shown, more)
+        found = Node("column", self._label(column), "came out", False, shown, more)
         if term.kind in ("literal", "variable"):
             return found
         text = f"{found.text}: {term.span.text}"
@@ -259,8 +261,8 @@ class Refuting:
             if more := len(asks) - len(shown):
                 shown.append(Node("note", f"and {more:,} more"))
             return asks[0], tuple(shown)
-        given = asks[0].given.items()
-        return asks[0], tuple(Node("value", column_label(c), values=(v,)) for c, v in given)
+        labels = ((self._relations.label(call.predicate, c), v) for c, v in asks[0].given.items())
+        return asks[0], tuple(Node("value", label, values=(value,)) for label, value in labels)
 
     def _nearest_first(self, asks: list[Ask]) -> list[Ask]:
         name, probing = asks[0].predicate, self._probing

@@ -62,6 +62,16 @@ class Inquiry:
 
         return await self._do(self._asker, program, work)
 
+    async def prepare(self, program: Program, asked: Ask) -> None:
+        """Do what a question needs before there is a frame."""
+        from logical_robots_tui.explain.why.probing import decompose
+
+        def work(stop: threading.Event) -> None:
+            with contextlib.suppress(QueryError):
+                decompose(program, asked.predicate, asked.within, stop=lambda: stop)
+
+        await self._explainer.do(work)
+
     async def why(self, program: Program, robot: str, frame: Frame, asked: Ask) -> Explanation:
         """Explain a predicate's rows, or their absence, or raise QueryError."""
         return await self._explain(

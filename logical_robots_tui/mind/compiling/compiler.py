@@ -21,6 +21,7 @@ from logical_robots_tui.language.annotations import IGNORED
 from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.definitions import (
     MAIN,
+    column_labels,
     definitions,
     lacking,
     names_used,
@@ -75,7 +76,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         compiled, rest, source, report or (lambda _done, _all: None)
     )
     _refuse([*found, *problems])
-    uses = _uses(rest)
+    uses, own = _uses(rest), definitions(rest)
     needed = _order_needed(uses, statements)
     inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
     program = Program(
@@ -89,6 +90,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         needed=needed,
         uses=uses,
         truths={name: truths for name in statements if (truths := compiled.truths(name))},
+        labels={name: labels for name in own if (labels := column_labels(name, own))},
         kinds=json.dumps(
             {
                 name: {column: dump_kind(kind) for column, kind in compiled.kinds[name].items()}

@@ -18,7 +18,7 @@ from logical_robots_tui.language.adapter import (
     parse_proposition,
 )
 from logical_robots_tui.language.checks import NO_VALUE, check
-from logical_robots_tui.language.definitions import definitions
+from logical_robots_tui.language.definitions import column_labels, definitions
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import diagnostic_for, prepare
 from logical_robots_tui.language.tree import (
@@ -79,8 +79,8 @@ def compile_question(text: str, query: str) -> Question:
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        sql, truths = _compile(whole, asked, first, is_bare=not query)
-        return Question(query or bare, sql, gives, truths)
+        compiled = _compile(whole, asked, first, is_bare=not query)
+        return replace(compiled, text=query or bare, gives=gives)
     except ProgramError as error:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
@@ -90,8 +90,8 @@ def _names() -> Iterator[str]:
     yield from (f"Asked{number}" for number in itertools.count(2))
 
 
-def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> tuple[str, tuple[str, ...]]:
-    """Return a predicate's SQL and its boolean columns; the question is in line `first`."""
+def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
+    """Return the question for a predicate's rows, which is in line `first`."""
     source = prepare(whole)
     parsed = parse(source)
     found = tuple(
@@ -112,7 +112,9 @@ def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> tuple[str,
                 (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
         raise ProgramError((error_messages.explain(error, source),)) from None
-    return sql, compiled.truths(asked)
+    return Question(
+        "", sql, "rows", compiled.truths(asked), column_labels(asked, definitions(rest))
+    )
 
 
 def _place(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:

@@ -16,7 +16,7 @@ import sqlite3
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import asdict, replace
 from functools import partial
@@ -45,26 +45,21 @@ _MOST_SQL = 4_000_000  # characters of all statements of a program
 _PREPARE_SECONDS = 1.0
 _LEAST_SECONDS = 0.001  # none would be without a limit
 
-SAMPLES = (
-    "Robot(robot_name:, desire: {left_engine: Sum{1 -> x :- x in [1]}, right_engine: 0}, "
-    'memory: "") :- Sensor(robot_name:);',
-    "Robot(robot_name: x, desire: Snesor(x));",
-    "Robot(",
-)
+_SAMPLE = "Robot(robot_name: x, desire: Snesor(x));"
+"""A program whose mistake loads what messages need; all else is loaded with this module."""
 
 
 Job = Callable[[dict[str, Any]], dict[str, object]]
 """Answers a request."""
 
 
-def serve(jobs: Mapping[str, Job], samples: Iterable[dict[str, Any]]) -> None:
+def serve(jobs: Mapping[str, Job]) -> None:
     """Serve requests until standard input ends.
 
     The process's arguments are bytes of address space, and the processor seconds for one program.
 
     Args:
         jobs: Answers to further requests, by the field that tells them apart.
-        samples: Requests for these, answered once to load all that they need.
     """
     jobs = {**_JOBS, **jobs}
     arguments = begin(processor_seconds=None)  # each program has its own bound
@@ -77,7 +72,7 @@ def serve(jobs: Mapping[str, Job], samples: Iterable[dict[str, Any]]) -> None:
     os.dup2(silence, 2)
     requests: queue.Queue[str] = queue.Queue()
     threading.Thread(target=_read, args=(sys.stdin, requests), daemon=True).start()
-    _warm_up(jobs, samples)
+    warm_up()
     _drop_permissions(address_space)
     while True:
         request = json.loads(requests.get())
@@ -96,15 +91,10 @@ def _report(answers: IO[str], done: int, of_all: int) -> None:
     _say(answers, {"done": done, "all": of_all})
 
 
-def _warm_up(jobs: Mapping[str, Job], samples: Iterable[dict[str, Any]]) -> None:
+def warm_up() -> None:
     """Load everything that compiling may need while files can still be opened."""
     sys.modules["numpy"] = None  # type: ignore[assignment]  # the package would load it for speed
-    for text in SAMPLES:
-        answer({"text": text}, jobs)
-    answer({"text": SAMPLES[0], "query": "1 + 1", "columns": {}}, jobs)
-    answer({"text": "Near() = 1;", "constants": {"Near": "2"}}, jobs)
-    for sample in samples:
-        answer(sample, jobs)
+    answer({"text": _SAMPLE}, {})
     gc.freeze()
 
 

@@ -149,7 +149,7 @@ Robot(robot_name:, desire: {left_engine: Half(c), right_engine: Half(1 + c)}, me
         await inspect(game, "Half")
         await game.sees("Half · tick 1 · 2 calls of P")
         table = game.main.query_one("#rows", ValueTable)
-        assert table.shown.columns == ("col0", "value")
+        assert table.shown.columns == ("x", "value")
         assert sorted(row[:2] for row in table.shown.rows) == [(1, 0.5), (2, 1)]
         game.inspector.choose("Q")
         await game.sees("Half · tick 1 · 2 calls of Q")
@@ -214,7 +214,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.press("enter", "down", "down", "right")
         table = game.main.query_one(ValueTable)
         third = table.pointed
-        await game.until(lambda: table.pointed and table.pointed[0] == "col1")
+        await game.until(lambda: table.pointed and table.pointed[0] == "d")
         await game.press("end")
         await game.until(lambda: table.scroll_offset.y > 0)
         assert table.pointed != third
@@ -222,7 +222,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.sees("Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
         await game.click(ValueTable, offset=(1, 3))
-        await game.until(lambda: table.pointed and table.pointed[0] == "col0")
+        await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
 async def test_the_inspector_follows_a_run_without_holding_it_up(data_dir: Path) -> None:

@@ -279,7 +279,7 @@ async def test_a_function_without_arguments_says_so_in_place(data_dir: Path) -> 
         await game.ready()
         game.inspector.inspect("Speed")
         await game.press("w")
-        await game.sees("Speed is a function of col0: give a value for it.")
+        await game.sees("Speed is a function of d: give a value for it.")
 
 
 async def test_without_a_program_it_says_so(data_dir: Path) -> None:

@@ -12,7 +12,6 @@ from textual.widgets import Static
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
@@ -101,8 +100,12 @@ class WhyPage(Page):
             own = (line,)
         elif line.kind == "rule" and line.holds:
             own = tuple(n for n in line.children if n.kind == "column" and _is_short(n))
-        given = {_column(node): node.values[0] for node in own if len(node.values) == 1}
-        return replace(asked, given={**asked.given, **given}), _column(line)
+        program = self._questions.program
+        columns = {program.label(asked.predicate, column): column for column in asked.given}
+        values = {node.text.split(":")[0]: node.values[0] for node in own if len(node.values) == 1}
+        given = {columns.get(label, label): value for label, value in values.items()}
+        label = line.text.split(":")[0]
+        return replace(asked, given={**asked.given, **given}), columns.get(label, label)
 
     async def show(self, frame: Frame) -> None:
         """Answer the question at a tick; while the game runs, only with the first level."""
@@ -253,11 +256,6 @@ class WhyPage(Page):
         if moved and node.span is not None:
             place = node.span.start, node.span.stop
             self.post_message(Placed(self._questions.program.text, place))
-
-
-def _column(node: Node) -> str:
-    name = node.text.split(":")[0]
-    return VALUE if name == "value" else name
 
 
 def _is_short(node: Node) -> bool:
