@@ -21,6 +21,7 @@ from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
+from tests.memory_use import memory_use
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -129,9 +130,7 @@ def _peak_after(runs: int) -> float:
             programs = {"": program}
             task = Task(level, programs, 5, starts, (), 100_000_000, 600.0, False, fingerprint())
             starts = starts[len(execute(task).results) :]
-    status = Path("/proc/self/status").read_text()
-    (line,) = (line for line in status.splitlines() if line.startswith("VmRSS"))
-    return int(line.split()[1]) * 1024 / 1e6
+    return memory_use("self") / 1e6
 
 
 def _class() -> Iterator[Measurement]:

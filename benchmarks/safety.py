@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -30,6 +29,7 @@ from logical_robots_tui import load_level
 from logical_robots_tui.game.robustness import play_through
 from logical_robots_tui.mind.sqlite.functions import registry
 from tests.e2e.test_supervisor import playing, type_hello
+from tests.memory_use import memory_use
 from tests.terminal import Terminal
 from tests.tui.terminal.test_storms import ONE_FRAME, send
 from tests.waiting import PATIENCE
@@ -185,16 +185,9 @@ def _stuck(folder: Path) -> Iterator[Measurement]:
     """Memory of the supervisor, and seconds from the key that makes a game stuck to the shell."""
     with playing(folder, ["-c", GETS_STUCK]) as terminal:
         type_hello(terminal)
-        held = _supervisor_megabytes(terminal)
+        held = memory_use(terminal.process.pid) / 1e6
         yield summed_up("supervisor", "memory", "MB", [held], target=at_most(12))
         terminal.send("\x03")
         seconds = seconds_for(terminal.finish)
     subject = "until it is ended and the terminal is back"
     yield summed_up("stuck game", subject, "s", [seconds], target=at_most(20))
-
-
-def _supervisor_megabytes(terminal: Terminal) -> float:
-    status = Path(f"/proc/{terminal.process.pid}/status").read_text()
-    found = re.search(r"VmRSS:\s+(\d+)", status)
-    assert found
-    return int(found[1]) * 1024 / 1e6

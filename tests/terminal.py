@@ -139,6 +139,11 @@ class Terminal:
         """Type."""
         os.write(self._ours, keys.encode())
 
+    def resize(self, columns: int, lines: int) -> None:
+        """Tell the game that its terminal has another size; what the test sees keeps its own."""
+        ioctl(self._ours, termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
+        os.kill(self.game, signal.SIGWINCH)
+
     def wait_for(self, condition: str | Callable[[], object]) -> None:
         """Read on until a text stands on the screen, or a condition holds."""
         deadline = monotonic() + self.patience

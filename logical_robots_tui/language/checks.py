@@ -161,14 +161,18 @@ def _names(
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
 
 
+NO_VALUE = "is named without its arguments, so it has no value"
+"""What is wrong with a predicate that stands where a value is wanted."""
+
+
 def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    known = {*definitions(program), *INPUTS} - {*_types(program)}
+    known = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
     for node in walk(each for each in program if isinstance(each, Rule)):
         if not isinstance(node, PredicateName):
             continue
         name = node.name
         if name in known or (is_built_in(name) and name.upper() not in TYPES):
-            message = f"{name} is named without its arguments, so it has no value"
+            message = f"{name} {NO_VALUE}"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game.drafts import Drafts
+from tests.memory_use import memory_use
 from tests.terminal import Terminal
 from tests.waiting import until
 
@@ -222,7 +223,6 @@ def test_another_program_in_the_terminal_is_not_taken_for_a_stuck_game(tmp_path:
 def test_the_supervisor_is_small(tmp_path: Path) -> None:
     with playing(tmp_path) as terminal:
         terminal.wait_for("applied")
-        status = Path(f"/proc/{terminal.process.pid}/status").read_text()
-        assert int(status.split("VmRSS:")[1].split()[0]) < 12 * 1024
+        assert memory_use(terminal.process.pid) < 12 * 1024**2
         terminal.send("q")
         assert terminal.finish() == 0

@@ -337,7 +337,7 @@ def test_an_unknown_robot_or_predicate_is_named() -> None:
         why(FRONT, robot="Zed")
     with pytest.raises(QueryError, match="no rules for Nothing"):
         why(FRONT, "Nothing")
-    with pytest.raises(QueryError, match="no rules for Sensor"):
+    with pytest.raises(QueryError, match="Sensor has no rules: its rows are what the robots sense"):
         why(FRONT, "Sensor")
 
 

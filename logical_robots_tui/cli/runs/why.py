@@ -25,6 +25,8 @@ GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, if the terminal's width is unknown
 DEEPEST = 100
 
+_LONGEST = 150  # characters of a command that is proposed
+_LONGEST_VALUE = 40
 _MOST_VALUES = 5  # in a line; --json has more
 
 
@@ -90,7 +92,7 @@ def start(options: argparse.Namespace) -> int:
         "nearest": [_suggestion(*each) for each in nearest],
     }
     more = () if complete else ("", "This is not complete; a larger --depth shows more.")
-    show(options, data, (*_lines(explanation, nodes, options), *_nearest(nearest), *more))
+    show(options, data, (*_lines(explanation, nodes, program, options), *_nearest(nearest), *more))
     return GAVE if explanation.rows else GAVE_NOT
 
 
@@ -98,12 +100,15 @@ def _read(program: Program, options: argparse.Namespace) -> Ask:
     """Return the question; raise InputError, ProgramFileError or QueryError."""
     from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explainer import read_ask
+    from logical_robots_tui.explain.why.probing import decompose
     from logical_robots_tui.mind import ProgramError
 
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     name = options.predicate.partition("(")[0].strip()
-    check_name("predicate", name, own)
+    if program.predicate(name) is None:
+        check_name("predicate", name, own)
     if name == options.predicate:
+        decompose(program, name, options.within)  # refuses before the run
         return Ask(name, dict(options.given), options.within)
     try:
         asked = read_ask(program, options.predicate, options.within)
@@ -137,7 +142,10 @@ async def _explain(
 
 
 def _lines(
-    explanation: Explanation, nodes: Sequence[Node], options: argparse.Namespace
+    explanation: Explanation,
+    nodes: Sequence[Node],
+    program: Program,
+    options: argparse.Namespace,
 ) -> Iterator[str]:
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
     yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
@@ -149,7 +157,8 @@ def _lines(
     if options.tree:
         return
     asked = (node.asked for _, node in lines if node.asked is not None)
-    if deeper := dict.fromkeys(_deeper(ask) for ask in asked):
+    deeper = dict.fromkeys(_deeper(ask, program) for ask in asked)
+    if deeper := {each: None for each in deeper if len(each) <= _LONGEST}:
         yield from ("", "For more, add --tree or one of:", *(f"  {each}" for each in deeper))
 
 
@@ -171,9 +180,14 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
     }
 
 
-def _deeper(ask: Ask) -> str:
+def _deeper(ask: Ask, program: Program) -> str:
+    """Return the options that ask a question, without long values that need not be given."""
     from logical_robots_tui.explain.why.spelling import spell_call
 
+    known = program.predicate(ask.predicate)
+    if known is not None and known.has_rows:
+        given = {c: v for c, v in ask.given.items() if len(spell(v, _LONGEST)) <= _LONGEST_VALUE}
+        ask = replace(ask, given=given)
     within = f" --within {ask.within}" if ask.within else ""
     return harmless(f"--predicate {shlex.quote(spell_call(ask))}{within}")
 

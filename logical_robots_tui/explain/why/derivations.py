@@ -6,6 +6,7 @@ Rows of a recursion are derived from earlier rows, so that no row proves itself.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -18,6 +19,7 @@ from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.values import Value
+from logical_robots_tui.wording import count_of
 
 MOST_ROWS = 1_000
 """Where counting rows ends."""
@@ -142,6 +144,10 @@ def check_given(asked: Ask, probing: Probing, label: Callable[[str, str], str]) 
     if len(given) < len(asked.given):
         raise QueryError(f"A column of {name} is given twice.")
     for column in given:
+        if column not in probing.columns and re.fullmatch(r"col\d+", column):
+            number = sum(each.startswith("col") for each in probing.columns)
+            takes = f"takes {count_of(number, 'value')}" if number else "takes no values"
+            raise QueryError(f"{probing.predicate} {takes} by place; its columns are {columns}.")
         if column not in probing.columns:
             raise QueryError(f"{name} has no column {column}; it has {', '.join(labels)}.")
     if missing := [label(name, column) for column in probing.given if column not in given]:

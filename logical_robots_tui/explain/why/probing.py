@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.language.diagnostics import ProgramError, QueryError
+from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import to_sql
@@ -267,6 +267,21 @@ class Called:
     given: str
 
 
+_WITHOUT_RULES = {
+    "Sensor": "Sensor has no rules: its rows are what the robots sense.",
+    "Memory": "Memory has no rules: its rows are what the robots remembered in the tick before.",
+}
+
+
+def _without_rules(program: Program, predicate: str) -> str:
+    if predicate in _WITHOUT_RULES:
+        return _WITHOUT_RULES[predicate]
+    if program.predicate(predicate) is not None:
+        return f"{predicate} comes with the game; the program has no rules for it."
+    close = closest(predicate, (each.name for each in program.predicates))
+    return f"The program has no rules for {predicate}{f'; did you mean {close}?' if close else '.'}"
+
+
 def decompose(
     program: Program,
     predicate: str,
@@ -288,7 +303,7 @@ def decompose(
 
     known = program.predicate(predicate)
     if known is None or known.kind != "program":
-        raise QueryError(f"The program has no rules for {predicate}.")
+        raise QueryError(_without_rules(program, predicate))
     if not (known.has_rows or known.is_function or within):
         raise QueryError(known.reason)
     request = {

@@ -5,7 +5,7 @@ A value is traced through one derivation back to a computation or to a sensor or
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -26,7 +26,7 @@ from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, alike
 from logical_robots_tui.schema import INPUTS, VALUE
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.derivations import Derivations
@@ -92,8 +92,16 @@ def part_of(value: Value, path: Path) -> Value:
             value = value[name]
         else:
             here = ".".join(map(str, path[:place])) or "this value"
-            raise QueryError(f"{here} has no part {name}.")
+            raise QueryError(f"{here} has no part {name}{_parts_of(value)}.")
     return value
+
+
+def _parts_of(value: Value) -> str:
+    if isinstance(value, Mapping):
+        return f"; it has {', '.join(value)}" if value else "; it is empty"
+    if isinstance(value, list):
+        return f"; it is a list of {len(value)}"
+    return f"; it is {spell(value)}"
 
 
 class _Sourcing:

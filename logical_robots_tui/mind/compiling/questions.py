@@ -6,6 +6,7 @@ A question becomes a rule on lines after the program, so that diagnostics refer 
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
@@ -16,13 +17,14 @@ from logical_robots_tui.language.adapter import (
     parse_expression,
     parse_proposition,
 )
-from logical_robots_tui.language.checks import check
+from logical_robots_tui.language.checks import NO_VALUE, check
 from logical_robots_tui.language.definitions import column_labels, definitions
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import diagnostic_for, prepare
 from logical_robots_tui.language.tree import (
     CONDITIONS,
     Atom,
+    Disjunction,
     Membership,
     Rule,
     Variable,
@@ -77,7 +79,8 @@ def compile_question(text: str, query: str) -> Question:
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        return replace(_compile(whole, asked, is_bare=not query), text=query or bare, gives=gives)
+        found = _compile(whole, asked, first, is_bare=not query)
+        return replace(found, text=query or bare, gives=gives)
     except ProgramError as error:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
@@ -87,11 +90,15 @@ def _names() -> Iterator[str]:
     yield from (f"Asked{number}" for number in itertools.count(2))
 
 
-def _compile(whole: str, asked: str, *, is_bare: bool) -> Question:
-    """Return the question for a predicate's rows."""
+def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
+    """Return the question for a predicate's rows; the question is in line `first`."""
     source = prepare(whole)
     parsed = parse(source)
-    found = tuple(d for d in check(parsed, whole, runs).problems if d.severity == "error")
+    found = tuple(
+        d
+        for d in check(parsed, whole, runs).problems
+        if d.severity == "error" or (d.line >= first and d.message.endswith(NO_VALUE))
+    )
     if found:
         raise ProgramError(found)
     try:
@@ -111,11 +118,15 @@ def _compile(whole: str, asked: str, *, is_bare: bool) -> Question:
 
 
 def _place(diagnostic: Diagnostic, first: int, query: str) -> Diagnostic:
-    """Move a diagnostic of the whole text into the query, to its start if it is outside."""
+    """Move a diagnostic of the whole text into the query: if outside, to the name it is about."""
     line = diagnostic.line - first + 1
     if 1 <= line <= query.count("\n") + 1:
         return replace(diagnostic, line=line)
-    return replace(diagnostic, line=1, column=1, excerpt="")
+    name = re.search(rf"(?<![\w.]){re.escape(diagnostic.excerpt)}(?!\w)", query)
+    if not diagnostic.excerpt or name is None:
+        return replace(diagnostic, line=1, column=1, excerpt="")
+    before = query[: name.start()].split("\n")
+    return replace(diagnostic, line=len(before), column=len(before[-1]) + 1)
 
 
 def _define(source: Prepared, own: Own) -> str:
@@ -153,6 +164,10 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
         return f"{name}({_columns(columns)}) :- {_supply(left_open)},", "", "rows"
     if not columns:
         denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
+        if isinstance(body, Disjunction):  # the package can't negate it in place
+            both = f'; {name}(holds: "true") :- {name}Ways(one:); '
+            denied = f'{both}{name}(holds: "false") :- ~{name}Ways(one:)'
+            return f"{name}Ways(one: 1) distinct :-", denied, "truth"
         return f'{name}(holds: "true") :-', denied, "truth"
     return f"{name}({_columns(columns)}) :-", "", "rows"
 

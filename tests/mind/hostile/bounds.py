@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.memory_use import memory_use
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -21,7 +23,7 @@ GROWTH = 400 * 1024**2  # bytes: the memory of SQLite, and what all rows of a th
 def bounded_memory() -> Iterator[None]:
     before = _forget_peak()
     yield
-    assert _peak() - before < GROWTH
+    assert memory_use("self", "VmHWM") - before < GROWTH
 
 
 @contextmanager
@@ -38,9 +40,4 @@ def _forget_peak() -> int:
         Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
     except OSError:
         pytest.skip("this system does not tell how much memory is used")
-    return _peak()
-
-
-def _peak() -> int:
-    status = Path("/proc/self/status").read_text(encoding="ascii", errors="replace")
-    return int(status.split("VmHWM:")[1].split()[0]) * 1024
+    return memory_use("self", "VmHWM")

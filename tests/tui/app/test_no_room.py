@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import re
 import resource
-import signal
-import struct
 import sys
-import termios
 from contextlib import suppress
-from fcntl import ioctl
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +15,7 @@ from benchmarks.halls import halls
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.world.levels.fields import MOST_OF_A_KIND, MOST_SIDE
 from tests.game.test_memory import HUNGRY
+from tests.memory_use import memory_use
 from tests.mind.rows import ROBOT
 from tests.terminal import Terminal
 
@@ -33,16 +29,14 @@ ADDRESSES = 2 * 1024**3  # as in restricted mode
 
 def leave_room(terminal: Terminal, room: int) -> None:
     """Let the game have so many more bytes of address space, and none beyond."""
-    status = Path(f"/proc/{terminal.game}/status").read_text()
-    found = re.search(r"VmSize:\s+(\d+)", status)
-    assert found
     # The last bound stays where it was, and can be returned to.
-    resource.prlimit(terminal.game, resource.RLIMIT_AS, (int(found[1]) * 1024 + room, ADDRESSES))
+    resource.prlimit(
+        terminal.game, resource.RLIMIT_AS, (memory_use(terminal.game, "VmSize") + room, ADDRESSES)
+    )
 
 
 def draw(terminal: Terminal) -> None:
-    ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", 400, 1000, 0, 0))
-    os.kill(terminal.game, signal.SIGWINCH)
+    terminal.resize(1000, 400)
 
 
 def think(terminal: Terminal) -> None:
@@ -84,14 +78,6 @@ def test_a_restricted_game_without_memory_says_so_and_loses_nothing(
     assert any("# typed by ada" in draft for draft in drafts)
 
 
-def most_held(terminal: Terminal) -> int:
-    """The most MiB that the game ever held."""
-    status = Path(f"/proc/{terminal.game}/status").read_text()
-    found = re.search(r"VmHWM:\s+(\d+)", status)
-    assert found
-    return int(found[1]) // 1024
-
-
 def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> int:
     """The most MiB that a game held which ran flat out and went back through its history."""
     program = folder / "hungry.l"
@@ -107,7 +93,7 @@ def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> 
         for key in ("p", "p", "3", "\x1b"):
             terminal.send(key)
             terminal.wait_for_quiet(0.5)
-        return most_held(terminal)
+        return memory_use(terminal.game, "VmHWM") // 1024**2
 
 
 @pytest.mark.proof

@@ -5,16 +5,13 @@ from __future__ import annotations
 import os
 import re
 import select
-import signal
-import struct
 import sys
-import termios
-from fcntl import ioctl
 from pathlib import Path
 from time import monotonic
 
 import pytest
 
+from tests.memory_use import memory_use
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
@@ -26,14 +23,6 @@ FLOODS = {
     "what is no UTF-8": b"\xff\xfe\xc3" * 200_000,
     "keys": b"[]{}" * 200_000,
 }
-
-
-def memory_of(terminal: Terminal) -> int:
-    """KiB that the game holds."""
-    status = Path(f"/proc/{terminal.game}/status").read_text()
-    found = re.search(r"VmRSS:\s+(\d+)", status)
-    assert found
-    return int(found[1])
 
 
 def flood(terminal: Terminal, data: bytes) -> None:
@@ -52,22 +41,17 @@ def flood(terminal: Terminal, data: bytes) -> None:
     os.set_blocking(fileno, True)
 
 
-def resize(terminal: Terminal, columns: int, lines: int) -> None:
-    ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
-    os.kill(terminal.game, signal.SIGWINCH)
-
-
 @pytest.mark.sampled
 @pytest.mark.parametrize("what", FLOODS)
 def test_after_a_flood_a_key_is_answered_and_no_memory_is_lost(what: str, tmp_path: Path) -> None:
     game = [sys.executable, "-m", "logical_robots_tui", "play", "01-first-steps", "--restricted"]
     with Terminal([*game, "--data-dir", tmp_path]) as terminal:
         terminal.wait_for("· applied")
-        before = memory_of(terminal)
+        before = memory_use(terminal.game)
         flood(terminal, FLOODS[what])
         # What is typed before all of the flood has been read is dropped with it.
         terminal.press_until("\x1bn", lambda: re.search(r"tick [1-9]", terminal.text))
-        assert memory_of(terminal) - before < 50 * 1024
+        assert memory_use(terminal.game) - before < 50 * 1024**2
         assert terminal.process.poll() is None
 
 
@@ -77,15 +61,15 @@ def test_of_a_huge_terminal_so_much_is_drawn_and_the_player_is_told(tmp_path: Pa
     with Terminal([*game, "--data-dir", tmp_path]) as terminal:
         terminal.wait_for("· applied")
         begun = terminal.traffic
-        resize(terminal, 10_000, 10_000)
+        terminal.resize(10_000, 10_000)
         deadline = monotonic() + PATIENCE
         while not terminal.has_received("Only 1000 columns", begun):
             terminal.read_for(0.2)
-            assert memory_of(terminal) < 600 * 1024
+            assert memory_use(terminal.game) < 600 * 1024**2
             assert monotonic() < deadline
-        resize(terminal, 100, 40)
+        terminal.resize(100, 40)
         assert terminal.process.poll() is None
-        assert memory_of(terminal) < 600 * 1024
+        assert memory_use(terminal.game) < 600 * 1024**2
 
 
 FAILS = """if True:

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import struct
 import sys
 import tempfile
-import termios
-from fcntl import ioctl
 from typing import TypeAlias
 
 import pytest
@@ -43,8 +38,7 @@ def send(terminal: Terminal, event: Event) -> None:
     if isinstance(event, str):
         terminal.send(event)
     else:
-        ioctl(terminal.fileno(), termios.TIOCSWINSZ, struct.pack("HHHH", event[1], event[0], 0, 0))
-        os.kill(terminal.game, signal.SIGWINCH)
+        terminal.resize(*event)
 
 
 def goes_through(terminal: Terminal, storm: list[Event]) -> bool:
