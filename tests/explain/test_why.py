@@ -239,7 +239,7 @@ def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at() -> None
         ("d < 40", False),
         ('robot_name == "Ada"', True),
     ]
-    assert (speed.children[2].said, speed.children[2].values) == ("this branch is taken", (1,))
+    assert (speed.children[2].said, speed.children[2].text) == ("this branch is taken", "1")
 
 
 def test_the_if_of_a_head_is_told() -> None:

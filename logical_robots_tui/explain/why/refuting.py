@@ -292,7 +292,6 @@ class Refuting:
                 term.span.text,
                 values=values[:_EXAMPLES],
                 more=max(0, len(values) - _EXAMPLES),
-                is_truth=term.kind == "truth",
                 span=term.span,
             )
 
