@@ -158,8 +158,9 @@ def _lines(
         return
     asked = (node.asked for _, node in lines if node.asked is not None)
     deeper = dict.fromkeys(_deeper(ask, program) for ask in asked)
-    if deeper := {each: None for each in deeper if len(each) <= _LONGEST}:
-        yield from ("", "For more, add --tree or one of:", *(f"  {each}" for each in deeper))
+    short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
+    if deeper:
+        yield from ("", f"For more, add --tree{' or one of:' if short else '.'}", *short)
 
 
 def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
@@ -232,7 +233,8 @@ def _data(explanation: Explanation, tick: int, program: Program) -> dict[str, An
 
 
 def _labelled(predicate: str, row: Mapping[str, Value], program: Program) -> dict[str, Value]:
-    return {program.label(predicate, column): value for column, value in row.items()}
+    labels = program.labels.get(predicate, {})
+    return {labels.get(column, column): value for column, value in row.items()}
 
 
 def _node(node: Node, program: Program) -> dict[str, Any]:

@@ -189,7 +189,8 @@ class Telling:
             (node,) = self.term(term, way)
             return replace(node, kind="column", text=f"{title}: {node.text}", values=(value,))
         children = tuple(self.reason(term, way))
-        text = f"{title}: {term.span.text}"
+        is_value = is_written(value, term.span.text)
+        text = title if is_value else f"{title}: {term.span.text}"
         return Node("column", text, values=(value,), span=term.span, children=children)
 
     def _branch(self, term: Term, way: Way) -> Iterator[Node]:
