@@ -34,9 +34,11 @@ from logical_robots_tui.language.signatures import (
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.spelling import TYPES, written_type
 from logical_robots_tui.language.tree import (
+    CONDITIONS,
     REST,
     Annotation,
     Argument,
+    Atom,
     Expression,
     Functor,
     Node,
@@ -46,6 +48,7 @@ from logical_robots_tui.language.tree import (
     Statement,
     Text,
     Variable,
+    span_of,
     text_of,
     walk,
 )
@@ -105,6 +108,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
         *wrong_calls(program, known, text, runs),
         *duplicates(program, text),
         *_without_arguments(program, text),
+        *_values_as_conditions(program, text),
         *verbatim(program, known, text),
         *inference.problems,
         *engines(program, inference, text),
@@ -174,6 +178,23 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
         if name in known or (is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} {NO_VALUE}"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
+
+
+def _values_as_conditions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+    own = definitions(program)
+    for node in walk(each for each in program if isinstance(each, Rule)):
+        if not isinstance(node, Atom) or node.name in CONDITIONS | _PREDICATES | {*own}:
+            continue
+        span = node.span or span_of(node.arguments)
+        if is_built_in(node.name) and span is not None:
+            message = f"{node.name} gives a value; it is not a condition"
+            hint = "Compare the value with something, or name it: x = ..."
+            length = span.stop - span.start
+            yield diagnostic_at(text, span.start, length, message, hint)
+
+
+_PREDICATES = frozenset({"Constraint", "Like"})
+"""Built-in functions that are conditions as well."""
 
 
 def _types(program: Sequence[Statement]) -> Iterator[str]:

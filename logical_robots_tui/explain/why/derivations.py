@@ -147,7 +147,7 @@ def check_given(asked: Ask, probing: Probing, label: Callable[[str, str], str]) 
         if column not in probing.columns and re.fullmatch(r"col\d+", column):
             number = sum(each.startswith("col") for each in probing.columns)
             takes = f"takes {count_of(number, 'value')}" if number else "takes no values"
-            raise QueryError(f"{name} {takes} by place; it has {', '.join(labels)}.")
+            raise QueryError(f"{name} {takes} by place; its columns are {', '.join(labels)}.")
         if column not in probing.columns:
             raise QueryError(f"{name} has no column {column}; it has {', '.join(labels)}.")
     if missing := [label(name, column) for column in probing.given if column not in given]:

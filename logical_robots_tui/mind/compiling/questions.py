@@ -79,8 +79,8 @@ def compile_question(text: str, query: str) -> Question:
     whole = f"{begin}{query}\n{after};"
     first = begin.count("\n") + 1
     try:
-        found = _compile(whole, asked, first, is_bare=not query)
-        return replace(found, text=query or bare, gives=gives)
+        compiled = _compile(whole, asked, first, is_bare=not query)
+        return replace(compiled, text=query or bare, gives=gives)
     except ProgramError as error:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
 
@@ -91,7 +91,7 @@ def _names() -> Iterator[str]:
 
 
 def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
-    """Return the question for a predicate's rows; the question is in line `first`."""
+    """Return the question for a predicate's rows, which is in line `first`."""
     source = prepare(whole)
     parsed = parse(source)
     found = tuple(
