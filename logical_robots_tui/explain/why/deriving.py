@@ -128,6 +128,8 @@ class Telling:
         )
 
     def reason(self, term: Term, way: Way) -> Iterator[Node]:
+        if term.kind in ("if", "coalesce") and any(each.column not in way for each in term.parts):
+            return  # which is chosen can't be told: a query shows only so many columns
         if term.kind == "if":
             yield from self._branch(term, way)
         elif term.kind == "coalesce":
