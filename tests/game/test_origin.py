@@ -255,7 +255,7 @@ async def test_a_column_of_a_predicate_is_traced(level: Level) -> None:
 
 
 async def test_a_function_is_traced_to_its_arguments(level: Level) -> None:
-    found = await origin(level, subject("value.left_engine", "Speed", col0=12), text=RAYS)
+    found = await origin(level, subject("value.left_engine", "Speed", way=12), text=RAYS)
     assert [each.value for each in found.links] == [0.012]
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless
 from logical_robots_tui.cli.runs.common import (
-    check_name,
     new_run_command,
     open_run,
     run_shown,
@@ -56,7 +55,7 @@ def start(options: argparse.Namespace) -> int:
         --value 'memory.visited[0]'
       logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
         --value desire.left_engine
-      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 380 --robot Crow \\
         --predicate Next --value ray.distance
 
     A value in a memory, as it is after the tick, comes from the tick of its last

@@ -263,7 +263,11 @@ class _Sourcing:
         value = _part(value_of(frame.way, term.column), path)
         if term.kind == "truth" and value is not None:
             value = bool(value)
-        inputs = [self._named(frame, part) for part in _operands(term)]
+        if term.kind == "record":
+            fields = zip(term.names, term.parts, strict=True)
+            inputs = [replace(self._term(frame, part, ()), name=name) for name, part in fields]
+        else:
+            inputs = [self._named(frame, part) for part in _operands(term)]
         return Source(
             *(term.span.text, value, term.span, frame.rule),
             inputs=_distinct(inputs),
