@@ -240,8 +240,10 @@ class Program:
         return next((p for p in self.predicates if p.name == name), None)
 
     def label(self, predicate: str, column: str) -> str:
-        """Return what a column of a predicate is called."""
-        return self.labels.get(predicate, {}).get(column, column)
+        """Return what a column of a predicate is called; a place without a name by its number."""
+        label = self.labels.get(predicate, {}).get(column, column)
+        is_place = label == column and column[:3] == "col" and column[3:].isdigit()
+        return f"argument {int(column[3:]) + 1}" if is_place else label
 
     @property
     def texts(self) -> Texts:

@@ -96,7 +96,7 @@ def _claims(node: Node) -> Iterator[str | None]:
             if child.kind == "column":
                 yield from _claims(child)
             continue
-        if len(child.values) == 1 and not child.is_truth:
+        if len(child.values) == 1:
             text, is_step = child.text, child.span is not None and child.holds
             if is_step and (bound := _BOUND.match(text)):
                 text = bound.group(1)

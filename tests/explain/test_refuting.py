@@ -57,6 +57,20 @@ def test_what_fails_before_any_alternative_is_told_once() -> None:
     assert texts(rule.node.children) == ["x in [1]", "y == x", "y > 5"]
 
 
+def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() -> None:
+    text = f"""P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),
+    x > 5;
+    F(a, b) = a + b;
+    {REST}"""
+    (rule,) = why(text, "P").rules
+    taken = find(rule.node, "Coalesce(x + 1, x)")
+    assert (taken.said, taken.values) == ("this branch is taken", (2,))
+    assert texts(taken.children) == ["x + 1"]
+    call = find(rule.node, "F(x + 2, x)")
+    assert call.asked is not None
+    assert call.asked.given == {"col0": 3, "col1": 1, "logica_value": 4}
+
+
 def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
     text = f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);{REST}"
     (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import Phase, given, settings
 
 from logical_robots_tui.explain import Ask, Explainer
+from logical_robots_tui.explain.why.spelling import read_call, spell_call
 from logical_robots_tui.mind import Limits, Mind, Program
 from tests.explain.asking import REST
 from tests.explain.checking import Checker, false_claims
@@ -58,6 +59,8 @@ def _check(name: str, mind: Mind, checker: Checker) -> int:
                 wrong = list(false_claims(found, checker, made)) if found.holds else []
                 assert not wrong, (name, given_row, wrong)
             assert _is_founded(node, ()), (name, given_row)
+            for asked in (each.asked for _, each in node.walk() if each.asked is not None):
+                assert read_call(spell_call(asked), asked.within) == asked
     for values in table.rows[:2]:
         other = dict(zip(table.columns, values, strict=True))
         other[table.columns[0]] = 77

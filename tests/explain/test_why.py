@@ -239,7 +239,7 @@ def test_the_conditions_of_an_if_are_told_as_far_as_they_are_looked_at() -> None
         ("d < 40", False),
         ('robot_name == "Ada"', True),
     ]
-    assert (speed.children[2].said, speed.children[2].values) == ("this branch is taken", (1,))
+    assert (speed.children[2].said, speed.children[2].text) == ("this branch is taken", "1")
 
 
 def test_the_if_of_a_head_is_told() -> None:
@@ -345,3 +345,45 @@ def test_a_predicate_that_fails_says_so() -> None:
     text = f'Bad(x) :- x in [1], y == "text", y.field == 1; Bad(2);{REST}'
     with pytest.raises(QueryError, match="neither a record nor a list"):
         why(text, "Bad")
+
+
+@pytest.mark.parametrize(
+    ("condition", "said"),
+    [
+        ("kind == 12", 'text "12" is not the number 12'),
+        ("Wanted(kind)", 'text "12" is not the number 12'),
+        ("kind == 13", "in no way"),
+        ('word == true, kind == "12"', 'text "true" is not true'),
+        ("word == [1]", "in no way"),
+    ],
+)
+def test_a_condition_that_fails_by_types_alone_says_so(condition: str, said: str) -> None:
+    text = f"""
+Kind(kind: "12", word: "true");
+Wanted(12);
+Match() :- Kind(kind:, word:), {condition};
+{REST}"""
+    stopped = why(text, "Match").rules[0].stopped_by
+    assert stopped is not None
+    assert stopped.said == said
+
+
+def test_literals_are_not_said_to_have_their_values() -> None:
+    text = f"A(x: [1, 2], y: {{a: true}}) :- [1, 2] == [1, 2], b == 3, b in [3, 4];{REST}"
+    (node,) = why(text, "A").nodes
+    assert [(n.text, n.values) for _, n in node.walk()][1:] == [
+        ("x", ([1, 2],)),
+        ("y", ({"a": True},)),
+        ("[1, 2] == [1, 2]", ()),
+        ("b == 3", (3,)),
+        ("b in [3, 4]", ()),
+        ("b", (3,)),
+    ]
+
+
+@pytest.mark.parametrize("condition", ["d > 2", "d > 2 && d < 9", "Far(d)"])
+def test_booleans_are_true_or_false(condition: str) -> None:
+    text = f"N(d: 1);\nFar(d) = d > 2;\nIs(d:, far:) :- N(d:), far = ({condition});{REST}"
+    (node,) = why(text, "Is").nodes
+    assert find(node, "far").values == (False,)
+    assert find(node, "far = ").values == (False,)

@@ -158,8 +158,9 @@ def _lines(
         return
     asked = (node.asked for _, node in lines if node.asked is not None)
     deeper = dict.fromkeys(_deeper(ask, program) for ask in asked)
-    if deeper := {each: None for each in deeper if len(each) <= _LONGEST}:
-        yield from ("", "For more, add --tree or one of:", *(f"  {each}" for each in deeper))
+    short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
+    if deeper:
+        yield from ("", f"For more, add --tree{' or one of:' if short else '.'}", *short)
 
 
 def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
@@ -198,17 +199,13 @@ def _line(depth: int, node: Node, wide: int) -> str:
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
     said = f"  ({node.said})" if node.said else ""
     shown = node.values[:_MOST_VALUES]
-    values = [(_truth(value) if node.is_truth else spell(value)) for value in shown]
+    values = [*map(spell, shown)]
     if more := len(node.values) - len(shown) + node.more:
         values.append(f"{more} more")
     told = f" = {' or '.join(values)}" if values else ""
     room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
     whole, wide = f"{before}{place}{cut(harmless(node.text), room)}", max(wide, 40)
     return cut(f"{whole}{cut(told, wide - len(whole) - len(said))}{said}", wide)
-
-
-def _truth(value: Any) -> str:
-    return "null" if value is None else "true" if value else "false"
 
 
 def _data(explanation: Explanation, tick: int, program: Program) -> dict[str, Any]:
@@ -236,7 +233,8 @@ def _data(explanation: Explanation, tick: int, program: Program) -> dict[str, An
 
 
 def _labelled(predicate: str, row: Mapping[str, Value], program: Program) -> dict[str, Value]:
-    return {program.label(predicate, column): value for column, value in row.items()}
+    labels = program.labels.get(predicate, {})
+    return {labels.get(column, column): value for column, value in row.items()}
 
 
 def _node(node: Node, program: Program) -> dict[str, Any]:
@@ -246,7 +244,7 @@ def _node(node: Node, program: Program) -> dict[str, Any]:
     if node.holds is not None:
         data["holds"] = node.holds
     if node.values:
-        data["values"] = [bool(v) if node.is_truth and v is not None else v for v in node.values]
+        data["values"] = node.values
     if node.more:
         data["more"] = node.more
     if node.span is not None:

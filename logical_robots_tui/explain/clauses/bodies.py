@@ -79,10 +79,12 @@ def span_of(node: Tree, source: Prepared) -> Span:
 def span_of_text(start: int, stop: int, text: str) -> Span:
     while start < stop and text[start].isspace():
         start += 1
-    lines = (
-        line.split("#")[0] if '"' not in line else line for line in text[start:stop].split("\n")
-    )
-    return Span(start, stop, text.count("\n", 0, start) + 1, " ".join(" ".join(lines).split()))
+    words = ""
+    for line in text[start:stop].split("\n"):
+        more = " ".join((line.split("#")[0] if '"' not in line else line).split())
+        is_close = words[-1:] in _OPENS or more[:1] in _OPENS.values()
+        words += more if is_close or not (words and more) else f" {more}"
+    return Span(start, stop, text.count("\n", 0, start) + 1, words)
 
 
 def _close_brackets(skeleton: str, start: int, stop: int) -> int:

@@ -158,11 +158,11 @@ class _ClauseBuilder:
             ordered.append((together, self._scope.variables))
         before = [self._known, *(after for _, after in ordered)]
         steps = []
-        wanted: list[set[str]] = []  # for each step, the columns to show
+        wanted: list[set[str]] = []  # for each step, the columns to show of it and those before
         for (part, after), known in zip(ordered, before, strict=False):
             self._used = set()
             steps.append(self._step(part, known, after))
-            wanted.append(self._used)
+            wanted.append(self._used.union(*wanted[-1:]))
         everywhere = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
         head = {column: self._column(value) for column, value in self._head.items()}
         terms = {column: self._term(value) for column, value in self._head.items()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from logical_robots_tui.explain.why.explanation import Ask, Node
@@ -21,7 +22,7 @@ from logical_robots_tui.mind.relations import Relations, Way, alike, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql
 from logical_robots_tui.schema import INPUTS
-from logical_robots_tui.values import Value, spell
+from logical_robots_tui.values import Value, read_value, spell
 
 MOST_ELEMENTS = 1_000
 _SHOWN_ELEMENTS = 100
@@ -114,17 +115,21 @@ class Telling:
             yield Node("call", text, values=(value,), span=span, asked=asked, children=inner)
             return
         is_truth = term.kind == "truth"
+        children = tuple(self.reason(term, way))
+        if not (is_truth or children) and is_written(value, text):
+            return
         yield Node(
             term.kind if term.kind in ("if", "coalesce", "aggregate") else "value",
             text,
             holds=bool(value) if is_truth else None,
             values=() if is_truth and value is not None else (value,),
-            is_truth=is_truth,
             span=span,
-            children=tuple(self.reason(term, way)),
+            children=children,
         )
 
     def reason(self, term: Term, way: Way) -> Iterator[Node]:
+        if term.kind in ("if", "coalesce") and any(each.column not in way for each in term.parts):
+            return  # which is chosen can't be told: a query shows only so many columns
         if term.kind == "if":
             yield from self._branch(term, way)
         elif term.kind == "coalesce":
@@ -187,23 +192,28 @@ class Telling:
             (node,) = self.term(term, way)
             return replace(node, kind="column", text=f"{title}: {node.text}", values=(value,))
         children = tuple(self.reason(term, way))
-        text = f"{title}: {term.span.text}"
+        is_value = is_written(value, term.span.text)
+        text = title if is_value else f"{title}: {term.span.text}"
         return Node("column", text, values=(value,), span=term.span, children=children)
 
     def _branch(self, term: Term, way: Way) -> Iterator[Node]:
         *branches, otherwise = term.parts
         for condition, value in zip(branches[::2], branches[1::2], strict=True):
-            yield from self.term(condition, way)
-            if value_of(way, condition.column):
+            holds = bool(value_of(way, condition.column))
+            for node in self.term(condition, way):
+                yield replace(node, holds=holds)
+            if holds:
                 yield self._taken(value, way)
                 return
         yield self._taken(otherwise, way)
 
     def _taken(self, term: Term, way: Way) -> Node:
+        said = "this branch is taken"
         if term.kind == "call":
-            return next(self.term(term, way))
-        text, said = term.span.text or "null", "this branch is taken"
-        values, children = (value_of(way, term.column),), tuple(self.reason(term, way))
+            return replace(next(self.term(term, way)), said=said)
+        text, value = term.span.text or "null", value_of(way, term.column)
+        values = () if is_written(value, text) else (value,)
+        children = tuple(self.reason(term, way))
         return Node("value", text, said, values=values, span=term.span, children=children)
 
     def _aggregate(self, body: Body, result: Value, way: Way) -> Iterator[Node]:
@@ -299,6 +309,13 @@ def ask_of(call: Call, way: Way) -> Ask:
     places = {column: place for column, place in call.arguments.items() if place in way}
     given = {column: value_of(way, place) for column, place in places.items()}
     return Ask(call.predicate, given, call.within)
+
+
+def is_written(value: Value, text: str) -> bool:
+    """Return whether a text is nothing but a value as it is written."""
+    with suppress(ValueError, RecursionError):
+        return read_value(text) == value
+    return False
 
 
 def negation(text: str, *, holds: bool) -> tuple[str, str]:

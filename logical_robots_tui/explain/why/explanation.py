@@ -39,7 +39,6 @@ class Node:
         holds: Whether it gave something; None if that is no question.
         values: Its value; several are examples from several ways.
         more: How many more values there are.
-        is_truth: Whether the values are booleans, which SQLite writes as 0 and 1.
         asked: The question one step deeper.
     """
 
@@ -65,7 +64,6 @@ class Node:
     holds: bool | None = None
     values: tuple[Value, ...] = ()
     more: int = 0
-    is_truth: bool = False
     span: Span | None = None
     robot: str = ""
     asked: Ask | None = None

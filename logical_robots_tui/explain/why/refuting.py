@@ -26,7 +26,7 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
-from logical_robots_tui.explain.why.spelling import spell_call
+from logical_robots_tui.explain.why.spelling import spell_call, unlike_types
 from logical_robots_tui.language.diagnostics import distance
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same
@@ -84,8 +84,12 @@ class Refuting:
         if others := self._others(rule):
             is_else = self._is_about_else(rule, others)
             said, holds = ("", None) if is_else else ("came out", False)
-            columns = (Node("column", self._label(c), said, holds, (v,)) for c, v in others.items())
-            nodes = tuple(columns)
+            nodes = tuple(
+                Node(
+                    "column", self._label(c), unlike_types(self._wanted[c], v) or said, holds, (v,)
+                )
+                for c, v in others.items()
+            )
             return is_else, None if is_else else nodes[0], nodes
         found = [self._clause(clause) for clause in rule.clauses]
         return False, max(found, key=lambda each: each.steps).stop, _join(found)
@@ -218,9 +222,13 @@ class Refuting:
             said = said or found
         elif way is not None and step.call is not None and step.call.predicate not in INPUTS:
             asked, children = self._call(step.call, reached, self._known(clause))
+            said = self._unlike_row(asked) or said
         terms = [term for term in step.terms if term.kind != "literal"]
         if way is not None and reached.ways == 1:
             inside = tuple(node for term in terms for node in self.telling.term(term, way))
+            if len(step.terms) == 2:
+                one, other = (value_of(way, term.column) for term in step.terms)
+                said = unlike_types(one, other) or said
         else:
             inside = tuple(self._examples(terms, reached))
         return Node(
@@ -264,12 +272,24 @@ class Refuting:
         labels = ((self._relations.label(call.predicate, c), v) for c, v in asks[0].given.items())
         return asks[0], tuple(Node("value", label, values=(value,)) for label, value in labels)
 
+    def _rows(self, asked: Ask) -> Sequence[Mapping[str, Value]]:
+        """Return the rows that a call is matched with, () for a function."""
+        name, probing = asked.predicate, self._probing
+        if asked.within or name not in probing.tables:
+            return ()
+        return self._relations.rows(name, probing.sources.get(name, ""))
+
+    def _unlike_row(self, asked: Ask) -> str:
+        """Return how a row differs from what was asked for, if in nothing but types, or ""."""
+        for row in self._rows(asked)[:_MOST_WAYS]:
+            others = [(v, row[c]) for c, v in asked.given.items() if not same(v, row[c])]
+            said = [unlike_types(*each) for each in others]
+            if said and all(said):
+                return said[0]
+        return ""
+
     def _nearest_first(self, asks: list[Ask]) -> list[Ask]:
-        name, probing = asks[0].predicate, self._probing
-        if asks[0].within or name not in probing.tables:
-            return asks
-        rows = self._relations.rows(name, probing.sources.get(name, ""))
-        rows = rows[: _MOST_COMPARED // len(asks)]
+        rows = self._rows(asks[0])[: _MOST_COMPARED // len(asks)]
 
         def gap(ask: Ask) -> float:
             return min((_gap(ask.given, row) for row in rows), default=0.0)
@@ -292,7 +312,6 @@ class Refuting:
                 term.span.text,
                 values=values[:_EXAMPLES],
                 more=max(0, len(values) - _EXAMPLES),
-                is_truth=term.kind == "truth",
                 span=term.span,
             )
 

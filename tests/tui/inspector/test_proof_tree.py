@@ -78,7 +78,7 @@ def test_values_that_have_no_room_are_counted(width: int, depth: int) -> None:
 
 
 def test_truths_are_not_numbers() -> None:
-    node = Node("value", "x > 2", values=(1, 0, None), is_truth=True)
+    node = Node("value", "x > 2", values=(True, False, None))
     assert "= true or false or null" in content(node, 80)
 
 

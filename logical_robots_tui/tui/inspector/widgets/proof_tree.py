@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
+from logical_robots_tui.tui.inspector.widgets.plots import format_value, value_colour
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Node
@@ -206,15 +205,10 @@ def _values(node: Node, room: int) -> Content:
         words = f" (and {more:,} more)" if more else ""
         glue = " or " if parts else " = "
         left = room - sum(part.cell_length for part in parts) - len(glue) - len(words)
-        text, colour = _value(node, value, _WIDEST_VALUE if parts else max(4, left))
+        widest = _WIDEST_VALUE if parts else min(max(4, left), _WIDEST_VALUE)
+        text, colour = format_value(value, widest), value_colour(value)
         if parts and len(text) > left:
             break
         parts.append(Content.assemble((glue, INK.dim), (text, colour)))
         rest = words
     return Content("").join([*parts, Content.styled(rest, INK.warn)])
-
-
-def _value(node: Node, value: Value, limit: int) -> tuple[str, str]:
-    if node.is_truth:
-        return format_value(None if value is None else bool(value)), INK.number
-    return cell(value, min(limit, _WIDEST_VALUE))
