@@ -8,7 +8,7 @@ from logica.compiler import functors, rule_translate
 from logica.parser_py import parse
 
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.source_text import Prepared, diagnostic_at, statements
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at
 
 COMPLAINTS = (
     parse.ParsingException,
@@ -47,7 +47,7 @@ def explain(
     error: BaseException, source: Prepared, within: tuple[int, int] | None = None
 ) -> Diagnostic:
     """Return the diagnostic for an exception raised within a statement (its start and end)."""
-    start, end = within or _rule(error, source)
+    start, end = within or rule_of(error, source)
     if isinstance(error, RecursionError) or isinstance((error.args or (None,))[0], RecursionError):
         hint = "Give parts of it names of their own."
         return diagnostic_at(source.original, start, 0, "the program is nested too deeply", hint)
@@ -105,67 +105,13 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
     """Return the diagnostic for variables without a value; those mentioned once are the cause."""
     rule = source.skeleton[start:end]
     culprits = [name for name in names if len(_mentions(name, rule)) == 1] or names
-    if (called := _call_without(culprits[0], source, start, end)) is not None:
-        name, at = called
-        message = f"{name} needs a value for {culprits[0]}"
-        hint = "Add the missing argument."
-        return diagnostic_at(source.original, at, len(name), message, hint)
     what = " and ".join(culprits) + (" is" if len(culprits) == 1 else " are")
     message = f"nothing says what {what}"
-    if _is_divided(rule):
-        message += " in one of the alternatives"
-        hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
-        place = re.search(rf"(?<![\w.]){re.escape(culprits[0])}\b", rule)
-        at = start + (place.start() if place else 0)
-        return diagnostic_at(source.original, at, len(culprits[0]), message, hint)
     others = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
     close = closest(culprits[0], others)
     places = _mentions(culprits[0], rule) or [0]
     hint = f"Did you mean {close}?" if close else _hint(message)
-    if not close and (taker := _called_with(culprits[0], rule)):
-        hint = f"{taker} leaves it open: it needs a value here, or in the rule of {taker}."
     return diagnostic_at(source.original, start + places[0], len(culprits[0]), message, hint)
-
-
-def _call_without(variable: str, source: Prepared, start: int, end: int) -> tuple[str, int] | None:
-    """Return a predicate, and where a rule calls it, whose own rule has a variable this lacks."""
-    word = re.compile(rf"(?<![\w.]){re.escape(variable)}\b")
-    if word.search(source.skeleton, start, end):
-        return None
-    for first, last in statements(source):
-        head = re.match(r"[A-Z]\w*", source.skeleton[first:last])
-        if head is not None and word.search(source.skeleton, first, last):
-            called = re.compile(rf"\b{head[0]}\s*\(").search(source.skeleton, start, end)
-            if called is not None and called.start() != first:
-                return head[0], called.start()
-    return None
-
-
-def _called_with(variable: str, rule: str) -> str:
-    """Return the predicate that a variable is given to, if it is used for nothing else, or ""."""
-    found = set()
-    body = rule.find(":-") + 1
-    column = r"(?!\w|\s*:(?!-|\s*[,)}]))"
-    for mention in re.finditer(rf"(?<![\w.]){re.escape(variable)}{column}", rule[body:]):
-        before = rule[: body + mention.start()]
-        depth = 0
-        for at in range(len(before) - 1, -1, -1):
-            depth += (before[at] in ")]}") - (before[at] in "([{")
-            if depth < 0:
-                break
-        called = re.search(r"([A-Z]\w*)\s*\($", before[: at + 1]) if depth < 0 else None
-        found.add(called[1] if called else "")
-    return found.pop() if len(found) == 1 else ""
-
-
-def _is_divided(rule: str) -> bool:
-    """Return whether a '|' outside of brackets divides the body of a rule."""
-    depth = 0
-    for at, character in enumerate(rule):
-        depth += (character in "([{") - (character in ")]}")
-        if character == "|" and not depth and "||" not in rule[max(0, at - 1) : at + 2]:
-            return True
-    return False
 
 
 def _mentions(name: str, rule: str) -> list[int]:
@@ -292,7 +238,8 @@ def _hint(message: str) -> str:
     return next((hint for pattern, hint in _HINTS if re.search(pattern, message)), "")
 
 
-def _rule(error: BaseException, source: Prepared) -> tuple[int, int]:
+def rule_of(error: BaseException, source: Prepared) -> tuple[int, int]:
+    """Return start and end of the statement that an exception is about."""
     rule = getattr(error, "rule_str", "")
     if isinstance(rule, parse.HeritageAwareString) and rule.heritage == source.text:
         return rule.start, rule.stop

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain import Node
     from logical_robots_tui.mind import Mind
 
-__all__ = ["Checker", "false_claims"]
+__all__ = ["Checker", "equal", "false_claims", "head_columns"]
 
 _BOUND = re.compile(r"(\w+)\s*==?\s")
 _OPERATOR = re.compile(r"(\w+|\+)(?:\{| over )")
@@ -79,9 +79,9 @@ def false_claims(node: Node, checker: Checker, made: str = "") -> Iterator[str]:
     claims = [*_claims(node)]
     fixed = [body.strip()]
     fixed += [claim for claim in claims if claim is not None]
-    for column, expression in _columns(head):
+    for column, expression in head_columns(head):
         values = [n.values[0] for n in node.children if _names(n, column) and n.values]
-        fixed += [claim for value in values[:1] if (claim := _equal(expression, value))]
+        fixed += [claim for value in values[:1] if (claim := equal(expression, value))]
     if checker.holds(fixed, made) is False:
         yield f"{rule} does not hold with {fixed}"
     for _, inner in node.walk():
@@ -102,13 +102,13 @@ def _claims(node: Node) -> Iterator[str | None]:
                 text = bound.group(1)
             text = _FIELD.sub("", text)
             if child.span is None or not _EQUATION.search(text):
-                yield _equal(text, child.values[0])
+                yield equal(text, child.values[0])
         elif child.holds is not None and child.kind == "value" and not child.values:
             yield f"({child.text})" if child.holds else None
         yield from _claims(child)
 
 
-def _equal(expression: str, value: Any) -> str | None:
+def equal(expression: str, value: Any) -> str | None:
     if value is None:
         return f"({expression}) is null"
     if isinstance(value, float) and not value.is_integer():  # a sum depends on the order of rows
@@ -118,7 +118,7 @@ def _equal(expression: str, value: Any) -> str | None:
     return None
 
 
-def _columns(head: str) -> Iterator[tuple[str, str]]:
+def head_columns(head: str) -> Iterator[tuple[str, str]]:
     """Columns of a head of the generated kind that are not aggregated, and their expressions."""
     found = re.match(r"\w+\(x: (.*), y: (.*)\)(?: distinct)?\s*$", head.strip())
     if found:

@@ -57,6 +57,20 @@ def test_what_fails_before_any_alternative_is_told_once() -> None:
     assert texts(rule.node.children) == ["x in [1]", "y == x", "y > 5"]
 
 
+def test_what_holds_before_the_part_that_fails_is_explained_by_its_own_values() -> None:
+    text = f"""P(y:) :- x in [1], y == (if x == 1 then Coalesce(x + 1, x) else 9), z == F(x + 2, x),
+    x > 5;
+    F(a, b) = a + b;
+    {REST}"""
+    (rule,) = why(text, "P").rules
+    taken = find(rule.node, "Coalesce(x + 1, x)")
+    assert (taken.said, taken.values) == ("this branch is taken", (2,))
+    assert texts(taken.children) == ["x + 1"]
+    call = find(rule.node, "F(x + 2, x)")
+    assert call.asked is not None
+    assert call.asked.given == {"col0": 3, "col1": 1, "logica_value": 4}
+
+
 def test_a_computed_column_that_came_out_otherwise_is_told_so() -> None:
     text = f"{ITEMS} P(x:, z: y + 1) :- Item(x:, y:);{REST}"
     (rule,) = why(text, "P", given={"x": 1, "z": 1}).rules
@@ -161,3 +175,20 @@ def test_a_larger_depth_is_promised_only_where_it_shows_more(depth: int) -> None
     shown = proof(text, "D", depth=depth)
     more = proof(text, "D", depth=depth + 1)
     assert shown.is_cut == (more.nodes != shown.nodes)
+
+
+def test_a_call_in_a_condition_is_evaluated_before_it() -> None:
+    text = f"G(a) = a + 1; {ITEMS} P(v) :- (v == 1 | v > 2), v == G(w), Item(x: w);{REST}"
+    (rule,) = why(text, "P", given={"col0": 7}).rules
+    stops = [node.text for _, node in rule.node.walk() if node.kind == "value" and not node.holds]
+    assert "v == G(w)" in stops
+
+
+def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
+    text = f"{ITEMS} P(x:) :- Item(x:, y:), x + y in [9, 10];{REST}"
+    (rule,) = why(text, "P").rules
+    assert rule.stopped_by is not None
+    assert [(node.text, node.values) for node in rule.stopped_by.children] == [
+        ("[9, 10]", ([9, 10],)),
+        ("x + y", (3, 5)),
+    ]

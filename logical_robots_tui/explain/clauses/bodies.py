@@ -54,6 +54,9 @@ from logical_robots_tui.schema import INPUTS, VALUE
 PartKind: TypeAlias = typing.Literal["call", "condition", "value", "element", "denial"]
 """The kinds of a body's parts: a condition only tests, a value is an equation."""
 
+AUXILIARY = "why_"
+"""The prefix of variables that hold the values of calls."""
+
 _OPENS = {"(": ")", "[": "]", "{": "}"}
 _FALSE = Boolean("false")
 
@@ -210,17 +213,22 @@ class Scope:
         """Return the variables of this scope that a tree mentions, at any depth."""
         return variables(tree) | (variables(tree, inside=True) & self.variables)
 
-    def gives(self, part: Proposition, known: frozenset[str]) -> frozenset[str] | None:
-        """Return the variables that are bound after a part, or None if it can't be evaluated."""
+    def gives(
+        self, part: Proposition, known: frozenset[str], *, anyhow: bool = False
+    ) -> frozenset[str] | None:
+        """Return the variables that are bound after a part, or None if it can't be evaluated.
+
+        The value of a call is bound by the call, by other parts only if `anyhow`.
+        """
         if isinstance(part, Disjunction):
             return self._choice(part, known)
         if isinstance(part, Membership):
             if not self.mentioned(part.collection) <= known:
                 return None
-            return self._matched(part.element, known)
+            return self._matched(part.element, known, anyhow)
         pair = equation_sides(part)
         if pair is not None:
-            return self._equal(*pair, known)
+            return self._equal(*pair, known, anyhow)
         name = part.name if isinstance(part, Atom) else ""
         if name not in self.functions and (is_built_in(name) or not name[:1].isalpha()):
             return known if self.mentioned(part) <= known else None
@@ -232,19 +240,21 @@ class Scope:
             value = argument.expression
             if argument.column in needed and not self.mentioned(value) <= known:
                 return None
-            matched = self._matched(value, found)
+            matched = self._matched(value, found, anyhow or argument.column == VALUE)
             if matched is None:
                 return None
             found = matched
         return found
 
-    def _matched(self, pattern: Expression, known: frozenset[str]) -> frozenset[str] | None:
-        if isinstance(pattern, Variable):
+    def _matched(
+        self, pattern: Expression, known: frozenset[str], anyhow: bool
+    ) -> frozenset[str] | None:
+        if isinstance(pattern, Variable) and (anyhow or not pattern.name.startswith(AUXILIARY)):
             return known | {str(pattern.name)}
         return known if self.mentioned(pattern) <= known else None
 
     def _equal(
-        self, left: Expression, right: Expression, known: frozenset[str]
+        self, left: Expression, right: Expression, known: frozenset[str], anyhow: bool
     ) -> frozenset[str] | None:
         for pattern, value in ((left, right), (right, left)):
             if self.mentioned(value) <= known:
@@ -253,7 +263,7 @@ class Scope:
                     patterns = operands(pattern.arguments)
                 found: frozenset[str] | None = known
                 for each in patterns:
-                    found = None if found is None else self._matched(each, found)
+                    found = None if found is None else self._matched(each, found, anyhow)
                 if found is not None:
                     return found
         return None
@@ -279,11 +289,11 @@ def in_order(
     waiting = list(parts)
     ordered: list[tuple[Proposition, frozenset[str]]] = []
     while waiting:
-        for place, part in enumerate(waiting):
-            found = scope.gives(part, known)
+        choices = ((n, anyhow) for anyhow in (False, True) for n in range(len(waiting)))
+        for place, anyhow in choices:
+            found = scope.gives(waiting[place], known, anyhow=anyhow)
             if found is not None:
-                del waiting[place]
-                ordered.append((part, found))
+                ordered.append((waiting.pop(place), found))
                 known = found
                 break
         else:

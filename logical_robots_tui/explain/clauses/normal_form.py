@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from logical_robots_tui.explain.clauses.bodies import (
+    AUXILIARY,
     Names,
     Scope,
     TooManyError,
@@ -70,7 +71,6 @@ N = TypeVar("N", bound="Node")
 PROBE = "WhyProbe"
 """The prefix of the queries' names."""
 
-_AUXILIARY = "why_"
 _DEEPEST = 4  # nesting of bodies
 _MOST_COLUMNS = 90  # SQLite's limit is 100
 
@@ -158,11 +158,11 @@ class _ClauseBuilder:
             ordered.append((together, self._scope.variables))
         before = [self._known, *(after for _, after in ordered)]
         steps = []
-        wanted: list[set[str]] = []  # for each step, the columns to show
+        wanted: list[set[str]] = []  # for each step, the columns to show of it and those before
         for (part, after), known in zip(ordered, before, strict=False):
             self._used = set()
             steps.append(self._step(part, known, after))
-            wanted.append(self._used)
+            wanted.append(self._used.union(*wanted[-1:]))
         everywhere = {self._column(Variable(name)) for name in sorted(self._scope.variables)}
         head = {column: self._column(value) for column, value in self._head.items()}
         terms = {column: self._term(value) for column, value in self._head.items()}
@@ -197,7 +197,7 @@ class _ClauseBuilder:
             inner = rebuild(inner, change)
             if not isinstance(inner, Function) or inner.name not in self._names:
                 return inner
-            name = f"{_AUXILIARY}{len(self._calls)}"
+            name = f"{AUXILIARY}{len(self._calls)}"
             self._calls[name] = inner
             value = Argument(VALUE, Variable(name))
             self._body.append(Atom(inner.name, (*inner.arguments, value), span=inner.span))
@@ -208,7 +208,7 @@ class _ClauseBuilder:
     # -- steps -----------------------------------------------------------------------------------
 
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
-        new = sorted(name for name in after - known if not name.startswith(_AUXILIARY))
+        new = sorted(name for name in after - known if not name.startswith(AUXILIARY))
         gives = {name: self._column(Variable(name)) for name in new}
         kind = part_kind(part, self._names)
         span = self._builder.span(part)
@@ -221,12 +221,13 @@ class _ClauseBuilder:
         if kind == "denial":
             (denied,) = outer_aggregates(part)
             return Step(kind, span, "", gives, denied=self._inner(denied))
-        return Step(kind, span, "", gives, tuple(map(self._term, self._shown(part))))
+        shown = self._shown(part, is_test=after == known)
+        return Step(kind, span, "", gives, tuple(map(self._term, shown)))
 
     @staticmethod
-    def _shown(part: Proposition) -> Sequence[Expression]:
+    def _shown(part: Proposition, *, is_test: bool) -> Sequence[Expression]:
         if isinstance(part, Membership):
-            return [part.collection]
+            return [part.collection, part.element] if is_test else [part.collection]
         if (pair := equation_sides(part)) is not None:
             return pair
         return operands(part.arguments) if isinstance(part, Atom) else ()

@@ -83,7 +83,8 @@ class Telling:
                 children=reads if is_input else given,
             )
         elif step.kind == "element":
-            yield Node("element", text, holds=True, span=span, children=given)
+            tested = tuple(node for term in step.terms[1:] for node in self.term(term, way))
+            yield Node("element", text, holds=True, span=span, children=(*given, *tested))
         elif step.kind == "value":
             terms = [term for term in step.terms if not _is_among(term, step)]
             values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
@@ -127,6 +128,8 @@ class Telling:
         )
 
     def reason(self, term: Term, way: Way) -> Iterator[Node]:
+        if term.kind in ("if", "coalesce") and any(each.column not in way for each in term.parts):
+            return  # which is chosen can't be told: a query shows only so many columns
         if term.kind == "if":
             yield from self._branch(term, way)
         elif term.kind == "coalesce":

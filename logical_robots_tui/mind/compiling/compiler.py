@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 from sqlglot import exp
 
-from logical_robots_tui.language import error_messages, package_patches
+from logical_robots_tui.language import error_messages, package_patches, unbound
 from logical_robots_tui.language.adapter import Raw, parse, to_package
 from logical_robots_tui.language.annotations import IGNORED
 from logical_robots_tui.language.checks import check
@@ -263,7 +263,7 @@ def _compile_predicates(
             is_function = name != MAIN and _lacks_arguments(error, own[name])
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
-                problems.append(error_messages.explain(error, source))
+                problems.append(unbound.explain(error, source, program))
         line = source.original.count("\n", 0, max(0, getattr(names[name], "start", 0))) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
     for name in definitions(prelude()):

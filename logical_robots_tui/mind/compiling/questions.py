@@ -10,7 +10,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.language import error_messages
+from logical_robots_tui.language import error_messages, unbound
 from logical_robots_tui.language.adapter import (
     is_rule,
     parse,
@@ -111,7 +111,7 @@ def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
             raise ProgramError(
                 (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
             ) from None
-        raise ProgramError((error_messages.explain(error, source),)) from None
+        raise ProgramError((unbound.explain(error, source, parsed.statements),)) from None
     return Question(
         "", sql, "rows", compiled.truths(asked), column_labels(asked, definitions(rest))
     )
