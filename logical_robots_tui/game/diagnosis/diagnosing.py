@@ -117,9 +117,10 @@ class _Diagnosing:
         close = [n for n, probe in enumerate(checkup.probes) if probe.closeness != "wider"]
         closer: dict[tuple[str, int], Tally] = {}
         for robot, wanted in _to_explain(observed):
-            tally_of_it = closer[robot, wanted[0]] = Tally(checkup)
+            tally_of_it = closer[robot, wanted[0]] = Tally(checkup, robot)
             await self._watch(tally_of_it, wanted, close, (robot,))
-        found = findings_of(tally, observed, closer, self._game.level)
+        is_complete = second == 1
+        found = findings_of(tally, observed, closer, self._game.level, is_complete=is_complete)
         return Diagnosis(
             tuple(found),
             observed.first,

@@ -15,6 +15,7 @@ from logical_robots_tui.explain.diagnosis.sites import Checkup
 from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
+from logical_robots_tui.language.definitions import MAIN
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
 from logical_robots_tui.values import Value
@@ -68,6 +69,12 @@ class Observations:
     texts: set[str] = attribute(default_factory=set)
     losses: dict[tuple[str, str], Loss] = attribute(default_factory=dict)
     stretches: list[Stretch] = attribute(default_factory=list)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the robots did not win, and none of them is still on its way."""
+        kinds = {stretch.kind for stretch in self.stretches}
+        return self.won_at is None and "unfinished" not in kinds
 
     def first_notice(self, kind: NoticeKind) -> tuple[int, str]:
         return min((each[0], robot) for (of, robot), each in self.notices.items() if of == kind)
@@ -175,14 +182,22 @@ _MOST_LEAVES = 3
 
 
 def findings_of(
-    tally: Tally, observed: Observations, closer: Mapping[tuple[str, int], Tally], level: Level
+    tally: Tally,
+    observed: Observations,
+    closer: Mapping[tuple[str, int], Tally],
+    level: Level,
+    *,
+    is_complete: bool = True,
 ) -> list[Finding]:
-    """Return findings, most significant first; `closer` has counts by robot and first tick."""
+    """Return findings, most significant first; `closer` has counts by robot and first tick.
+
+    Unless the counts are complete, they are of some ticks only.
+    """
     found = [
         *_of_notices(observed, closer),
         *_of_memory(tally.checkup, observed, closer),
         *_of_texts(tally.checkup, observed, level),
-        *rule_findings(tally, won=observed.won_at is not None),
+        *rule_findings(tally, is_over=observed.is_over, is_complete=is_complete),
         *_of_movement(observed, closer),
     ]
     return sorted(found, key=lambda each: each.severity == "note")
@@ -248,7 +263,7 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    leaves = _leaves(tally)
+    leaves = _leaves(tally, robot)
     nulls = [
         site.span
         for number, site in enumerate(tally.checkup.sites)
@@ -325,7 +340,7 @@ def _of_movement(
     for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
-        leaves = _leaves(closer[stretch.robot, stretch.first])
+        leaves = _leaves(closer[stretch.robot, stretch.first], stretch.robot)
         by_distance = [span for each in zip_longest(*leaves) for span in each if span]
         spans = list({span.line: span for span in by_distance}.values())
         span = leaves[0][0] if leaves else None
@@ -333,7 +348,8 @@ def _of_movement(
             continue
         reported.add((stretch.kind, span))
         others = tuple(each for each in spans if span is None or each.line != span.line)
-        is_doubtful = observed.won_at is None and stretch.kind != "unfinished"
+        is_fixed = stretch.kind == "still" and not observed.is_over  # perhaps where it should be
+        is_doubtful = observed.won_at is None and stretch.kind != "unfinished" and not is_fixed
         yield Finding(
             stretch.kind,
             "warning" if is_doubtful else "note",
@@ -368,15 +384,19 @@ def _how_far(stretch: Stretch, span: Span | None) -> str:
     return f"{stretch.robot} {how}{doing}."
 
 
-def _leaves(tally: Tally) -> list[list[Span]]:
+def _leaves(tally: Tally, robot: str) -> list[list[Span]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
     For each choice these are its place and the sources of its values.
     """
+    rules = tally.checkup.rules
+    gave = {n for (who, _), given in tally.robots.items() if who == robot for n in given}
+    owners = {name for n in gave for name in rules[n].sources}
     found = [
-        (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)
+        (rules[site.rule].is_function, -len(tally.sites[number].ticks), number)
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "leaf" and tally.sites[number].reached is not None
+        if site.owner in owners and (rules[site.rule].predicate != MAIN or site.rule in gave)
     ]
-    sites = [tally.checkup.sites[number] for *_, number in sorted(found)[:_MOST_LEAVES]]
-    return [[site.span, *site.places] for site in sites]
+    sites = {tally.checkup.sites[n].span: tally.checkup.sites[n] for *_, n in sorted(found)}
+    return [[site.span, *site.places] for site in [*sites.values()][:_MOST_LEAVES]]
