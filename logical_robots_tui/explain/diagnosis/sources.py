@@ -4,21 +4,27 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 
 from logical_robots_tui.explain.clauses.bodies import parameters, span_of
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import MAIN, names_used
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
+    Aggregate,
     Aggregation,
     Atom,
     Call,
+    Choice,
     Expression,
-    Membership,
+    Literal,
     Node,
+    Proposition,
     Rule,
     Tree,
+    Variable,
     equation_sides,
+    operands,
     variable_of,
     variables,
     walk,
@@ -49,6 +55,10 @@ class Sources:
                     waiting.append((inner, where, depth + 1))
         return tuple(found.values())[:_MOST]
 
+    def of_condition(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
+        """Return the place of a condition, and where its values come from."""
+        return span_of(node, self._source), *self.of(node, rule)
+
     def _next(
         self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
     ) -> Iterator[tuple[Node, Tree, Rule]]:
@@ -63,7 +73,7 @@ class Sources:
                 if pair is not None:
                     for side, value in (pair, pair[::-1]):
                         if variable_of(side) == variable:
-                            yield part, value, rule
+                            yield from ((place, value, rule) for place in _places(part, value))
                             break
                 elif isinstance(part, Atom) and variable in variables(part):
                     yield from self._rules(part.name, seen)
@@ -79,39 +89,60 @@ class Sources:
                 yield rule, rule.value or rule, rule
 
 
+def _places(part: Node, value: Tree) -> Sequence[Node]:
+    """Return the places of an equation: of an ``if``, those of its values."""
+    if not isinstance(value, Choice):
+        return (part,)
+    each = (*(branch.value for branch in value.branches), value.otherwise)
+    return [place for place in each if not isinstance(place, Literal)] or (part,)
+
+
+def alternate(some: Sequence[Span], others: Sequence[Span], own_line: int) -> tuple[Span, ...]:
+    """Return places of both sorts in turn, one for each line except one."""
+    each = (place for pair in zip_longest(some, others) for place in pair if place is not None)
+    found: dict[int, Span] = {}
+    for place in each:
+        if place.line != own_line:
+            found.setdefault(place.line, place)
+    return tuple(found.values())[:_MOST]
+
+
 def decisive_columns(rule: Rule, own: Mapping[str, Sequence[Rule]]) -> set[tuple[str, str]]:
-    """Return the predicates and columns from which the desire of a rule of `Robot` may come."""
+    """Return the predicates and columns from which the desire of a rule of `Robot` is copied."""
     found = {(MAIN, "desire")}
-    waiting: list[tuple[Rule, Tree]] = []
+    waiting = [(rule, value) for value in _values(rule, "desire")]
+    seen: set[tuple[int, int]] = set()
 
     def add(name: str, column: str) -> None:
         if name in own and (name, column) not in found:
             found.add((name, column))
             waiting.extend((each, value) for each in own[name] for value in _values(each, column))
 
-    waiting += [(rule, value) for value in _values(rule, "desire")]
-    seen: set[tuple[int, int]] = set()
     while waiting:
-        where, value = waiting.pop()
-        if (id(where), id(value)) in seen:
+        rule, value = waiting.pop()
+        if (id(rule), id(value)) in seen:
             continue
-        seen.add((id(where), id(value)))
-        for node in walk(value):
-            if isinstance(node, Call):
-                add(node.name, VALUE)
-        for part in walk(where.body) if where.body else ():
-            pair = equation_sides(part)
-            names = variables(value, inside=True)
-            if pair is not None:
-                for side, other in (pair, pair[::-1]):
-                    if variables(side) & names:
-                        waiting.append((where, other))
-            elif isinstance(part, Membership) and variables(part.element) & names:
-                waiting.append((where, part.collection))
-            elif isinstance(part, Atom):
-                for argument in part.arguments:
-                    if argument.expression and variables(argument.expression) & names:
-                        add(part.name, argument.column)
+        seen.add((id(rule), id(value)))
+        match value:
+            case Choice():
+                waiting += [(rule, each.value) for each in value.branches]
+                waiting.append((rule, value.otherwise))
+            case Aggregate():
+                waiting.append((rule, value.argument))
+            case Call(name="Coalesce"):
+                waiting += [(rule, each) for each in operands(value.arguments)]
+            case Call():
+                add(value.name, VALUE)
+            case Variable():
+                for part in walk(rule):
+                    pair = equation_sides(part) if isinstance(part, Proposition) else None
+                    for side, other in (pair, pair[::-1]) if pair else ():
+                        if side == value:
+                            waiting.append((rule, other))
+                    if isinstance(part, Atom):
+                        for argument in part.arguments:
+                            if argument.expression == value:
+                                add(part.name, argument.column)
     return found
 
 

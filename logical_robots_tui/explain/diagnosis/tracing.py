@@ -64,7 +64,8 @@ class Tracer(Watching):
                 if column < 0:
                     self._miss(node, at)
                     return
-                self._value(branch.value, at.when(column, holds=True), is_leaf=is_leaf)
+                within = replace(at.when(column, holds=True), chosen=(branch.condition, at.rule))
+                self._value(branch.value, within, is_leaf=is_leaf)
                 at = at.when(column, holds=False)
             self._value(node.otherwise, at, is_leaf=is_leaf)
             return

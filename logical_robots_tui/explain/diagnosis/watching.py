@@ -13,7 +13,7 @@ from logical_robots_tui.explain.clauses.bodies import (
     span_of,
 )
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
-from logical_robots_tui.explain.diagnosis.sources import Sources, decisive_columns
+from logical_robots_tui.explain.diagnosis.sources import Sources, alternate, decisive_columns
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import MAIN, reach
 from logical_robots_tui.language.source_text import Prepared
@@ -69,7 +69,12 @@ class Trail:
 
 @dataclass(frozen=True)
 class At:
-    """Where an expression is computed; `given` maps variables to the query's expressions."""
+    """Where an expression is computed.
+
+    Attributes:
+        given: The query's expressions by variable.
+        chosen: The condition of an ``if`` that must hold for it, and the index of its rule.
+    """
 
     trail: Trail
     rule: int
@@ -79,6 +84,7 @@ class At:
     guard: Guard = ()
     inside: tuple[str, ...] = ()
     stands: Stands = "body"
+    chosen: tuple[Expression, int] | None = None
 
     def when(self, column: int, *, holds: bool) -> At:
         return replace(self, guard=(*self.guard, (column, holds)))
@@ -173,6 +179,10 @@ class Watching:
             self._known_sites[key] = len(self.sites)
             rule = self._rules[at.rule]
             places = self._sources.of(node, rule) if kind in _EXPLAINED else ()
+            if kind == "leaf" and at.chosen is not None:
+                condition, number = at.chosen
+                why = self._sources.of_condition(condition, self._rules[number])
+                places = alternate(places, why, span.line)
             known = {"within": self._within, "places": places, "stands": at.stands, "owner": owner}
             self.sites.append(Site(kind, span, at.rule, **(known | details)))
         return self._known_sites[key]
