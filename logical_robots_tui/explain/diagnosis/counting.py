@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from itertools import chain
+from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Checkup, Column, Probe, Site
+from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value
+
+Rows: TypeAlias = "Sequence[Mapping[str, Value]]"
 
 MOST_VALUES = 60
 """Compared values that are kept for a place."""
@@ -50,7 +54,6 @@ class RuleCount:
 
     asked: int | None = None
     gave: int | None = None
-    looks: int = 0
 
 
 class Tally:
@@ -70,19 +73,19 @@ class Tally:
         self._robot = robot
         self.sites = [Count() for _ in checkup.sites]
         self.rules = [RuleCount() for _ in checkup.rules]
-        self.ticks: list[int] = []
+        self.ticks: set[int] = set()
         self.given_up: set[int] = set()
         # Parts that are reached only if the parts before them hold.
         self._waited_for = {probe.before for probe in checkup.probes}
         self.robots: dict[tuple[str, int], dict[int, int]] = {}
         self._settle(checkup.missed_sites, checkup.missed_rules)
 
-    def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
-        if not self.ticks or self.ticks[-1] != tick:
-            self.ticks.append(tick)
+    def add(self, tick: int, number: int, views: Sequence[Rows]) -> None:
+        """Add the rows of a probe at a tick, in each view of it."""
+        self.ticks.add(tick)
         probe = self.checkup.probes[number]
         passed = before = gave = 0
-        for row in rows:
+        for row in chain.from_iterable(views):
             ways = row["n"]
             who = row.get("who")
             if not isinstance(ways, int):
@@ -103,10 +106,9 @@ class Tally:
                 if probe.robot and isinstance(who, str):
                     given = self.robots.setdefault((who, tick), {})
                     given[probe.gives] = given.get(probe.gives, 0) + ways
-        self._note_parts(tick, probe, passed, before)
+        self._note_parts(tick, probe, passed, before, len(views))
         if probe.gives >= 0:
             rule = self.rules[probe.gives]
-            rule.looks += 1
             rule.asked = _first(rule.asked, tick)
             if gave:
                 rule.gave = _first(rule.gave, tick)
@@ -118,11 +120,8 @@ class Tally:
         self._settle(probe.sites, {probe.gives} - {-1})
 
     def doubtful_probes(self) -> list[int]:
-        sites = {
-            number
-            for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True))
-            if _is_doubtful(site, count)
-        }
+        """Return the probes that may still change what is told."""
+        sites = {n for n in range(len(self.sites)) if self._is_doubtful(n)}
         found = []
         for number, probe in enumerate(self.checkup.probes):
             if probe.closeness == "closer" or number in self.given_up:
@@ -141,6 +140,14 @@ class Tally:
 
     # -- inside --------------------------------------------------------------------------------
 
+    def _is_doubtful(self, number: int) -> bool:
+        site, count = self.checkup.sites[number], self.sites[number]
+        if site.kind in ("leaf", "value"):
+            return False
+        if count.reached is None or count.true is None:
+            return is_telling(site) or self.rules[site.rule].gave is None
+        return is_always_true(site, count)
+
     def _settle(self, sites: Iterable[int], rules: Iterable[int]) -> None:
         """Let nothing be said never to happen at some sites and in some rules."""
         for place in sites:
@@ -152,13 +159,13 @@ class Tally:
         for rule in rules:
             self.rules[rule].gave = _first(self.rules[rule].gave, 0)
 
-    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int) -> None:
+    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int, views: int) -> None:
         if probe.after >= 0 and passed:
             site = self.sites[probe.after]
             site.true = _first(site.true, tick)
             site.passed += passed
         if probe.after >= 0 and probe.after not in self._waited_for:
-            self.sites[probe.after].reach(tick, 1)
+            self.sites[probe.after].reach(tick, views)
         if probe.before >= 0 and before:
             self.sites[probe.before].reach(tick, before)
 
@@ -197,10 +204,10 @@ class Tally:
         site.greatest = _extreme(max, site.greatest, row.get(f"h{place}"))
 
 
-def _is_doubtful(site: Site, count: Count) -> bool:
-    if site.kind in ("leaf", "value"):
-        return False
-    return count.reached is None or count.true is None or is_always_true(site, count)
+def is_telling(site: Site) -> bool:
+    """Return whether it is told of a site by itself that nothing held there."""
+    # What is negated is told of where it is negated.
+    return site.kind != "part" or not (site.predicate in ("", *INPUTS) or site.stands == "denied")
 
 
 def is_always_true(site: Site, count: Count) -> bool:

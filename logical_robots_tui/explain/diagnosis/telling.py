@@ -6,11 +6,16 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from logical_robots_tui.explain.diagnosis.counting import MOST_VALUES, Count, Tally, is_always_true
+from logical_robots_tui.explain.diagnosis.counting import (
+    MOST_VALUES,
+    Count,
+    Tally,
+    is_always_true,
+    is_telling,
+)
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import most_similar
-from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value
 
 FindingKind = Literal[
@@ -78,7 +83,7 @@ class _Reporter:
         self._checkup = tally.checkup
         self._said: set[int] = set()
         self._is_over, self._is_complete = is_over, is_complete
-        self._all = len(set(tally.ticks))
+        self._all, self._first = len(tally.ticks), min(tally.ticks, default=0)
 
     def findings(self) -> Iterator[Finding]:
         silent = self._silent()
@@ -98,7 +103,12 @@ class _Reporter:
         silent = {}
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
-            if rule.is_needed and not rule.is_function and count.looks and count.gave is None:
+            if (
+                rule.is_needed
+                and not rule.is_function
+                and count.asked is not None
+                and count.gave is None
+            ):
                 silent[number] = self._tally.stopped(number)
         return silent
 
@@ -119,7 +129,7 @@ class _Reporter:
                 "no rows",
                 "note",
                 rule.span,
-                self._tally.ticks[0],
+                self._first,
                 f"This rule of {rule.predicate} never had a row; {site.predicate} had none.",
                 f"Look at {site.predicate} first.",
                 (site.span,),
@@ -129,7 +139,7 @@ class _Reporter:
             "no rows",
             self._severity(count),
             site.span,
-            count.reached or self._tally.ticks[0],
+            count.reached or self._first,
             f"The rule of {rule.predicate} in line {rule.span.line} never had a row: {reason}",
             "If it should have, check this condition.",
             (rule.span, *site.places),
@@ -158,10 +168,8 @@ class _Reporter:
             or site.kind in ("leaf", "text", "value")
         ):
             return None
-        if site.kind == "part" and site.predicate in ("", *INPUTS):
+        if not is_telling(site):
             return None
-        if site.kind == "part" and site.stands == "denied":
-            return None  # reported where it is negated
         self._said.add(number)
         if self._is_explained(site):
             return None
@@ -236,7 +244,7 @@ class _Reporter:
         message: str,
         hint: str,
     ) -> Finding:
-        tick = count.reached if count.reached is not None else self._tally.ticks[0]
+        tick = count.reached if count.reached is not None else self._first
         return Finding(kind, severity, site.span, tick, message, hint, site.places)
 
 

@@ -8,20 +8,20 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from logical_robots_tui.explain.diagnosis.counting import Tally
 from logical_robots_tui.explain.diagnosis.sites import Checkup
 from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
-from logical_robots_tui.language.definitions import MAIN
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
 from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.history.history import History
+    from logical_robots_tui.game.advancing import RecordedTick
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind.decision import NoticeKind
     from logical_robots_tui.world import Level, RobotState
 
@@ -59,6 +59,7 @@ class Observations:
     Attributes:
         notices: By kind and robot, the first tick of a notice, their number, and the message.
         fields: The fields that memories had, each with its first tick.
+        is_on_way: Whether a robot was still on its way at the end.
     """
 
     first: int
@@ -69,12 +70,12 @@ class Observations:
     texts: set[str] = attribute(default_factory=set)
     losses: dict[tuple[str, str], Loss] = attribute(default_factory=dict)
     stretches: list[Stretch] = attribute(default_factory=list)
+    is_on_way: bool = False
 
     @property
     def is_over(self) -> bool:
         """Whether the robots did not win, and none of them is still on its way."""
-        kinds = {stretch.kind for stretch in self.stretches}
-        return self.won_at is None and "unfinished" not in kinds
+        return self.won_at is None and not self.is_on_way
 
     def first_notice(self, kind: NoticeKind) -> tuple[int, str]:
         return min((each[0], robot) for (of, robot), each in self.notices.items() if of == kind)
@@ -86,7 +87,23 @@ class Observations:
         return list(first.values())
 
 
-async def observe(history: History, first: int, last: int) -> Observations:
+class Stored(Protocol):
+    """Ticks that were computed, of a game or a run."""
+
+    @property
+    def first(self) -> int: ...
+    @property
+    def last(self) -> int: ...
+    @property
+    def turns(self) -> int: ...
+
+    def around(self, tick: int, /) -> tuple[TickState, TickState]: ...
+    def replay(self, tick: int, /) -> tuple[TickState, RecordedTick]: ...
+    def level_at(self, tick: int, /) -> Level: ...
+    def is_reliable_up_to(self, tick: int, /) -> bool: ...
+
+
+async def observe(history: Stored, first: int, last: int) -> Observations:
     found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
@@ -111,7 +128,12 @@ async def observe(history: History, first: int, last: int) -> Observations:
     kinds: Counter[str] = Counter()
     for name, path in paths.items():
         is_home = name in visitors.get(at_home.get(name, ""), ())
-        for stretch in _stretches(path, first) if len(path) > last - first and not is_home else ():
+        if len(path) <= last - first or is_home:
+            continue
+        stretches = [*_stretches(path, first)]
+        is_stuck = any(each.kind != "unfinished" and each.last == last for each in stretches)
+        found.is_on_way |= not (is_stuck or path[-1].dead)
+        for stretch in stretches:
             kinds[stretch.kind] += 1
             if kinds[stretch.kind] <= _MOST_STRETCHES:
                 found.stretches.append(stretch)
@@ -188,19 +210,24 @@ def findings_of(
     level: Level,
     *,
     is_complete: bool = True,
-) -> list[Finding]:
-    """Return findings, most significant first; `closer` has counts by robot and first tick.
+) -> tuple[list[Finding], list[Finding]]:
+    """Return the findings, most significant first, in two parts; the first needs no counts.
 
-    Unless the counts are complete, they are of some ticks only.
+    `closer` has counts by robot and first tick. Unless the counts are complete, they are of
+    some ticks only.
     """
-    found = [
+    surely = [
         *_of_notices(observed, closer),
         *_of_memory(tally.checkup, observed, closer),
         *_of_texts(tally.checkup, observed, level),
-        *rule_findings(tally, is_over=observed.is_over, is_complete=is_complete),
+    ]
+    others = [
+        *rule_findings(tally, is_over=observed.is_over and is_complete, is_complete=is_complete),
         *_of_movement(observed, closer),
     ]
-    return sorted(found, key=lambda each: each.severity == "note")
+    warnings = [each for each in surely if each.severity == "warning"]
+    notes = [each for each in surely if each.severity == "note"]
+    return warnings, sorted([*notes, *others], key=lambda each: each.severity == "note")
 
 
 def _of_notices(
@@ -396,7 +423,7 @@ def _leaves(tally: Tally, robot: str) -> list[list[Span]]:
         (rules[site.rule].is_function, -len(tally.sites[number].ticks), number)
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "leaf" and tally.sites[number].reached is not None
-        if site.owner in owners and (rules[site.rule].predicate != MAIN or site.rule in gave)
+        if site.owner in owners and (rules[site.rule].predicate != "Robot" or site.rule in gave)
     ]
     sites = {tally.checkup.sites[n].span: tally.checkup.sites[n] for *_, n in sorted(found)}
     return [[site.span, *site.places] for site in [*sites.values()][:_MOST_LEAVES]]
