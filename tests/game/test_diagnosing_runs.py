@@ -59,10 +59,19 @@ async def test_a_run_that_is_computed_or_stored_is_diagnosed_as_that_of_a_game(
 ) -> None:
     there = await of_game(level)
     assert len(there.findings) > 2
-    for _ in range(2):
-        found, _ = await of_run(level)
-        assert found.findings == there.findings
-        assert extent(found) == extent(there) == f"Ticks 1 to {TICKS}, not won."
+    await of_run(level, TICKS + 1)
+    found, _ = await of_run(level)
+    assert found.findings == there.findings
+    assert extent(found) == extent(there) == f"Ticks 1 to {TICKS}, not won."
+
+
+async def test_what_was_found_is_kept_until_run_or_program_are_others(level: Level) -> None:
+    found, shown = await of_run(level)
+    assert shown
+    assert await of_run(level) == (found, [])
+    fewer, shown = await of_run(level, TICKS - 1)
+    assert shown
+    assert fewer.last == TICKS - 1
 
 
 async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level: Level) -> None:
@@ -83,7 +92,7 @@ async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level:
 async def test_without_the_second_process_it_takes_longer(
     level: Level, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    expected, _ = await of_run(level)
+    expected = await of_game(level)
 
     def refuse(*_: object) -> None:
         raise OSError

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import threading
 from collections import deque
 from collections.abc import Awaitable, Callable, Sequence
@@ -21,7 +22,7 @@ from logical_robots_tui.game.diagnosis.scanning import ROWS, Answer, Scanner, Ti
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedError
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import Limits, Program, QueryError
+from logical_robots_tui.mind import Limits, Program, QueryError, cache
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
@@ -45,6 +46,7 @@ class Diagnosis:
         step: The interval, in ticks, at which everything was examined.
         second_step: The interval of the search for what seemed never to happen.
         left_out: How many places could not be observed.
+        given_up: Of these, how many took too long.
         sure: How many of the first findings stay as they are; all when it is finished.
         examined: How many ticks were examined, if it is not finished; otherwise None.
     """
@@ -59,6 +61,7 @@ class Diagnosis:
     is_reliable: bool = True
     sure: int = 0
     examined: int | None = None
+    given_up: int = 0
 
 
 Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[Answer] | None]]
@@ -97,13 +100,21 @@ async def diagnose_run(
 ) -> Diagnosis:
     """Diagnose a run up to its end or so many ticks as `diagnose` does.
 
-    `ran` gets the ticks that were computed. A second process examines them meanwhile.
+    `ran` gets the ticks that were computed. A second process examines them meanwhile. The
+    result is kept on disk, if it is the same each time.
     """
+    request = json.dumps({"diagnosis": run.key, "ticks": ticks}).encode()
+    known = await asyncio.to_thread(cache.find, request, Diagnosis)
+    if known is not None:
+        return known
     try:
-        return await _diagnose_run(run, ticks, ran, report, show)
+        found = await _diagnose_run(run, ticks, ran, report, show)
     except DamagedError:
         await run.forget()
-        return await _diagnose_run(run, ticks, ran, report, show)
+        found = await _diagnose_run(run, ticks, ran, report, show)
+    if found.is_reliable and not found.given_up:
+        await asyncio.to_thread(cache.keep, request, found)
+    return found
 
 
 async def _diagnose_run(
@@ -229,6 +240,7 @@ class _Diagnosing:
                 history.is_reliable_up_to(last),
                 len(sure) + len(others) * is_final,
                 None if is_final else self._done,
+                len(tally.given_up),
             )
 
         for robot, ticks in _to_explain(observed):
