@@ -17,7 +17,7 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, Questions, progress
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import cell
+from logical_robots_tui.tui.inspector.widgets.plots import inked
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -191,7 +191,7 @@ class OriginPage(Page):
 
 def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
     name = one_line(f"{number + 1}. {link.robot}'s {path_text(link.path)}")
-    text, colour = cell(link.value, width)
+    text, colour = inked(link.value, width)
     yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
     yield _cut(_when(link), width)
     if link.span is not None and link.tick:
@@ -221,7 +221,7 @@ def _read(read: Read) -> Content:
     name = path_text(path, read.what)
     if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:
         name = f"ray {path[1]}{path_text(path[2:], '')}"
-    text, colour = cell(read.value, _LONGEST)
+    text, colour = inked(read.value, _LONGEST)
     words = one_line(f"from {read.robot}'s {name}")
     return Content.assemble(_INDENT, (words, INK.dim), (" = ", INK.dim), (text, colour))
 
