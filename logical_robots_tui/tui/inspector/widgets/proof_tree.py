@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
-from logical_robots_tui.tui.inspector.widgets.plots import format_value, value_colour
+from logical_robots_tui.tui.inspector.widgets.plots import inked
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -206,7 +206,7 @@ def _values(node: Node, room: int) -> Content:
         glue = " or " if parts else " = "
         left = room - sum(part.cell_length for part in parts) - len(glue) - len(words)
         widest = _WIDEST_VALUE if parts else min(max(4, left), _WIDEST_VALUE)
-        text, colour = format_value(value, widest), value_colour(value)
+        text, colour = inked(value, widest)
         if parts and len(text) > left:
             break
         parts.append(Content.assemble((glue, INK.dim), (text, colour)))
