@@ -31,6 +31,13 @@ __all__ = ["answers"]
 
 TICKS = 3  # to run, for each of the effort
 WHY_AT = 300
+ORIGIN_AT = 2000
+ORIGINS = {
+    "09-the-gate": "memory.phase",
+    "06-breadcrumbs": "memory.visited",
+    "10-distributed-mapping": "memory.rung",
+    "12-swarm": "memory.settled",
+}
 
 
 def answers(effort: Effort) -> Iterator[Measurement]:
@@ -44,6 +51,8 @@ def answers(effort: Effort) -> Iterator[Measurement]:
         "when": ["when", *run, "--ticks", str(last), "Memory(memory:), memory == 1"],
     }
     computing = []
+    for name in [*ORIGINS][: 1 if effort.is_quick else None]:
+        yield _origin(effort, name)
     yield _first_why(effort, run, level.robots[0].name)
     with tempfile.TemporaryDirectory() as folder:
         first = _milliseconds(folder, *again["query"])
@@ -72,6 +81,19 @@ def _first_why(effort: Effort, run: list[str], robot: str) -> Measurement:
             took.append(_milliseconds(str(place), "why", *run, *at, "--robot", robot))
     subject = f"{run[0]}, tick {WHY_AT}, run on disk"
     return summed_up("first why", subject, "ms", took, target=at_most(1200), value=min)
+
+
+def _origin(effort: Effort, name: str) -> Measurement:
+    """Measure the origin of a value late in a run that is on disk."""
+    level = load_level(name)
+    run = [name, level.solution, "--tick", str(ORIGIN_AT)]
+    command = ["origin", *run, "--robot", level.robots[0].name, "--value", ORIGINS[name]]
+    with tempfile.TemporaryDirectory() as folder:
+        _milliseconds(folder, *command)
+        took = repeated(effort.repeats, partial(_both_milliseconds, folder, *command))
+    subject = f"{name}, tick {ORIGIN_AT}, run on disk"
+    computed = [processor for _, processor in took]
+    return summed_up("origin", subject, "ms", computed, target=at_most(1000), value=min)
 
 
 def _milliseconds(folder: str, *command: str) -> float:

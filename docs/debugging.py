@@ -170,7 +170,7 @@ def page() -> str:
     before = f"{FILES} --tick {found.lost - 1} --robot Dot"
     origin = told(f"logical-robots origin {at} --value memory.word")
     diagnosis = told(f"logical-robots diagnose {FILES}")
-    made = re.search(r"set in tick (\d+)", origin)
+    made = re.search(r"the same since tick (\d+)", origin)
     won = re.search(r"Ticks 1 to (\d+), won", diagnosis)
     assert made
     assert won
@@ -233,14 +233,14 @@ that produced none, it shows the first part that nothing satisfies.
 
 ## Where does the value come from? Origin
 
-`origin` skips all ticks that only kept the value, also through the memories of other robots, and
-finds the tick and the rule that made it, and what it was made from:
+`origin` finds the tick in which the value last changed, and what it was made from then, through
+rules, earlier ticks and other robots:
 
 {origin}
 
-So the word was last read at tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
-from a lamp, by the rule that should read signs. In the game `<` shows the same for
-the part of a memory under the cursor; `Enter` goes to the tick that made it.
+So the word became "lamp" in tick {made[1]}, {found.turned - int(made[1])} ticks before the turn,
+read from a lamp, by the rule that should read signs. In the game `<` shows the same for
+the value under the cursor; `Enter` goes to the tick that made it.
 
 ## When does it happen? Search
 

@@ -115,3 +115,16 @@ def _scalar(value: float | bool | None, is_rounded: bool) -> str:
     if value == int(value) and abs(value) < 1e6:
         return f"{value:.1f}"
     return f"{value:.6g}"
+
+
+def is_same(one: Value, other: Value) -> bool:
+    """Return whether two values are equal; a truth is no number."""
+    if one is other:
+        return True
+    if one != other:
+        return False
+    if isinstance(one, dict) and isinstance(other, dict):
+        return all(is_same(value, other[name]) for name, value in one.items())
+    if isinstance(one, list) and isinstance(other, list):
+        return all(map(is_same, one, other))
+    return isinstance(one, bool) == isinstance(other, bool)

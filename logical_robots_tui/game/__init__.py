@@ -28,7 +28,8 @@ if TYPE_CHECKING:
         Origin,
         origin_in_game,
         origin_in_run,
-        read_path,
+        read_part,
+        subject_name,
     )
     from logical_robots_tui.game.debugging.pins import (
         MIND,
@@ -65,7 +66,7 @@ _NAMES = {
     "debugging.matches": "Matches SearchResult find_matches search_ticks",
     "debugging.inquiry": "Inquiry",
     "history.marks": "MARK_KINDS Mark MarkKind",
-    "debugging.origin": "Link Origin origin_in_game origin_in_run read_path",
+    "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
     "history.course": "Difference Divergence",
     "debugging.pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
     "continuing": "Place place_of",

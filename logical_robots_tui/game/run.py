@@ -7,7 +7,7 @@ import json
 import platform
 import sqlite3
 import threading
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Callable, Sequence
 from dataclasses import asdict
 from functools import cache, partial
 from pathlib import Path
@@ -26,6 +26,7 @@ from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Mind, Program
+    from logical_robots_tui.values import Value
 
 T = TypeVar("T")
 
@@ -87,6 +88,16 @@ class Run:
                 yield done
             tick += len(found)
 
+    async def memories(self, robot: str, tick: int) -> AsyncGenerator[Sequence[Value]]:
+        """Yield a robot's memory after a tick, the tick before, and so on, in batches."""
+        while tick >= 0:
+            some = await self._thinker.do(partial(self._memories, robot, tick))
+            if some is not None:
+                yield some
+                tick -= len(some)
+                if not some:
+                    return
+
     async def close(self) -> None:
         """Save the computed ticks, and free the mind."""
         try:
@@ -115,6 +126,23 @@ class Run:
             done.append(work(frame, mind, stop))
             over = to_victory and frame.after.won_at is not None
         return done, over
+
+    def _memories(self, robot: str, tick: int, stop: threading.Event) -> list[Value] | None:
+        """Return some memories; none in a gap, None while the tick is still computed."""
+        until = CLOCK.now() + _SECONDS
+        if self._recording.last < tick:
+            self._reached(tick, stop, until=until)
+            return None
+        found: list[Value] = []
+        try:
+            for at in range(tick, -1, -1):
+                if self._recording.is_in_gap(at) or (found and CLOCK.now() >= until):
+                    break
+                found.append(self._recording.memory(at, robot))
+        except DamagedError:
+            self._forget()
+            return None
+        return found
 
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.failures import failures_in_words
@@ -101,6 +101,16 @@ class Relations:
     def label(self, predicate: str, column: str) -> str:
         """Return what a column of a predicate is called in the program."""
         return self._asking.label(predicate, column)
+
+    def owners(self, what: Literal["sensor", "memory"], value: Value) -> list[str]:
+        """Return the robots in sight whose sensor or memory is a value."""
+        if what == "sensor":
+            first, last = self._view.sensors
+            rows = self._moment.sensors[first : last + 1]
+            return [row["robot_name"] for row in rows if same(row["sensor"], value)]
+        first, last = self._view.memories
+        seen = [name for number, name in self._moment.memories if first <= number <= last]
+        return [name for name in seen if same(self._moment.remembered.get(name), value)]
 
     def renew(self) -> None:
         self.within.renew()

@@ -1,19 +1,37 @@
-"""Where a value in a memory comes from: the tick and the rule that made it, and what from."""
+"""What a value comes from: ticks, rules and readings, told of memories and of any other value."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import asyncio
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from logical_robots_tui.game import Game, Link, Run, origin_in_game, origin_in_run, read_path
+from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.sourcing import Source, Subject, part_of
+from logical_robots_tui.game import (
+    Game,
+    Link,
+    Origin,
+    Run,
+    origin_in_game,
+    origin_in_run,
+    read_part,
+)
+from logical_robots_tui.game.debugging.origin_words import link_lines
 from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import Program, QueryError
+from logical_robots_tui.values import spell
 from tests.game.playing import hall
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Callable
 
+    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
 PHASES = """
@@ -34,21 +52,53 @@ def level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Level:
     return hall(tmp_path)
 
 
-async def links(level: Level, value: str, tick: int = 9, text: str = PHASES) -> tuple[Link, ...]:
+def subject(value: str, predicate: str = "Robot", **given: Value) -> Subject:
+    column, path = read_part(value)
+    return Subject(Ask(predicate, given), column, path)
+
+
+async def origin(level: Level, asked: Subject, tick: int = 9, text: str = PHASES) -> Origin:
     run = Run(level, Program.compile(text))
     try:
-        robot = level.robots[0].name
-        return (await origin_in_run(run, robot, read_path(value), tick)).links
+        return await origin_in_run(run, level.robots[0].name, asked, tick)
     finally:
         await run.close()
+
+
+async def links(level: Level, value: str, tick: int = 9, text: str = PHASES) -> tuple[Link, ...]:
+    return (await origin(level, subject(value), tick, text)).links
+
+
+def source(link: Link) -> Source:
+    assert link.source is not None
+    return link.source
+
+
+def lines(link: Link) -> list[str]:
+    return list(link_lines(link, spell))
+
+
+def robot(fields: str, body: str, rest: str = "", desire: str = "0") -> str:
+    """A program with these fields of the memory."""
+    return (
+        f"{rest}\nRobot(robot_name:, desire: {{left_engine: {desire}, right_engine: 0}}, "
+        f"memory: {{{fields}}}) :-\n"
+        f"  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), {body};\n"
+    )
+
+
+# -- memories: the tick of the last change ---------------------------------------------------------
 
 
 async def test_ticks_that_only_kept_a_value_are_passed_over(level: Level) -> None:
     (link,) = await links(level, "memory.plan.phase")
     assert (link.value, link.tick, link.until) == ("fetch", 4, 9)
-    assert link.span is not None
-    assert link.span.text == '"fetch"'
-    assert link.span.line == 5
+    assert lines(link) == [
+        "the same since tick 4, set then by the rule in line 3",
+        'line 5: "fetch"',
+        "as in line 5 holds: sensor.clock == 4",
+        f"from {link.robot}'s sensor.clock = 4",
+    ]
 
 
 async def test_what_a_value_was_made_from_is_followed_in_turn(level: Level) -> None:
@@ -57,14 +107,90 @@ async def test_what_a_value_was_made_from_is_followed_in_turn(level: Level) -> N
     assert (first.value, first.tick, first.until) == (1, 2, 5)
 
 
-async def test_a_value_that_comes_from_a_sensor_names_the_field(level: Level) -> None:
-    (link,) = await links(level, "memory.plan.since")
-    assert [(r.what, path_text(r.path, "sensor"), r.value) for r in link.reads] == [
-        ("sensor", "sensor.clock", 4)
+async def test_a_value_that_is_made_again_in_each_tick_is_the_same_since_it_first_was(
+    level: Level,
+) -> None:
+    text = robot("word:", 'word = (if sensor.clock > 3 then "late" else "early")')
+    (link,) = await links(level, "memory.word", text=text)
+    assert (link.value, link.tick, link.until) == ("late", 4, 9)
+
+
+async def test_a_state_machine_of_facts_goes_back_from_phase_to_phase(level: Level) -> None:
+    text = robot(
+        "phase:",
+        'Plan(phase: now, next:, at:), now == Coalesce(memory.phase, "out"),\n'
+        "  phase = (if sensor.clock == at then next else now)",
+        'Plan(phase: "out", next: "fetch", at: 3);\n'
+        'Plan(phase: "fetch", next: "home", at: 6);\n'
+        'Plan(phase: "home", next: "home", at: 0);',
+    )
+    found = [each for each in await links(level, "memory.phase", text=text) if each.path]
+    assert [(each.value, each.tick, each.until) for each in found] == [
+        ("home", 6, 9),
+        ("fetch", 3, 5),
+        ("out", 1, 2),
+    ]
+    assert lines(found[0])[1:3] == [
+        'line 2: Plan(phase: "fetch", next: "home", at: 6)',
+        "as in line 6 holds: sensor.clock == at",
     ]
 
 
-async def test_a_value_that_nobody_ever_wrote_has_been_there_since_the_start(level: Level) -> None:
+async def test_a_counter_is_one_link_that_goes_on_before_its_steps(level: Level) -> None:
+    body = "left = (if sensor.clock == 2 then 20 else memory.left - 1)"
+    count, begin = await links(level, "memory.left", text=robot("left:", body))
+    assert count.steps is not None
+    assert (count.value, count.tick, count.steps.by, count.steps.since) == (13, 9, -1, 3)
+    assert "counts down by 1 since tick 3, from 20 (2.)" in lines(count)
+    assert (begin.value, begin.tick, begin.until, count.began) == (20, 2, 2, 1)
+
+
+async def test_a_counter_with_pauses_tells_how_often_it_counted(level: Level) -> None:
+    body = "n = (if sensor.clock in [2, 4, 5, 8] then Coalesce(memory.n, 0) + 1 else memory.n)"
+    count, begin = await links(level, "memory.n", text=robot("n:", body))
+    assert "counts up by 1, 3 times since tick 4, from 1 (2.)" in lines(count)
+    assert (begin.value, begin.tick, begin.until) == (1, 2, 3)
+
+
+async def test_what_is_made_from_itself_in_each_tick_is_one_link_too(level: Level) -> None:
+    body = "x = (if sensor.clock == 2 then 64 else memory.x / 2)"
+    half, begin = await links(level, "memory.x", text=robot("x:", body))
+    assert "changes in each tick since tick 3, from 64.0 (2.)" in lines(half)
+    assert begin.tick == 2
+
+
+async def test_a_value_that_follows_the_clock_is_no_counter(level: Level) -> None:
+    (link,) = await links(level, "memory.now", text=robot("now:", "now = sensor.clock"))
+    assert (link.tick, link.steps) == (9, None)
+    assert lines(link)[-1] == f"read from {link.robot}'s sensor.clock = 9"
+
+
+async def test_a_value_that_a_join_makes_equal_to_a_memory_comes_from_the_memory(
+    level: Level,
+) -> None:
+    text = robot(
+        "copy:, at:",
+        "at = (if sensor.clock == 4 then 2 else Coalesce(memory.at, 1)),\n"
+        "  Number(x), x == Coalesce(memory.at, 1), copy = x",
+        "Number(1); Number(2);",
+    )
+    copy, at = await links(level, "memory.copy", text=text)
+    assert (copy.value, copy.tick, at.name, at.tick) == (2, 5, f"{at.robot}'s memory.at", 4)
+    assert lines(copy)[-1] == f"copied from {at.robot}'s memory.at = 2 (2.)"
+
+
+async def test_a_value_that_is_there_before_anything_is_thought_is_from_the_start(
+    level: Level,
+) -> None:
+    text = "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}) :- Sensor(robot_name:);"
+    (link,) = await links(level, "memory", text=text)
+    assert (link.value, link.tick) == ("", 0)
+    assert lines(link) == ["there from the start until tick 9"]
+
+
+async def test_a_value_that_nobody_ever_wrote_has_been_there_since_the_first_thought(
+    level: Level,
+) -> None:
     (link,) = await links(level, "memory.kept")
     assert (link.value, link.tick) == (None, 1)
 
@@ -76,10 +202,78 @@ async def test_an_element_of_a_list_is_followed_to_the_tick_that_added_it(level:
     Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {all:}) :-
       Sensor(robot_name:), all = Set{x :- Item(x:)};
     """
-    (link,) = await links(level, "memory.all[1]", text=text)
-    assert (link.value, link.tick, link.until) == (5, 5, 9)
-    assert link.rule is not None
-    assert link.rule.line == 3
+    for place in ("[1]", "[-1]"):
+        (link,) = await links(level, f"memory.all{place}", text=text)
+        assert (link.value, link.tick, link.until) == (5, 5, 9)
+        assert source(link).rule is not None
+        assert lines(link)[0].endswith("by the rule in line 3")
+
+
+async def test_another_robots_memory_is_told_apart_and_followed(level: Level) -> None:
+    text = """
+    @Visible(Memory, "all");
+    Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {said:, heard:}) :-
+      Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
+      said = (if robot_name == "Bo" && sensor.clock == 3 then 7 else Coalesce(memory.said, 0)),
+      heard = Max{m.said :- Memory(memory: m)};
+    """
+    heard, said = (await links(level, "memory.heard", text=text))[:2]
+    assert (heard.robot, heard.value, heard.tick) == ("Ada", 7, 4)
+    assert (said.robot, said.value, said.tick) == ("Bo", 7, 3)
+
+
+# -- other values ----------------------------------------------------------------------------------
+
+RAYS = """
+Ahead(radar, what) = Avg{ray.distance :- ray in radar, ray.object == what};
+Near(robot_name:, ray? ArgMin= ray -> ray.distance) distinct :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar;
+Speed(way) = {left_engine: way / 1000, right_engine: 0};
+Robot(robot_name:, desire: Speed(Ahead(sensor.radar, "wall")), memory: {at:, past:}) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:), Near(robot_name:, ray:),
+  past = (if sensor.clock > 2 then memory.past else sensor.clock), at = ray.angle;
+"""
+
+
+async def test_an_engine_is_traced_through_functions_to_rays(level: Level) -> None:
+    engine, way = await links(level, "desire.left_engine", tick=2, text=RAYS)
+    assert engine.name == f"{engine.robot}'s desire.left_engine"
+    assert lines(engine)[:1] == ["line 5: way / 1000"]
+    assert way.value == pytest.approx(1000 * engine.value)  # type: ignore[operator]  # a number
+    assert lines(way)[0].startswith("line 2: Avg{ray.distance")
+    assert all(" wall, distance " in line for line in lines(way)[1:6])
+    assert lines(way)[-1].startswith("and from ")
+
+
+async def test_a_column_of_a_predicate_is_traced(level: Level) -> None:
+    found = await origin(level, subject("ray.distance", "Near"), text=RAYS)
+    (link,) = found.links
+    (ray,) = link.inputs
+    assert ray.read is not None
+    assert part_of(ray.read.value, ("distance",)) == link.value
+    assert lines(link)[0].startswith(f"read from {link.robot}'s ray ")
+
+
+async def test_a_function_is_traced_to_its_arguments(level: Level) -> None:
+    found = await origin(level, subject("value.left_engine", "Speed", way=12), text=RAYS)
+    assert [each.value for each in found.links] == [0.012]
+
+
+async def test_an_expression_and_a_variable_of_a_rule_are_traced(level: Level) -> None:
+    run = Run(level, Program.compile(PHASES))
+    name = level.robots[0].name
+    try:
+        seen = Subject(Ask(), "", variable="seen", value=2)
+        by_name = await origin_in_run(run, name, seen, 6)
+        span = source(by_name.links[0]).span
+        by_place = await origin_in_run(run, name, Subject(Ask(), "", span=span, value=2), 6)
+    finally:
+        await run.close()
+    assert span is not None
+    assert span.text == "Coalesce(memory.seen, 0) + 1"
+    assert by_place.links[0].name == span.text
+    for found in (by_name, by_place):
+        assert [each.tick for each in found.links] == [6, 2]
 
 
 async def test_a_game_is_asked_with_the_program_that_decided(level: Level) -> None:
@@ -90,25 +284,137 @@ async def test_a_game_is_asked_with_the_program_that_decided(level: Level) -> No
         game.use(Program.compile(PHASES.replace("fetch", "other")))
         for _ in range(3):
             await game.step()
-        origin = await origin_in_game(game, level.robots[0].name, read_path("memory.plan.phase"))
-        (link,) = origin.links
+        found = await origin_in_game(game, level.robots[0].name, subject("memory.plan.phase"))
+        (link,) = found.links
         assert (link.value, link.tick) == ("fetch", 4)
     finally:
         await game.close()
 
 
-async def test_a_part_that_is_not_there_is_named(level: Level) -> None:
-    with pytest.raises(QueryError, match="plan has no part at"):
-        await links(level, "memory.plan.at")
+@pytest.mark.parametrize(
+    ("value", "predicate", "message"),
+    [
+        ("memory.plan.at", "Robot", "plan has no part at"),
+        ("desire.speed", "Robot", "this value has no part speed"),
+        ("plan", "Robot", "Robot has no column plan; it has robot_name, desire, memory"),
+        ("robot_name", "Start", "Start has no such row"),
+    ],
+)
+async def test_what_is_not_there_is_named(
+    level: Level, value: str, predicate: str, message: str
+) -> None:
+    with pytest.raises(QueryError, match=message):
+        await origin(level, subject(value, predicate))
 
 
-@pytest.mark.parametrize("text", ["plan", "memory.", "memory[x]", "memory.a..b", ""])
+@pytest.mark.parametrize("text", ["memory.", "memory[x]", "memory.a..b", ""])
 def test_what_names_no_part_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is not a part of a memory"):
-        read_path(text)
+    with pytest.raises(ValueError, match="is not a part"):
+        read_part(text)
 
 
 def test_the_path_of_a_part_can_be_written_and_read() -> None:
-    assert read_path("memory.plan.seen[2].at") == ("plan", "seen", 2, "at")
+    assert read_part("memory.plan.seen[2].at") == ("memory", ("plan", "seen", 2, "at"))
     assert path_text(("plan", "seen", 2, "at")) == "memory.plan.seen[2].at"
-    assert read_path("memory") == ()
+    assert read_part("memory") == ("memory", ())
+
+
+# -- any state machine -----------------------------------------------------------------------------
+
+TICKS = 24
+
+
+@st.composite
+def machines(draw: Callable[..., Any]) -> str:
+    """A program whose memory has four fields, each made in a way of its own."""
+
+    def number(low: int, high: int) -> int:
+        return int(draw(st.integers(low, high)))
+
+    def field(name: str) -> str:
+        other = f"f{number(0, 3)}"
+        mine, k = f"memory.{name}", number(1, TICKS)
+        options = [
+            f"(if sensor.clock == {k} then {number(0, 3)} else {mine})",
+            f"Greatest(Coalesce({mine}, {k}) - 1, 0)",
+            f"(if Mod(sensor.clock, {k}) == 0 then Coalesce({mine}, 0) + 1 else {mine})",
+            f"(if sensor.clock > {k} then Coalesce(memory.{other}, 0) + 1 else 5)",
+            f"Step(Coalesce({mine}, 0))",
+            f"Coalesce({mine}, 0) / 2 + sensor.clock",
+            f"(if Mod(sensor.clock, {k}) == 0 then next else now)",
+            f"Max{{m.{other} :- Memory(memory: m)}}",
+            f"Heard(robot_name, {number(0, 3)})",
+            f"memory.{other}",
+        ]
+        return options[number(0, len(options) - 1)]
+
+    fields = ", ".join(f"f{n} = {field(f'f{n}')}" for n in range(4))
+    chosen = f"f{number(0, 3)}"
+    return f"""
+@Visible(Memory, "all");
+Plan(phase: 0, next: 1); Plan(phase: 1, next: 2); Plan(phase: 2, next: 2); Plan(phase: 2, next: 3);
+Step(x) = (if x > 2 then 0 else x + 1);
+Heard(name, least) = Min{{m.{chosen} :- Memory(robot_name: who, memory: m), who != name,
+  m.{chosen} >= least}};
+Robot(robot_name:, desire: {{left_engine: 0, right_engine: 0}}, memory: {{f0:, f1:, f2:, f3:}}) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
+  Plan(phase: now, next:), now == Coalesce(memory.{chosen}, 0),
+  {fields};
+"""
+
+
+def part(memory: Value, path: Any) -> object:
+    try:
+        return part_of(memory, path)
+    except QueryError:
+        return KeyError
+
+
+@settings(max_examples=min(25, settings().max_examples), deadline=None)
+@given(machines(), st.data())
+def test_the_tick_is_that_of_the_last_change_and_all_that_is_told_is_true(
+    text: str, data: Any
+) -> None:
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LOGICAL_ROBOTS_CACHE_DIR", folder)
+        asyncio.run(_check(hall(Path(folder)), text, data))
+
+
+async def _check(level: Level, text: str, data: Any) -> None:
+    run = Run(level, Program.compile(text))
+    names = [robot.name for robot in level.robots]
+    try:
+        frames = [each async for each in run.each(0, TICKS, lambda frame, _mind, _stop: frame)]
+        for _ in range(4):
+            name, field = data.draw(st.sampled_from(names)), data.draw(st.integers(0, 3))
+            tick = data.draw(st.integers(1, TICKS))
+            path = (f"f{field}",)
+            values = [part(frame.memories[name], path) for frame in frames]
+            if values[tick] is KeyError:
+                continue
+            found = await origin_in_run(run, name, Subject(path=path), tick)
+            changes = [at for at in range(1, tick + 1) if values[at] != values[at - 1]]
+            assert found.links[0].tick == max(changes)
+            for link in found.links:
+                _check_link(link, [frame.memories for frame in frames])
+    finally:
+        await run.close()
+
+
+def _check_link(link: Link, memories: list[Any]) -> None:
+    assert link.problem == ""
+    if link.path is not None:
+        values = [part(each[link.robot], link.path) for each in memories]
+        assert {*values[link.tick : link.until + 1]} == {link.value}
+        assert link.source is None or values[link.tick - 1] != link.value
+        if (steps := link.steps) is not None:
+            assert values[steps.since - 1] == steps.begin
+            pairs = [(values[t], values[t - 1]) for t in range(steps.since, link.tick + 1)]
+            assert sum(now != before for now, before in pairs) == steps.times
+            if steps.by is not None:
+                by = [now - before for now, before in pairs if now != before]  # type: ignore[operator]  # numbers
+                assert by == pytest.approx([steps.by] * steps.times)
+    for each in link.inputs:
+        if each.read is not None and each.read.what == "memory":
+            before = memories[link.tick - 1][each.read.robot]
+            assert part(before, each.read.path) in (each.value, KeyError)

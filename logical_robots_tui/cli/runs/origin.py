@@ -1,4 +1,4 @@
-"""``logical-robots origin``: the tick and the rule that made a value in a memory."""
+"""``logical-robots origin``: the ticks, rules and readings that a value comes from."""
 
 from __future__ import annotations
 
@@ -8,34 +8,43 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless
-from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
+from logical_robots_tui.cli.runs.common import (
+    new_run_command,
+    open_run,
+    run_shown,
+    show,
+)
+from logical_robots_tui.cli.runs.why import add_row, read_row
 from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.sourcing import Path, Read
+    from logical_robots_tui.explain import Ask
+    from logical_robots_tui.explain.why.sourcing import Path, Source
     from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
 
 _LONGEST = 60  # characters of a value
-_SHOWN_READS = 5
+_WIDEST = 100  # columns
 
 
 def declare(commands: Commands) -> None:
     command = new_run_command(
-        commands, "origin", start, first_tick=1, robot="whose memory", needs_robot=True
+        commands, "origin", start, first_tick=1, robot="in whose mind", needs_robot=True
     )
+    add_row(command)
     command.add_argument(
         "--value",
-        type=_path,
-        default=(),
+        type=_part,
         metavar="PART",
-        help="a part of it, such as memory.plan.at or memory.seen[0] (default: all of it)",
+        help="a column or a part of it, such as memory.plan.at, memory.seen[0] or "
+        "desire.left_engine (default: the memory, or the only column)",
     )
 
 
 def start(options: argparse.Namespace) -> int:
-    """trace a value in a memory to the rule that made it
+    """trace a value back to the rules and readings that it comes from
 
     Run a program to a tick, then trace a value back to where it was made.
 
@@ -44,88 +53,110 @@ def start(options: argparse.Namespace) -> int:
         --value memory.visited
       logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
         --value 'memory.visited[0]'
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value desire.left_engine
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 380 --robot Crow \\
+        --predicate Next --value ray.distance
 
-    The value is the one that the robot remembers after the tick. It is traced back
-    through the ticks that only kept it, and through the memories of other robots,
-    to the tick and the rule that made it, and from there to what it was made from.
+    A value in a memory, as it is after the tick, comes from the tick of its last
+    change; any other value of a predicate is made in the tick itself. The chain goes
+    on with what it was made from, through rules, earlier ticks and the memories of
+    other robots, to rays, sensor fields, facts or the start. What only passes a value
+    on is left out.
 
     exit status: 0 found, 2 bad level, program, robot or value
     """
     level, program = open_run(options)
-    origin = asyncio.run(_search(level, program, options))
+    asked = read_row(program, options)
+    origin = asyncio.run(_search(level, program, asked, options))
     data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
     show(options, data, _lines(origin))
     return 0
 
 
-async def _search(level: Level, program: Program, options: argparse.Namespace) -> Origin:
+async def _search(
+    level: Level, program: Program, asked: Ask, options: argparse.Namespace
+) -> Origin:
+    from logical_robots_tui.explain.why.sourcing import Subject
     from logical_robots_tui.game import origin_in_run
 
+    default = "memory" if asked.predicate == "Robot" else ""
+    column, path = options.value or (default, ())
     async with run_shown(level, program, options.tick) as (run, show):
-        await run.frame(options.tick, show)
-        return await origin_in_run(run, options.robot, options.value, options.tick, show)
+        subject = Subject(asked, column, path)
+        return await origin_in_run(run, options.robot, subject, options.tick, show)
 
 
 def _lines(origin: Origin) -> Iterator[str]:
+    from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
+
     for number, link in enumerate(origin.links):
         if number:
             yield ""
-        yield from _link(number, link)
+        yield harmless(f"{number + 1}. {link.name} = {_written(link.value)}")
+        yield from (cut(harmless(f"   {line}"), _WIDEST) for line in link_lines(link, _written))
     if not origin.complete:
-        yield from ("", "This is not complete: some of the values that were read are not traced.")
+        yield from ("", INCOMPLETE)
 
 
-def _link(number: int, link: Link) -> Iterator[str]:
-    from logical_robots_tui.game.debugging.pins import path_text
-
-    name = f"{link.robot}'s {path_text(link.path)}"
-    yield harmless(f"{number + 1}. {name} = {cut(spell(link.value), _LONGEST)}")
-    if link.tick == 0:
-        yield f"   there from the start until tick {link.until}"
-        return
-    kept = f", kept until tick {link.until}" if link.until > link.tick else ""
-    line = f" in line {link.rule.line}" if link.rule is not None else ""
-    yield f"   set in tick {link.tick} by the rule{line}{kept}"
-    if link.span is not None:
-        yield harmless(f"   line {link.span.line}: {cut(link.span.text, _LONGEST)}")
-    for read in link.reads[:_SHOWN_READS]:
-        yield harmless(f"   from {_read(read)}")
-    if more := len(link.reads) - _SHOWN_READS:
-        yield from [f"   and from {more} more"] * (more > 0)
-    if link.before:
-        yield f"   continued in {', '.join(f'{each + 1}.' for each in link.before)}"
-
-
-def _read(read: Read) -> str:
-    from logical_robots_tui.game.debugging.pins import path_text
-
-    return f"{read.robot}'s {path_text(read.path, read.what)} = {cut(spell(read.value), _LONGEST)}"
+def _written(value: Value) -> str:
+    return cut(spell(value, _LONGEST, is_rounded=True), _LONGEST)
 
 
 def _data(link: Link) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.pins import path_text
-
+    source = link.source
+    span = source.span if source else None
     return {
         "robot": link.robot,
+        "name": link.name,
+        "part": _part_text(link),
         "value": link.value,
-        "part": path_text(link.path),
         "tick": link.tick,
         "until": link.until,
-        "rule_line": link.rule.line if link.rule else None,
-        "line": link.span.line if link.span else None,
-        "text": link.span.text if link.span else None,
-        "reads": [
-            {"robot": read.robot, "part": path_text(read.path, read.what), "value": read.value}
-            for read in link.reads
+        "rule_line": source.rule.line if source and source.rule else None,
+        "line": span.line if span else None,
+        "text": span.text if span else None,
+        "conditions": [
+            {"line": each.span.line, "text": each.span.text, "holds": each.holds}
+            for each in (source.conditions if source else ())
         ],
-        "before": link.before,
+        "steps": _steps(link),
+        "from": [*map(_input, link.inputs, link.before)],
+        "more": source.more if source else 0,
+        "problem": link.problem or None,
     }
 
 
-def _path(text: str) -> Path:
-    from logical_robots_tui.game.debugging.origin import read_path
+def _steps(link: Link) -> dict[str, Any] | None:
+    steps = link.steps
+    if steps is None:
+        return None
+    times = {"by": steps.by, "since": steps.since, "times": steps.times}
+    return {**times, "from": steps.begin, "link": link.began}
+
+
+def _part_text(link: Link) -> str | None:
+    from logical_robots_tui.game.debugging.pins import path_text
+
+    return path_text(link.path) if link.path is not None else None
+
+
+def _input(source: Source, link: int | None) -> dict[str, Any]:
+    from logical_robots_tui.game.debugging.pins import path_text
+
+    read = source.read
+    return {
+        "name": path_text(read.path, read.what) if read else source.name,
+        "robot": read.robot if read else None,
+        "value": source.value,
+        "link": link,
+    }
+
+
+def _part(text: str) -> tuple[str, Path]:
+    from logical_robots_tui.game.debugging.origin import read_part
 
     try:
-        return read_path(text)
+        return read_part(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None

@@ -34,6 +34,21 @@ def declare(commands: Commands) -> None:
     command = new_run_command(
         commands, "why", start, first_tick=1, robot="in whose mind", needs_robot=True
     )
+    add_row(command)
+    command.add_argument(
+        "--tree", action="store_true", help="the whole proof, down to what was sensed"
+    )
+    command.add_argument(
+        "--depth",
+        type=number_from(1),
+        default=DEEPEST,
+        metavar="N",
+        help="with --tree: the most nested predicates to show",
+    )
+
+
+def add_row(command: argparse.ArgumentParser) -> None:
+    """Declare the options that name a row of a predicate."""
     command.add_argument(
         "--predicate",
         default="Robot",
@@ -50,16 +65,6 @@ def declare(commands: Commands) -> None:
     )
     command.add_argument(
         "--within", default="", metavar="P", help="within the rules of P, defined with ':='"
-    )
-    command.add_argument(
-        "--tree", action="store_true", help="the whole proof, down to what was sensed"
-    )
-    command.add_argument(
-        "--depth",
-        type=number_from(1),
-        default=DEEPEST,
-        metavar="N",
-        help="with --tree: the most nested predicates to show",
     )
 
 
@@ -84,7 +89,7 @@ def start(options: argparse.Namespace) -> int:
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
     level, program = open_run(options)
-    asked = _read(program, options)
+    asked = read_row(program, options)
     explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, asked, options))
     data = {
         **_data(explanation, options.tick, program),
@@ -96,7 +101,7 @@ def start(options: argparse.Namespace) -> int:
     return GAVE if explanation.rows else GAVE_NOT
 
 
-def _read(program: Program, options: argparse.Namespace) -> Ask:
+def read_row(program: Program, options: argparse.Namespace) -> Ask:
     """Return the question; raise InputError, ProgramFileError or QueryError."""
     from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explainer import read_ask

@@ -22,7 +22,7 @@ from logical_robots_tui.explain.why.probing import (
     decompose,
 )
 from logical_robots_tui.explain.why.proving import explain, prove
-from logical_robots_tui.explain.why.sourcing import Path, Provenance, source_of
+from logical_robots_tui.explain.why.sourcing import Source, Subject, source_of
 from logical_robots_tui.explain.why.spelling import read_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
@@ -118,10 +118,9 @@ class Explainer:
             truncated=len(found) > most,
         )
 
-    def source(self, path: Path) -> Provenance:
-        """Return the origin of a part of the new memory, () for all; QueryError if unknown."""
-        self._within.renew()
-        return source_of(self._derivations, path)
+    def source(self, subject: Subject) -> Source:
+        """Return what a value was made from; QueryError if there is no such value."""
+        return source_of(self._derivations, replace(subject, asked=self._about(subject.asked)))
 
     def _decompose(self, predicate: str, within: str) -> Probing:
         known = self._decomposed.get((predicate, within))

@@ -1,21 +1,22 @@
-"""The origin of a value in a robot's memory, traced back to the rule that made it.
+"""The origin of a value: what it was made from, back through rules, ticks and robots.
 
-The trace crosses robots that read each other's memories, and continues with the values that
-it was made from.
+A value in a memory comes from the tick of its last change, which recorded memories tell. Only
+that tick is asked for its derivation; what was remembered before it has an origin of its own.
 """
 
 from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.explain.why.sourcing import Path, Provenance, Read, part_of
+from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.sourcing import Path, Read, Source, Subject
+from logical_robots_tui.game.debugging.changes import FEWEST_STEPS, Change, Steps, last_change
+from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
@@ -25,38 +26,68 @@ from logical_robots_tui.values import Value
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind
+    from logical_robots_tui.mind import Decision, Mind
 
-_MOST_LINKS = 24
+_MOST_LINKS = 16
 _MOST_READS = 4  # per link that are traced
+_MOST_STEPS = 24  # that are asked for their derivation, in all
+_SLICE = 256  # ticks compared on the event loop at a time
 
-Source: TypeAlias = "Callable[[int, str, Path], Awaitable[tuple[Provenance, Mapping[str, Value]]]]"
-"""Returns how a part of a robot's memory was made in a tick, and all memories before that tick."""
+
+class Past(Protocol):
+    """The ticks in which a value is traced."""
+
+    def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
+        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
+
+    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A value, and the tick in which it was made; 0 if it existed at the start.
+    """A value in the chain.
 
     Attributes:
-        until: The tick at which it is examined.
-        before: Indices of the links for the values read that are traced further.
+        tick: The tick in which it was made, or, if there is no source, the first one known.
+        until: The tick after which it is asked for; it is the same since `tick`.
+        source: What it was made from; None if it was there already, or if that can't be told.
+        path: The part of the robot's memory that it is; None if it is none.
+        steps: Changes that led to it in the same manner, if it was made from its last value.
+        before: For each of the inputs, the index of its link, or None if it is an end.
+        began: The index of the link of the value before all steps.
+        problem: Why the source can't be told, or "".
     """
 
     robot: str
-    path: Path
+    name: str
     value: Value
     tick: int
     until: int
-    span: Span | None
-    rule: Span | None
-    reads: tuple[Read, ...]
-    before: tuple[int, ...] = ()
+    source: Source | None = None
+    path: Path | None = None
+    steps: Steps | None = None
+    before: tuple[int | None, ...] = ()
+    began: int | None = None
+    problem: str = ""
+
+    @property
+    def inputs(self) -> tuple[Source, ...]:
+        """What it was made from; if it was copied, that. Without itself, if there are steps."""
+        source = self.source
+        if source is None:
+            return ()
+        inputs = (*source.inputs, *source.decided_by)
+        if source.read is not None:
+            inputs = (source, *inputs)
+        if self.steps is None:
+            return inputs
+        return tuple(each for each in inputs if (self.robot, self.path) not in _memories_in(each))
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """A value's history, itself first; complete if traced to the start or to sensors."""
+    """A value's history, itself first; complete if traced to its ends."""
 
     links: tuple[Link, ...]
     complete: bool
@@ -65,146 +96,297 @@ class Origin:
 async def origin_in_run(
     run: Run,
     robot: str,
-    path: Path,
+    subject: Subject,
     tick: int,
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
-    """Trace a part of a robot's memory after a tick of a run, or raise QueryError."""
-    looked = 0
-
-    async def source(at: int, whose: str, part: Path) -> tuple[Provenance, Mapping[str, Value]]:
-        nonlocal looked
-        looked += 1
-        report(looked)
-        work = partial(_source, whose, part)
-        (found,) = [each async for each in run.each(at, at, work)]
-        return found
-
-    return await origin_of(source, robot, path, tick)
+    """Trace a value at a tick of a run, or raise QueryError."""
+    return await origin_of(_PastOfRun(run, report), robot, subject, tick)
 
 
 async def origin_in_game(
     game: Game,
     robot: str,
-    path: Path,
+    subject: Subject,
     tick: int | None = None,
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
-    """Trace part of a memory after a tick, by default the current, of a game.
+    """Trace a value at a tick, by default the current, of a game.
 
     Each tick is examined with the program that decided it. Raises QueryError, or Superseded if
     the game switched to another course.
     """
-    history = game.history
-    turns = history.turns
-    tick = game.frame.tick if tick is None else tick
-    if tick == 0:
-        value = part_of(history.around(0)[1].memories.get(robot), path)
-        return Origin((Link(robot, path, value, 0, 0, None, None, ()),), complete=True)
-    thinker = Thinker("origin")
-
-    async def source(at: int, whose: str, part: Path) -> tuple[Provenance, Mapping[str, Value]]:
-        if history.turns != turns:
-            raise Superseded
-        report(at)
-        try:
-            before, known = history.replay(at)
-        except NoSuchTickError:
-            raise QueryError(f"Tick {at} is no longer in the timeline.") from None
-        program = history.program_at(at) or game.program
-        program = program.for_team(known.level.team_of(whose))
-
-        def work(stop: threading.Event) -> tuple[Provenance, Mapping[str, Value]]:
-            frame, mind = thinker.replay(program, before, known, game.limits)
-            return _source(whose, part, frame, mind, stop)
-
-        return await thinker.do(work)
-
+    past = _PastOfGame(game, report)
     try:
-        return await origin_of(source, robot, path, tick)
+        tick = game.frame.tick if tick is None else tick
+        return await origin_of(past, robot, subject, tick)
     finally:
-        await thinker.close()
+        await past.thinker.close()
 
 
-async def origin_of(source: Source, robot: str, path: Path, tick: int) -> Origin:
-    """Trace a part of a robot's memory after a tick, or raise QueryError."""
-    links: list[Link] = []
-    numbers: dict[tuple[int, str, Path], int] = {}
-    waiting: list[tuple[int | None, int, str, Path]] = [(None, tick, robot, path)]
-    complete = True
-    while waiting:
-        parent, at, whose, part = waiting.pop(0)
-        if len(links) >= _MOST_LINKS:
-            complete = False
-            break
-        try:
-            link = await _link(source, whose, part, at)
-        except QueryError:
-            if parent is None:
-                raise
-            complete = False
-            continue
-        key = (link.tick, link.robot, link.path)
-        number = numbers.setdefault(key, len(links))
-        if parent is not None and number not in links[parent].before and number != parent:
-            links[parent] = replace(links[parent], before=(*links[parent].before, number))
-        if number < len(links):
-            continue
-        links.append(link)
-        found = [read for read in link.reads if read.what == "memory" and read.value is not None]
-        complete = complete and len(found) <= _MOST_READS
-        if link.tick > 1:
-            waiting += [(number, link.tick - 1, r.robot, r.path) for r in found[:_MOST_READS]]
-    return Origin(tuple(links), complete)
+async def origin_of(past: Past, robot: str, subject: Subject, tick: int) -> Origin:
+    """Trace a value at a tick, or raise QueryError."""
+    tracing = _Tracing(past)
+    if is_memory(subject):
+        await tracing.memory(robot, subject.path, tick)
+    elif tick < 1:
+        raise QueryError("Nobody has thought yet.")
+    else:
+        source = await past.source(tick, robot, subject)
+        column = subject.column or source.name.rpartition(".")[2]
+        subject = replace(subject, column=column)
+        tracing.value(source, robot, tick, subject_name(robot, subject))
+    return await tracing.finish()
 
 
-def read_path(text: str) -> Path:
-    """Parse a path such as ``memory.plan.at`` or ``memory.seen[0]``, or raise ValueError."""
-    found = re.fullmatch(r"memory((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
+def is_memory(subject: Subject) -> bool:
+    """Return whether a subject is a part of the memory that a robot keeps after the tick."""
+    is_own = subject.asked in (Ask(), Ask("Robot")) and not subject.span and not subject.variable
+    return is_own and subject.column == "memory"
+
+
+def read_part(text: str) -> tuple[str, Path]:
+    """Parse a part such as ``memory.plan.at`` or ``desire.left_engine``, or raise ValueError.
+
+    Returns the column and the path in it.
+    """
+    found = re.fullmatch(r"(\w+)((?:\.[^.\[\]]+|\[-?\d+\])*)", text.strip())
     if found is None:
         raise ValueError(
-            f"{text!r} is not a part of a memory such as memory.plan or memory.seen[0]"
+            f"{text!r} is not a part such as memory.plan, memory.seen[0] or desire.left_engine"
         )
-    pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", found.group(1))
-    return tuple(name if name else int(number) for name, number in pieces)
+    pieces = re.findall(r"\.([^.\[\]]+)|\[(-?\d+)\]", found.group(2))
+    return found.group(1), tuple(name if name else int(number) for name, number in pieces)
+
+
+def subject_name(robot: str, subject: Subject) -> str:
+    """Return a value in words: ``Ada's desire.left_engine``."""
+    if subject.span is not None or subject.variable:
+        name = subject.variable or (subject.span.text if subject.span else "")
+        return path_text(subject.path, name)
+    predicate, column = subject.asked.predicate, subject.column
+    row = "" if predicate == "Robot" else predicate
+    return f"{robot}'s {path_text(subject.path, '.'.join(filter(None, (row, column))))}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiting:
+    """What a link goes on with: a read of a memory after a tick, or a value in a tick.
+
+    `place` is that of the input, or None for the value before all steps.
+    """
+
+    parent: int
+    place: int | None
+    source: Source
+    robot: str
+    tick: int
+
+
+class _Tracing:
+    """Makes the links of a chain, the nearest first."""
+
+    def __init__(self, past: Past) -> None:
+        self._past = past
+        self._links: list[Link] = []
+        self._numbers: dict[str, int] = {}
+        self._waiting: list[_Waiting] = []
+        self._complete = True
+        self._asks = _MOST_STEPS
+
+    async def finish(self) -> Origin:
+        while self._waiting:
+            if len(self._links) >= _MOST_LINKS:
+                self._complete = False
+                break
+            each = self._waiting.pop(0)
+            source, read = each.source, each.source.read
+            try:
+                if read is not None:
+                    number = await self.memory(read.robot, read.path, each.tick)
+                else:
+                    number = self.value(source, each.robot, each.tick, source.name)
+            except QueryError:
+                self._complete = False
+            else:
+                self._connect(each, number)
+        return Origin(tuple(self._links), self._complete)
+
+    async def memory(self, robot: str, path: Path, tick: int) -> int:
+        """Add the link of a part of a memory after a tick; return its number."""
+        change = await last_change(self._past.memories(robot, tick), path, tick)
+        name = f"{robot}'s {path_text(path)}"
+        link = Link(robot, name, change.value, change.tick, tick, path=change.path)
+        key = repr((robot, change.path, change.tick))
+        if key not in self._numbers and change.is_known:
+            link = await self._made(link, change)
+        elif change.tick and not change.is_known:
+            self._complete = False
+        return self._add(key, link)
+
+    def value(self, source: Source, robot: str, tick: int, name: str) -> int:
+        """Add the link of a value within a tick; return its number."""
+        key = repr((robot, tick, source.span, source.value, source.inputs))
+        return self._add(key, Link(robot, name, source.value, tick, tick, source))
+
+    async def _made(self, link: Link, change: Change) -> Link:
+        try:
+            source = await self._past.source(change.tick, link.robot, Subject(path=change.path))
+            if not alike(source.value, change.value):
+                raise QueryError("how it was made can't be told")
+        except QueryError as error:
+            self._complete = False
+            return replace(link, problem=str(error).rstrip("."))
+        return replace(link, source=source, steps=await self._steps(link, change, source))
+
+    async def _steps(self, link: Link, change: Change, source: Source) -> Steps | None:
+        """Return the steps to a value, if it was made from the one before in each of them."""
+        steps, own = change.steps, (link.robot, change.path)
+        if steps is None or own not in _memories_in(source) or steps.by is not None:
+            return steps if own in _memories_in(source) else None
+        at = change.tick
+        while at > steps.since and self._asks > 0:
+            self._asks -= 1
+            earlier = await self._past.source(at - 1, link.robot, Subject(path=change.path))
+            if own not in _memories_in(earlier):
+                break
+            source, at = earlier, at - 1
+        times = change.tick - at + 1
+        if times < FEWEST_STEPS:
+            return None
+        return Steps(None, at, times, _memories_in(source)[own])
+
+    def _add(self, key: str, link: Link) -> int:
+        if key in self._numbers:
+            return self._numbers[key]
+        number = self._numbers[key] = len(self._links)
+        self._links.append(replace(link, before=(None,) * len(link.inputs)))
+        if link.steps is not None and link.path is not None:
+            read = Read("memory", link.robot, link.path, link.steps.begin)
+            source = Source("", read.value, read=read)
+            self._waiting.append(_Waiting(number, None, source, "", link.steps.since - 1))
+        reads = 0
+        is_older = link.tick != self._links[0].tick  # then only what it was made from is traced
+        decided_by = link.source.decided_by if link.source is not None and is_older else ()
+        for place, source in enumerate(link.inputs):
+            if any(source is each for each in decided_by):
+                continue
+            if source.read is None:
+                if source.inputs and not source.is_constant:
+                    self._waiting.append(_Waiting(number, place, source, link.robot, link.tick))
+            elif source.read.what == "memory" and source.value is not None:
+                reads += 1
+                if reads <= _MOST_READS:
+                    self._waiting.append(_Waiting(number, place, source, "", link.tick - 1))
+        self._complete = self._complete and reads <= _MOST_READS
+        return number
+
+    def _connect(self, waiting: _Waiting, number: int) -> None:
+        link = self._links[waiting.parent]
+        if waiting.place is None:
+            self._links[waiting.parent] = replace(link, began=number)
+        elif number != waiting.parent:
+            before = list(link.before)
+            before[waiting.place] = number
+            self._links[waiting.parent] = replace(link, before=tuple(before))
+
+
+def _memories_in(source: Source) -> dict[tuple[str, Path | None], Value]:
+    """Return the parts of memories that were read for a value, by robot and path."""
+    found: dict[tuple[str, Path | None], Value] = {}
+    waiting, known = [source], {id(source)}
+    while waiting:
+        each = waiting.pop()
+        if each.read is not None and each.read.what == "memory":
+            found[each.read.robot, each.read.path] = each.read.value
+        inner = [one for one in (*each.inputs, *each.decided_by) if id(one) not in known]
+        known.update(map(id, inner))
+        waiting += inner
+    return found
+
+
+class _PastOfRun:
+    def __init__(self, run: Run, report: Callable[[int], object]) -> None:
+        self._run, self._report = run, report
+
+    def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
+        return self._run.memories(robot, tick)
+
+    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+        self._report(tick)
+
+        def work(frame: Frame, mind: Mind, stop: threading.Event) -> Source:
+            return _source(robot, subject, frame, mind, stop)
+
+        (found,) = [each async for each in self._run.each(tick, tick, work)]
+        return found
+
+
+class _PastOfGame:
+    def __init__(self, game: Game, report: Callable[[int], object]) -> None:
+        self._game, self._report = game, report
+        self._turns = game.history.turns
+        self.thinker = Thinker("origin")
+
+    async def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
+        history = self._game.history
+        while tick >= 0:
+            batch: list[Value] = []
+            for at in range(tick, max(tick - _SLICE, -1), -1):
+                try:
+                    batch.append(history.memory(at, robot))
+                except (NoSuchTickError, LookupError):
+                    break
+            yield batch
+            if len(batch) < _SLICE:
+                return
+            tick -= len(batch)
+            self._report(tick)
+            await self.thinker.do(lambda _stop: None)  # lets the event loop go on
+            self._check()
+
+    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+        self._check()
+        self._report(tick)
+        history = self._game.history
+        try:
+            before, known = history.replay(tick)
+        except NoSuchTickError:
+            raise QueryError(f"Tick {tick} is no longer in the timeline.") from None
+        if not known.moment.decisions:
+            raise QueryError("Nobody has thought in this tick.")
+        program = history.program_at(tick) or self._game.program
+        program = program.for_team(known.level.team_of(robot))
+
+        def work(stop: threading.Event) -> Source:
+            frame, mind = self.thinker.replay(program, before, known, self._game.limits)
+            return _source(robot, subject, frame, mind, stop)
+
+        return await self.thinker.do(work)
+
+    def _check(self) -> None:
+        if self._game.history.turns != self._turns:
+            raise Superseded
 
 
 def _source(
-    robot: str, path: Path, frame: Frame, mind: Mind, stop: threading.Event
-) -> tuple[Provenance, Mapping[str, Value]]:
+    robot: str, subject: Subject, frame: Frame, mind: Mind, stop: threading.Event
+) -> Source:
     explainer = explain.Explainer(mind, robot, frame.sensors, frame.memories_before, stop=stop)
-    return explainer.source(path), frame.memories_before
+    decided = _decided(frame.decision_of(robot), subject)
+    if decided:
+        asked = replace(subject.asked, given={**subject.asked.given, **decided})
+        subject = replace(subject, asked=asked)
+    return explainer.source(subject)
 
 
-async def _link(source: Source, robot: str, path: Path, tick: int) -> Link:
-    until = tick
-    while True:
-        made, memories = await source(tick, robot, path)
-        kept = _source_of(made, memories)
-        if kept is None:
-            return Link(robot, path, made.value, tick, until, made.span, made.rule, made.reads)
-        robot, path = kept
-        tick -= 1
-        if tick < 1:
-            return Link(robot, path, made.value, 0, until, None, None, ())
-
-
-def _source_of(made: Provenance, memories: Mapping[str, Value]) -> tuple[str, Path] | None:
-    if not made.reads or any(read.what != "memory" for read in made.reads):
-        return None
-    robots = {read.robot for read in made.reads}
-    if len(robots) > 1:
-        return None
-    robot, path = robots.pop(), _common([read.path for read in made.reads])
-    try:
-        before = part_of(memories.get(robot), path)
-    except QueryError:
-        return None
-    return (robot, path) if alike(before, made.value) else None
-
-
-def _common(paths: Sequence[Path]) -> Path:
-    length = 0
-    while length < min(map(len, paths)) and len({path[length] for path in paths}) == 1:
-        length += 1
-    return paths[0][:length]
+def _decided(decision: Decision | None, subject: Subject) -> dict[str, Value]:
+    """Return what tells the row of `Robot` that counts from the others, if there are several."""
+    if decision is None or subject.asked.predicate != "Robot":
+        return {}
+    if not any(notice.kind == "several rows" for notice in decision.notices):
+        return {}
+    if subject.column == "desire" and (desire := decision.desire) is not None:
+        engines = {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
+        return {"desire": engines}
+    return {"memory": decision.memory} if subject.column == "memory" else {}

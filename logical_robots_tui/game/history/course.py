@@ -21,6 +21,7 @@ from logical_robots_tui.world.walls import PackedBits
 if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.values import Value
 
 
 Matter: TypeAlias = Literal["desire", "memory", "notices", "position", "battery"]
@@ -188,6 +189,14 @@ class Course:
             return self._loose[tick - begin]
         pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
         return pack.moment(tick - pack.first)
+
+    def memory(self, tick: int, robot: str) -> Value:
+        """Return a robot's memory after a tick; raise LookupError if it is not there."""
+        begin = self._loose[0].after.tick
+        if tick >= begin:
+            return self._loose[tick - begin].memories[robot]
+        pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
+        return pack.memory(tick - pack.first, robot)
 
     def known(self, tick: int) -> RecordedTick:
         moment = self.moment(tick)

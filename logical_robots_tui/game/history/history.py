@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.mind import Program
     from logical_robots_tui.mind.program import Texts
+    from logical_robots_tui.values import Value
 
 DEFAULT_LENGTH = 20_000
 _MOST_BYTES = 100_000_000
@@ -113,6 +114,15 @@ class History:
         """Return the moments before and after a tick (the same for 0), or raise NoSuchTickError."""
         self._check(tick)
         return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
+
+    def memory(self, tick: int, robot: str) -> Value:
+        """Return a robot's memory after a tick, without restoring it.
+
+        Raises NoSuchTickError, and LookupError if the robot is not there.
+        """
+        if tick + 1 != self.first:
+            self._check(tick)
+        return self._course.memory(tick, robot)
 
     def _check(self, tick: int) -> None:
         if not self.first <= tick <= self.last:

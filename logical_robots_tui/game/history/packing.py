@@ -13,7 +13,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
 from logical_robots_tui.mind import Decision, Notice, NoticeKind
-from logical_robots_tui.values import Desire, Value
+from logical_robots_tui.values import Desire, Value, is_same
 from logical_robots_tui.world import AreaState, Level, RobotState, WorldState
 
 if TYPE_CHECKING:
@@ -85,6 +85,15 @@ class Packed:
     def moment(self, at: int) -> TickState:
         return moment_in(_open(self), at)
 
+    def memory(self, at: int, robot: str) -> Value:
+        """Return a robot's memory in one moment; raise LookupError if it is not there."""
+        for _, names, _, facts, _, _, thoughts in _open(self):
+            if at < len(facts) and robot in names:
+                memory: Value = thoughts[names.index(robot)][at][0]
+                return memory
+            at -= len(facts)
+        raise LookupError(robot)
+
     def opened(self) -> list[tuple[Any, ...]]:
         runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
         return runs
@@ -124,6 +133,28 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
         driven,
         weight,
     )
+
+
+def memories_in(runs: Sequence[Any], robot: str) -> tuple[int, list[Value]]:
+    """Return a robot's memories in all moments of this layout, and the bytes of their objects.
+
+    Parts that stay the same are one object. Raises LookupError if the robot is not there.
+    """
+    weight, found = 0, list[Value]()
+    for _, names, _, facts, _, _, thoughts in runs:
+        weight += sum(each[4] for each in facts) + 64 * len(facts)
+        for memory, _, _ in thoughts[names.index(robot)]:
+            found.append(_shared(memory, found[-1]) if found else memory)
+    return weight, found
+
+
+def _shared(memory: Value, before: Value) -> Value:
+    """Return a memory with the parts that are the same as before, as `is` tells then."""
+    if is_same(memory, before):
+        return before
+    if isinstance(memory, dict) and isinstance(before, dict):
+        return {name: _shared(value, before.get(name)) for name, value in memory.items()}
+    return memory
 
 
 _opened: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()

@@ -11,6 +11,7 @@ import json
 import math
 import zlib
 from bisect import bisect_right
+from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,8 +19,15 @@ from operator import attrgetter
 from typing import Any
 
 from logical_robots_tui.caching import CacheFolder, cache_place
-from logical_robots_tui.game.history.packing import TickState, is_moment, lay_out, moment_in
+from logical_robots_tui.game.history.packing import (
+    TickState,
+    is_moment,
+    lay_out,
+    memories_in,
+    moment_in,
+)
 from logical_robots_tui.mind.limits import weight_of_text
+from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level
 
 MAX_BYTES = 64_000_000
@@ -34,7 +42,8 @@ SUFFIX = ".run"
 
 _TOGETHER = 32  # moments in a piece, unless they are large
 _HEAVY = 12_000_000  # bytes of unpacked objects, unless a single moment has more
-_HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a single moment
+_HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a single moment,
+# and of the memories that are held to be compared
 _QUICK = 2  # zlib level
 _KEPT_OPEN = 2  # pieces, for sequential access
 
@@ -92,6 +101,18 @@ class Recording:
         except (ValueError, TypeError, LookupError, StopIteration, RecursionError) as error:
             raise DamagedError("these are no moments") from error
         return moment
+
+    def memory(self, tick: int, robot: str) -> Value:
+        """Return a robot's memory after a stored tick; raises DamagedError as `moment` does."""
+        if tick >= self._packed:
+            return self._loose[tick - self._packed].memories[robot]
+        piece = self._piece(tick)
+        try:
+            return _memories(piece, robot)[tick - piece.first]
+        except DamagedError:
+            raise
+        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+            raise DamagedError("these are no moments") from error
 
     def add(self, moment: TickState) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
@@ -242,6 +263,18 @@ def _unpack(piece: _Piece) -> Any:
     if not unpacking.eof or not (piece.own or _may_be_opened(text)):
         raise DamagedError("the piece is too large")
     return json.loads(text)
+
+
+_remembered: OrderedDict[tuple[_Piece, str], tuple[int, Sequence[Value]]] = OrderedDict()
+"""The memories of a robot in the pieces that were asked for last, with their weight."""
+
+
+def _memories(piece: _Piece, robot: str) -> Sequence[Value]:
+    found = _remembered.pop((piece, robot), None) or memories_in(_unpack(piece), robot)
+    _remembered[piece, robot] = found
+    while len(_remembered) > 1 and sum(each for each, _ in _remembered.values()) > _HEAVIEST:
+        _remembered.popitem(last=False)
+    return found[1]
 
 
 def _folder() -> CacheFolder:

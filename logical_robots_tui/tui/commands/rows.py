@@ -17,8 +17,8 @@ _NO_PIN = (
     "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
     "column tells from the rest; then pin it."
 )
-_NO_MEMORY = (
-    "Put the cursor on a memory: in a row of Memory, on a pin, or on a part of one in the tree "
+_NOT_TRACED = (
+    "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
     "that {open_value} opens."
 )
 
@@ -45,18 +45,18 @@ def pin(screen: MainScreen) -> None:
 
 
 def open_value(screen: MainScreen) -> None:
-    from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of, memory_of
+    from logical_robots_tui.tui.inspector.under_cursor import branches_here, branches_of, traced_pin
     from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 
     inspector, frame = screen.inspector, screen.session.frame
     view = inspector.pages.why.view
 
-    def follow_back(pin: Pin) -> bool:
-        """Trace a value of the tree; return whether it is part of a memory."""
-        asked = memory_of(pin, screen.session.frame.tick)
+    def trace(pin: Pin) -> bool:
+        """Trace a value of the tree; return whether it is one of the program's."""
+        asked = traced_pin(pin, inspector.robot, screen.session.frame.tick)
         if asked is not None:
             screen.point_at(inspector)
-            inspector.follow_back(asked)
+            inspector.trace(asked)
         return asked is not None
 
     if view.has_focus and view.pointed is not None and view.pointed.values:
@@ -69,7 +69,7 @@ def open_value(screen: MainScreen) -> None:
         branches = [replace(branch, pin=None) for branch in branches]
     if branches:
         title = f"{title} · tick {frame.tick}"
-        screen.app.push_screen(ValueTree(title, branches, inspector.pages.pins.toggle, follow_back))
+        screen.app.push_screen(ValueTree(title, branches, inspector.pages.pins.toggle, trace))
     else:
         screen.tell("Put the cursor on a value, or choose Decision.")
 
@@ -81,12 +81,12 @@ def origin(screen: MainScreen) -> None:
     if screen.session.game is None:
         screen.tell(NO_PROGRAM)
         return
-    asked = inspector.memory_here(screen.session.frame.tick)
+    asked = inspector.traced_here(screen.session.frame.tick)
     if asked is None and inspector.pages.origin.asked is None:
-        screen.tell(with_keys(_NO_MEMORY))
+        screen.tell(with_keys(_NOT_TRACED))
         return
     screen.point_at(inspector)
-    inspector.follow_back(asked)
+    inspector.trace(asked)
 
 
 async def other_values(screen: MainScreen) -> None:

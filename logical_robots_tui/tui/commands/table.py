@@ -253,7 +253,7 @@ inspecting.add("pin", "Pin or unpin", "at", rows.pin,
 inspecting.add("open_value", "Open the value", "X", rows.open_value,
     "Show the value under the cursor, or the inputs of a decision, as a tree.")
 inspecting.add("origin", "Origin", "less_than_sign", rows.origin,
-    "Trace the memory under the cursor, or a part of it, to the tick and rule that made it.")
+    "Trace the value under the cursor to the ticks, rules and readings that it comes from.")
 inspecting.add("other_values", "Other values…", "exclamation_mark", rows.other_values,
     "Change a value of the line under the cursor in a proof, and see where its rules stop then.",
     worker="dialog")

@@ -30,7 +30,7 @@ from logical_robots_tui.tui.layout.arrangement import Pane
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.inspector.page_loader import Pages
-    from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
+    from logical_robots_tui.tui.inspector.under_cursor import Traced
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
@@ -185,24 +185,27 @@ class InspectorPane(Pane):
     def diagnose(self) -> None:
         self._enter_page(DIAGNOSIS)
 
-    def memory_here(self, tick: int) -> MemoryPart | None:
-        """Return the memory under the cursor; all of a robot's memory if only robots are shown."""
+    def traced_here(self, tick: int) -> Traced | None:
+        """Return the value under the cursor; the robot's memory if only robots are shown."""
+        from logical_robots_tui.explain.why.sourcing import Subject
         from logical_robots_tui.tui.inspector.under_cursor import (
-            MemoryPart,
-            memory_in_proof,
-            memory_of,
-            pin_here,
+            Traced,
+            traced_cell,
+            traced_in_proof,
+            traced_pin,
         )
 
+        robot = self.robot
         if self.inspected == WHY:
-            return memory_in_proof(self.pages.why.view, tick)
+            why = self.pages.why
+            return traced_in_proof(why.view, why.asked, robot, tick)
         if self.inspected == WATCH:
-            return memory_of(self.pages.pins.pointed, tick)
+            return traced_pin(self.pages.pins.pointed, robot, tick)
         if self.inspected in (ROBOTS, DECISION):
-            return MemoryPart(self.robot, (), tick)
-        return memory_of(pin_here(self.inspected, self.shown_table, self.robot), tick)
+            return Traced(robot, Subject(), tick)
+        return traced_cell(self.inspected, self.shown_table, robot, tick)
 
-    def follow_back(self, asked: MemoryPart | None) -> None:
+    def trace(self, asked: Traced | None) -> None:
         self.pages.origin.come_from(self._inspected, asked)
         self.inspect(ORIGIN)
         self.screen.set_focus(self.page.view)

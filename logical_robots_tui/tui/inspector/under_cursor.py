@@ -1,18 +1,19 @@
-"""What the inspector's cursor is on: a value to pin, to open as a tree, or a memory to trace."""
+"""What the inspector's cursor is on: a value to pin, to open as a tree, or to trace."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain import Node
-from logical_robots_tui.game import ROBOT_COLUMNS, Frame, Pin, pin_of_cell, read_path
+from logical_robots_tui.explain import Ask, Node
+from logical_robots_tui.explain.why.sourcing import Subject
+from logical_robots_tui.game import MIND, ROBOT_COLUMNS, Frame, Pin, pin_of_cell, read_part
 from logical_robots_tui.tui.inspector.predicate_list import ASK, DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Path
     from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
@@ -20,11 +21,14 @@ _OF_A_ROBOT = (ROBOTS, DECISION, WHY)
 
 
 @dataclass(frozen=True, slots=True)
-class MemoryPart:
-    """A part of a memory after a tick; 0 is the start."""
+class Traced:
+    """A value in a robot's reasoning in a tick, whose origin is asked for.
+
+    A part of a memory is the one after the tick; tick 0 is the start.
+    """
 
     robot: str
-    path: Path
+    subject: Subject
     tick: int
 
 
@@ -60,32 +64,70 @@ def branches_here(
     return "Answer" if inspected == ASK else inspected, (Branch(*table.pointed, pin),)
 
 
-def memory_of(pin: Pin | None, tick: int) -> MemoryPart | None:
-    """The part of a memory that a pin reads, or None.
-
-    `Memory` holds memories as of the tick before, `Robot` as of this tick.
-    """
-    robot = dict(pin.where).get("robot_name") if pin is not None else None
-    if pin is None or not isinstance(robot, str) or pin.column != "memory":
+def traced_pin(pin: Pin | None, robot: str, tick: int) -> Traced | None:
+    """The value that a pin reads, in the reasoning of its robot or else of a given one."""
+    if pin is None or pin.is_question or not pin.column:
         return None
-    if pin.predicate == "Memory":
-        return MemoryPart(robot, pin.path, max(0, tick - 1))
-    return MemoryPart(robot, pin.path, tick) if pin.predicate == "Robot" else None
+    row = dict(pin.where)
+    return _traced(pin.predicate, row, pin.column, robot, tick, Subject(path=pin.path))
 
 
-def memory_in_proof(view: WhyView, tick: int) -> MemoryPart | None:
-    line = view.line
-    if line is None or line.node.kind != "read":
+def traced_cell(predicate: str, table: ValueTable | None, robot: str, tick: int) -> Traced | None:
+    """The value under a table's cursor, in the reasoning of the row's robot or a given one."""
+    if table is None or not table.has_focus or table.place is None or predicate == ASK:
         return None
-    parent = view.parent_pointed
-    if parent is None or not parent.robot or not parent.text.startswith("Memory("):
+    number, column = table.place
+    row = dict(zip(table.all.columns, table.all.rows[number], strict=True))
+    return _traced(predicate, row, column, robot, tick, Subject())
+
+
+def _traced(
+    predicate: str, row: dict[str, Value], column: str, robot: str, tick: int, subject: Subject
+) -> Traced | None:
+    """`Memory` holds memories as of the tick before, `Robot` as of this tick."""
+    whose = next((row[name] for name in (MIND, "robot_name") if name in row), robot)
+    if predicate == "Sensor" or not isinstance(whose, str):
         return None
-    name = line.node.text.split(".")[0].split("[")[0]
+    if predicate == "Memory":
+        return Traced(whose, subject, max(0, tick - 1)) if column == "memory" else None
+    if predicate == "Robot" and column == "memory":
+        return Traced(whose, subject, tick)
+    asked = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
+    return Traced(whose, replace(subject, asked=asked, column=column), tick)
+
+
+def traced_in_proof(view: WhyView, question: Ask, robot: str, tick: int) -> Traced | None:
+    """The value under the cursor of a proof: of a column, a call, an expression or a variable."""
+    if view.line is None:
+        return None
+    node, above = view.line.node, view.above
+    rule = next((n for n, each in enumerate(above) if each.kind == "rule"), None)
+    if rule is None:
+        return None
+    asked = next((each.asked for each in above[rule:] if each.asked is not None), question)
+    if node.kind == "read" and above[0].text.startswith("Memory("):
+        return _memory_read(node.text, above[0].robot or robot, tick)
+    if node.kind in ("column", "aggregate") and node.asked is None and above[0].kind == "rule":
+        column = node.text.split(":")[0]
+        if asked.predicate == "Robot" and column == "memory":
+            return Traced(robot, Subject(), tick)
+        return Traced(robot, Subject(asked, column), tick)
+    if len(node.values) != 1:
+        return None
+    (value,) = node.values
+    if node.span is not None:
+        return Traced(robot, Subject(asked, "", span=node.span, value=value), tick)
+    if node.kind == "value":
+        return Traced(robot, Subject(asked, "", variable=node.text, value=value), tick)
+    return None
+
+
+def _memory_read(text: str, robot: str, tick: int) -> Traced | None:
     try:
-        path = read_path(f"memory{line.node.text.removeprefix(name)}")
+        path = read_part(text)[1]
     except ValueError:
         return None
-    return MemoryPart(parent.robot, path, max(0, tick - 1))
+    return Traced(robot, Subject(path=path), max(0, tick - 1))
 
 
 def _pin_of_cell(predicate: str, table: ValueTable) -> Pin | None:

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-import re
 from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.explain.why.explainer import Explainer
+from logical_robots_tui.explain.why.explanation import Ask
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.explain.why.sourcing import Read
-from logical_robots_tui.game import Pin
-from logical_robots_tui.game.debugging.origin import Link, Origin
-from logical_robots_tui.tui.inspector.pages.origin import LinksView, link_lines
+from logical_robots_tui.explain.why.sourcing import Path as Parts
+from logical_robots_tui.explain.why.sourcing import Read, Source, Subject
+from logical_robots_tui.game import Link, Origin, Pin
+from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of
 from logical_robots_tui.tui.inspector.predicate_list import DECISION, ORIGIN, ROBOTS, WHY
-from logical_robots_tui.tui.inspector.under_cursor import MemoryPart, memory_of
+from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
 from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from tests.tui.conftest import opened
+from tests.virtual_time import Hold
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from logical_robots_tui.values import Value
     from tests.tui.conftest import Opened
 
 PHASES = """\
@@ -60,6 +63,19 @@ async def followed(game: Opened, *keys: str) -> None:
     )
 
 
+async def pointed_at(game: Opened, text: str, kind: str = "") -> None:
+    """Put the cursor of the proof on a line."""
+    view = game.inspector.pages.why.view
+
+    def places() -> list[int]:
+        nodes = [line.node for line in view.lines]
+        return [n for n, each in enumerate(nodes) if each.text == text and kind in ("", each.kind)]
+
+    await game.until(places)
+    assert view.line is not None
+    view.action_move(places()[0] - view.lines.index(view.line))
+
+
 TO_SEEN = ("end",)
 """Keys to the last line of the tree, which is the field `seen` of the memory afterwards."""
 
@@ -74,10 +90,11 @@ async def test_a_field_is_followed_to_the_ticks_that_made_it(data_dir: Path) -> 
         robot = game.inspector.robot
         assert plain[:4] == [
             f"1. {robot}'s memory.seen = 2",
-            "    set in tick 6 by the rule in line 1, kept until tick 9",
+            "    the same since tick 6, set then by the rule in line 1",
             "    line 6: Coalesce(memory.seen, 0) + 1",
-            f"    from {robot}'s memory.seen = 1",
+            "    as in line 6 holds: sensor.clock in [2, 6]",
         ]
+        assert f"    from {robot}'s memory.seen = 1 (2.)" in plain
         assert f"2. {robot}'s memory.seen = 1" in plain
         await game.sees(f"{robot}'s memory.seen after tick 9 comes from")
 
@@ -130,27 +147,64 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         game.inspector.pages.pins.toggle(pin)
         await game.press("V", "less_than_sign")
         await game.until(lambda: links(game).pointed)
-        await game.sees("set in tick 4")
+        await game.sees("the same since tick 4")
         assert pointed(game).value == "fetch"
         await game.press("w")
-        view = game.inspector.pages.why.view
-        await game.until(lambda: any(line.node.text == "memory.plan" for line in view.lines))
-        place = next(
-            n
-            for n, line in enumerate(view.lines)
-            if line.node.text == "memory.plan" and line.node.kind == "read"
-        )
-        view.action_move(place - view.lines.index(view.line))
+        await pointed_at(game, "memory.plan", "read")
         await game.press("less_than_sign")
         await game.sees("memory.plan after tick 4 comes from")
 
 
-async def test_where_there_is_no_memory_under_the_cursor_that_is_said(data_dir: Path) -> None:
+SIGHT = """\
+Near(robot_name:, ray? ArgMin= ray -> ray.distance) distinct :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar;
+Speed(way) = way / 1000;
+Robot(robot_name:, desire: {left_engine: Speed(ray.distance), right_engine: 0}, memory: {far:}) :-
+  Near(robot_name:, ray:), Memory(robot_name:, memory:), far = ray.distance + 1;
+"""
+
+
+async def test_any_value_of_a_table_is_traced_to_its_rays(data_dir: Path) -> None:
+    async with opened(data_dir, text=SIGHT, size=(120, 40)) as game:
+        await at_tick(game, 2)
+        game.inspector.open("Near")
+        await game.sees("Near · tick 2")
+        await game.press("enter")
+        await game.until(lambda: game.inspector.pages.table.has_focus)
+        await game.press("right", "less_than_sign")
+        await game.until(lambda: links(game).plain and links(game).pointed)
+        await game.sees("Near.ray in tick 2 comes from")
+        assert "read from" in links(game).plain
+        assert " wall, distance " in links(game).plain
+
+
+async def test_every_value_of_a_proof_is_traced(data_dir: Path) -> None:
+    async with opened(data_dir, text=SIGHT, size=(120, 70)) as game:
+        await at_tick(game, 2)
+        robot = game.inspector.robot
+        wanted = {
+            "desire: {left_engine: Speed(ray.distance), right_engine: 0}": "desire",
+            "left_engine: Speed(ray.distance)": "Speed(ray.distance)",
+            "far = ray.distance + 1": "far = ray.distance + 1",
+            "far": "far",
+        }
+        for text, name in wanted.items():
+            await game.press("w")
+            await pointed_at(game, text)
+            await game.press("less_than_sign")
+            await game.until(lambda: links(game).plain and links(game).pointed)
+            assert name in pointed(game).name
+            assert f"{robot}'s ray " in links(game).plain
+            await game.press("escape")
+            await game.until(lambda: game.inspector.inspected == WHY)
+
+
+async def test_where_there_is_no_value_under_the_cursor_that_is_said(data_dir: Path) -> None:
     async with opened(data_dir, text=PHASES) as game:
         await at_tick(game, 1)
         game.inspector.open("Sensor")
         await game.press("less_than_sign")
-        await game.sees("Put the cursor on a memory")
+        await game.sees("Put the cursor on a value")
 
 
 async def test_a_question_of_ticks_that_were_left_says_so(data_dir: Path) -> None:
@@ -171,42 +225,61 @@ async def test_it_has_room_in_a_small_terminal(data_dir: Path) -> None:
     async with opened(data_dir, text=PHASES, size=(80, 24)) as game:
         await at_tick(game, 9)
         await followed(game, *TO_SEEN)
-        await game.sees("set in tick 6 by the rule in line 1")
+        await game.sees("the same since tick 6")
         await game.press("down")
         await game.until(lambda: pointed(game).tick == 2)
-        await game.sees("set in tick 2")
+        await game.sees("the same since tick 2")
         links(game).show(Origin((pointed(game),), complete=False))
         await game.sees("This is not all of it")
+
+
+OF_ADA = (("robot_name", "Ada"),)
+
+
+def memory(*path: str) -> Subject:
+    parts: Parts = path
+    return Subject(path=parts)
 
 
 @pytest.mark.parametrize(
     ("pin", "found"),
     [
-        (Pin("Memory", "memory", (("robot_name", "Ada"),), ("n",)), MemoryPart("Ada", ("n",), 6)),
-        (Pin("Robot", "memory", (("robot_name", "Ada"),)), MemoryPart("Ada", (), 7)),
-        (Pin("Robot", "desire", (("robot_name", "Ada"),)), None),
+        (Pin("Memory", "memory", OF_ADA, ("n",)), Traced("Ada", memory("n"), 6)),
+        (Pin("Robot", "memory", OF_ADA), Traced("Ada", memory(), 7)),
+        (
+            Pin("Robot", "desire", OF_ADA, ("left_engine",)),
+            Traced("Ada", Subject(Ask("Robot", dict(OF_ADA)), "desire", ("left_engine",)), 7),
+        ),
+        (Pin("Near", "far"), Traced("Bo", Subject(Ask("Near", {}), "far"), 7)),
+        (Pin("Sensor", "sensor", OF_ADA), None),
         (Pin("Memory"), None),
         (None, None),
     ],
 )
-def test_memory_is_from_the_tick_before_and_robot_from_this_one(
-    pin: Pin | None, found: MemoryPart | None
+def test_memory_is_from_the_tick_before_and_all_else_from_this_one(
+    pin: Pin | None, found: Traced | None
 ) -> None:
-    assert memory_of(pin, 7) == found
+    assert traced_pin(pin, "Bo", 7) == found
 
 
-def test_a_link_tells_the_ray_and_how_much_more_was_read() -> None:
-    span = Span(0, 5, 31, "ray.distance")
-    reads = tuple(Read("sensor", "Ada", ("radar", n, "distance"), 43) for n in range(7))
-    link = Link("Ada", ("d",), 43, 12, 12, span, span, reads, (1, 2))
-    told = [line.plain for line in link_lines(0, link, 80)]
-    assert told[1] == "    set in tick 12 by the rule in line 31"
-    assert told[3] == "    from Ada's ray 0.distance = 43"
-    assert told[-2:] == ["    and from 2 more", "    goes on with 2., 3."]
-    start = Link("Ada", (), "", 0, 5, None, None, ())
-    assert [line.plain for line in link_lines(1, start, 80)][1:] == [
-        "    there since the start, kept until tick 5"
+def test_a_link_tells_the_rays_and_how_much_more_was_read() -> None:
+    span = Span(0, 5, 31, "Avg{ray.distance}")
+    rays: list[Value] = [
+        {"angle": 0.0, "object": "beacon", "label": "Key", "distance": n} for n in range(7)
     ]
+    inputs = tuple(
+        Source("", ray, read=Read("sensor", "Ada", ("radar", n), ray)) for n, ray in enumerate(rays)
+    )
+    source = Source("d", 43, span, span, inputs=inputs)
+    link = Link("Ada", "Ada's memory.d", 43, 12, 12, source, ("d",), before=(None,) * 7)
+    told = [line.plain for line in lines_of(0, link, 80)]
+    assert told[:4] == [
+        "1. Ada's memory.d = 43",
+        "    set in tick 12 by the rule in line 31",
+        "    line 31: Avg{ray.distance}",
+        '    from Ada\'s ray 0 at 0°: beacon "Key", distance 0',
+    ]
+    assert told[-1] == "    and from 2 more"
 
 
 KEPT = """\
@@ -216,19 +289,26 @@ Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {first:, n
 """
 
 
-@pytest.mark.slow
-async def test_it_says_how_far_back_it_is_and_can_be_stopped(data_dir: Path) -> None:
+async def test_it_says_how_far_back_it_is_and_can_be_stopped(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with opened(data_dir, text=KEPT, size=(120, 40)) as game:
-        await game.ready()
-        assert game.session.game is not None
-        await game.session.game.run_until(tick=1_500)
-        await game.until(lambda: game.tick == 1_500)
+        await at_tick(game, 9)
+        source, hold = Explainer.source, Hold()
+
+        def slow(explainer: Explainer, subject: Subject) -> Source:
+            hold.here()
+            return source(explainer, subject)
+
+        monkeypatch.setattr(Explainer, "source", slow)
         robot = game.inspector.robot
-        game.inspector.follow_back(MemoryPart(robot, ("first",), 1_500))
-        await game.until(lambda: re.search(r"at tick [\d,]+, [\d,]+ ticks? back", game.screen()))
+        game.inspector.trace(Traced(robot, memory("first"), 9))
+        await game.until(lambda: hold.has_begun)
+        await game.sees("at tick 1, 8 ticks back")
         await game.press("escape")
-        await game.sees("Stopped at tick")
+        hold.release()
+        await game.sees("Stopped at tick 1")
         assert links(game).pointed is None
-        game.inspector.follow_back(MemoryPart(robot, ("first",), 20))
+        game.inspector.trace(Traced(robot, memory("first"), 7))
         await game.until(lambda: links(game).pointed)
-        assert (pointed(game).tick, pointed(game).until) == (1, 20)
+        assert (pointed(game).tick, pointed(game).until) == (1, 7)

@@ -1,23 +1,24 @@
-"""The Origin page: where a value in a memory comes from, tick by tick."""
+"""The Origin page: what a value comes from, through rules and ticks."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.explain.why.sourcing import Read
-from logical_robots_tui.game import Frame, Link, Origin, Superseded, origin_in_game
-from logical_robots_tui.game.debugging.pins import path_text
+from logical_robots_tui.game import Frame, Link, Origin, Superseded, origin_in_game, subject_name
+from logical_robots_tui.game.debugging.origin import is_memory
+from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, Questions, progress
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import cell
+from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -27,14 +28,13 @@ from logical_robots_tui.wording import count_of
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game
     from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.inspector.under_cursor import MemoryPart
+    from logical_robots_tui.tui.inspector.under_cursor import Traced
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."
 _INDENT = "    "
-_SHOWN_READS = 5
+_INPUTS = ("from ", "copied from ", "read from ", "and from ")
 _LONGEST = 60  # characters of a value that was read
 _KEYS = "enter goes to that tick and says why   esc back"
-_INCOMPLETE = "This is not all of it: more values were read than are traced here."
 
 
 class LinksView(CursorView):
@@ -69,9 +69,9 @@ class LinksView(CursorView):
         after: list[Content] = []
         if self._origin is not None:
             if not self._origin.complete:
-                after += Content.styled(_INCOMPLETE, INK.warn).wrap(max(1, self.columns))
+                after += Content.styled(INCOMPLETE, INK.warn).wrap(max(1, self.columns))
             after += [Content(""), Content.styled(_KEYS, INK.dim).truncate(self.columns)]
-        items = [list(link_lines(n, link, self.columns)) for n, link in enumerate(links)]
+        items = [list(lines_of(n, link, self.columns)) for n, link in enumerate(links)]
         self.paint_items(items, after)
 
     def cursor_moved(self) -> None:
@@ -100,11 +100,11 @@ class OriginPage(Page):
         self._of = Static(id="origin-of")
         view = LinksView(self._pointed, self._open, self._leave)
         super().__init__(session, questions, view, above=(self._of,))
-        self.asked: MemoryPart | None = None
+        self.asked: Traced | None = None
         self._course: tuple[Game, int] | None = None
         self._came_from = ROBOTS, 0
 
-    def come_from(self, page: str, asked: MemoryPart | None) -> None:
+    def come_from(self, page: str, asked: Traced | None) -> None:
         """Trace a value, or return to the last trace; escape returns to `page`."""
         if asked is not None:
             if page != ORIGIN:
@@ -119,12 +119,13 @@ class OriginPage(Page):
             self.workers.cancel_group(self, "origin")
             self._say_instead(with_keys(_STALE))
 
-    def _trace(self, asked: MemoryPart) -> None:
+    def _trace(self, asked: Traced) -> None:
         self.asked = asked
         self._course = self._current_course()
-        name = one_line(f"{asked.robot}'s {path_text(asked.path)}")
+        name = one_line(subject_name(asked.robot, asked.subject))
+        when = "after" if is_memory(asked.subject) else "in"
         self._of.update(
-            Content.assemble((name, INK.title), f" after tick {asked.tick} comes from"),
+            Content.assemble((name, INK.title), f" {when} tick {asked.tick} comes from"),
             layout=False,
         )
         self._say_instead("")
@@ -146,7 +147,7 @@ class OriginPage(Page):
             self._say_instead(progress(words, self.pending.seconds))
 
         try:
-            work = origin_in_game(course[0], asked.robot, asked.path, asked.tick, reached)
+            work = origin_in_game(course[0], asked.robot, asked.subject, asked.tick, reached)
             origin = await self.pending.run(work, report)
         except Superseded:
             await self.show(self._session.frame)
@@ -168,7 +169,8 @@ class OriginPage(Page):
         self.view.show(None)
 
     def _pointed(self, link: Link) -> None:
-        span, course = link.span or link.rule, self._course
+        source, course = link.source, self._course
+        span = (source.span or source.rule) if source is not None else None
         program = course[0].history.program_at(link.tick) if course is not None else None
         if span is not None and program is not None:
             part = program.for_team(self._session.level.team_of(link.robot))
@@ -189,41 +191,15 @@ class OriginPage(Page):
         self.post_message(self.Left(page))
 
 
-def link_lines(number: int, link: Link, width: int) -> Iterator[Content]:
-    name = one_line(f"{number + 1}. {link.robot}'s {path_text(link.path)}")
+def lines_of(number: int, link: Link, width: int) -> Iterator[Content]:
+    name = one_line(f"{number + 1}. {link.name}")
     text, colour = cell(link.value, width)
     yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
-    yield _cut(_when(link), width)
-    if link.span is not None and link.tick:
-        place = f"{_INDENT}line {link.span.line}: "
-        yield _cut(Content.assemble((place, INK.key), (one_line(link.span.text), INK.text)), width)
-    for read in link.reads[:_SHOWN_READS]:
-        yield _cut(_read(read), width)
-    if (more := len(link.reads) - _SHOWN_READS) > 0:
-        yield Content.styled(f"{_INDENT}and from {more} more", INK.warn)
-    if link.before:
-        numbers = ", ".join(f"{each + 1}." for each in link.before)
-        yield _cut(Content.styled(f"{_INDENT}goes on with {numbers}", INK.dim), width)
-
-
-def _when(link: Link) -> Content:
-    kept = f", kept until tick {link.until}" if link.until > link.tick else ""
-    if link.tick == 0:
-        return Content.styled(f"{_INDENT}there since the start{kept}", INK.text)
-    rule = f" by the rule in line {link.rule.line}" if link.rule is not None else ""
-    return Content.assemble(
-        f"{_INDENT}set in ", (f"tick {link.tick}", INK.number), (f"{rule}{kept}", INK.text)
-    )
-
-
-def _read(read: Read) -> Content:
-    path = read.path
-    name = path_text(path, read.what)
-    if read.what == "sensor" and path[:1] == ("radar",) and len(path) > 1:
-        name = f"ray {path[1]}{path_text(path[2:], '')}"
-    text, colour = cell(read.value, _LONGEST)
-    words = one_line(f"from {read.robot}'s {name}")
-    return Content.assemble(_INDENT, (words, INK.dim), (" = ", INK.dim), (text, colour))
+    for line in link_lines(link, partial(format_value, limit=_LONGEST)):
+        is_input = line.startswith(_INPUTS)
+        yield _cut(
+            Content.styled(_INDENT + one_line(line), INK.dim if is_input else INK.text), width
+        )
 
 
 def _cut(line: Content, width: int) -> Content:

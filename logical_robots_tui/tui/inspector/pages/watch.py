@@ -32,7 +32,7 @@ _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
     "chosen robot's memory; in the tree of a value it pins a part."
 )
-_KEYS = "enter open  ← → to where it changes  del unpin"
+_KEYS = "enter open  ← → to where it changes  {origin} why  del unpin"
 _INDENT = 2
 _SCALE = 17  # columns for the lowest and the highest number
 
@@ -122,7 +122,7 @@ class WatchView(CursorView):
 
     def draw(self) -> None:
         if self._pins and self.ticks:
-            words = f"{_KEYS}  ticks {self.ticks[0]} to {self.ticks[-1]}"
+            words = f"{with_keys(_KEYS)}  ticks {self.ticks[0]} to {self.ticks[-1]}"
             after = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
         else:
             after = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)

@@ -80,6 +80,11 @@ class WhyPage(Page):
         self._lacking: list[tuple[_Question, int, Ask]] = []
         self._is_proving = False
 
+    @property
+    def asked(self) -> Ask:
+        """The question whose answer is shown."""
+        return self._steps[-1]
+
     def begin(self, predicate: str) -> None:
         self._steps = [Ask(predicate, {})]
         self.post_message(self.Changed())

@@ -61,9 +61,13 @@ class WhyView(CursorView):
         return self.line.node if self.line is not None else None
 
     @property
-    def parent_pointed(self) -> Node | None:
-        parent = self._tree.parent(self._at) if self.lines else None
-        return None if parent is None else self.lines[parent].node
+    def above(self) -> list[Node]:
+        """The nodes above the cursor's, the nearest first."""
+        found, at = [], self._at
+        while self.lines and (parent := self._tree.parent(at)) is not None:
+            found.append(self.lines[parent].node)
+            at = parent
+        return found
 
     @property
     def questions_above(self) -> Sequence[Ask]:

@@ -108,7 +108,7 @@ class ValueTree(Dialog[None]):
         if pin is not None and self._follow(pin):
             self.dismiss(None)
         else:
-            self.notify("Only a memory or a part of one can be followed back.", markup=False)
+            self.notify("Only a value of the program has an origin.", markup=False)
 
     @property
     def _pointed(self) -> Pin | None:

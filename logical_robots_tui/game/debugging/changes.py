@@ -1,0 +1,166 @@
+"""The last change of a part of a memory, found by comparing recorded memories."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import dataclass
+
+from logical_robots_tui.explain.why.sourcing import Path, part_of
+from logical_robots_tui.mind import QueryError
+from logical_robots_tui.values import Value, is_same
+
+FEWEST_STEPS = 3
+"""The changes from which on they are told together."""
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """Changes that go on in the same manner, up to the last one.
+
+    Attributes:
+        by: The difference between two values; None if the value changed in each tick, by any.
+        since: The tick of the first of these changes.
+        times: The number of changes.
+        begin: The value before them.
+    """
+
+    by: float | None
+    since: int
+    times: int
+    begin: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The last change of a part of a memory.
+
+    Attributes:
+        tick: The tick in which it got its value; the first tick known, if it had it already.
+        path: Where it was then: an element may have moved within its list.
+        is_known: Whether it is known that it had another value before.
+    """
+
+    tick: int
+    path: Path
+    value: Value
+    is_known: bool
+    steps: Steps | None = None
+
+
+async def last_change(memories: AsyncIterator[Sequence[Value]], path: Path, tick: int) -> Change:
+    """Return the last change of a part of a memory, up to a tick.
+
+    Args:
+        memories: The robot's memory after the tick, after the tick before, and so on, in batches.
+        path: The part.
+        tick: The tick.
+
+    Raises:
+        QueryError: There is no such part after the tick.
+    """
+    changes: _Changes | None = None
+    async for batch in memories:
+        for memory in batch:
+            if changes is None:
+                changes = _Changes(memory, path, tick)
+            elif not changes.go_back(memory):
+                return changes.found(is_known=True)
+    if changes is None:
+        raise QueryError(f"What was remembered after tick {tick} is no longer known.")
+    return changes.found(is_known=bool(changes.ticks))
+
+
+class _Changes:
+    """Follows a part of a memory back, tick by tick, over its last changes."""
+
+    def __init__(self, memory: Value, path: Path, tick: int) -> None:
+        self.ticks: list[int] = []  # of the changes, the last one first
+        self._tick, self._memory = tick, memory
+        self._path = _from_the_start(memory, path)
+        self._values = [part_of(memory, self._path)]  # after each change, and before the first
+        self._by: float | None = None
+        self._even = 0  # changes by the same difference
+        self._running = 0  # changes in consecutive ticks
+
+    def go_back(self, memory: Value) -> bool:
+        """Compare with the memory before; return whether still earlier ones are needed."""
+        tick, self._tick = self._tick, self._tick - 1
+        if not self.ticks:
+            path = _place_before(memory, self._memory, self._path)
+            if path is not None:
+                self._path, self._memory = path, memory
+                return True
+        try:
+            before = part_of(memory, self._path)
+        except QueryError:
+            self._tick = tick
+            self.ticks += [] if self.ticks else [tick]
+            return False
+        if not is_same(self._values[-1], before):
+            self._compare(tick, before)
+        elif self._running == len(self.ticks) and self._even < len(self.ticks):
+            return False
+        return len(self.ticks) in (self._even, self._running)
+
+    def found(self, *, is_known: bool) -> Change:
+        tick = self.ticks[0] if self.ticks else self._tick
+        return Change(tick, self._path, self._values[0], is_known, self._steps())
+
+    def _compare(self, tick: int, before: Value) -> None:
+        by = _difference(self._values[-1], before)
+        if not self.ticks:
+            self._by = by
+        if by is not None and self._by is not None and math.isclose(by, self._by):
+            self._even += self._even == len(self.ticks)
+        if not self.ticks or tick == self.ticks[-1] - 1:
+            self._running += self._running == len(self.ticks)
+        self.ticks.append(tick)
+        self._values.append(before)
+
+    def _steps(self) -> Steps | None:
+        is_even = self._even >= FEWEST_STEPS
+        times = self._even if is_even else self._running
+        if times < FEWEST_STEPS:
+            return None
+        by = self._by if is_even else None
+        return Steps(by, self.ticks[times - 1], times, self._values[times])
+
+
+def _difference(value: Value, before: Value) -> float | None:
+    if isinstance(value, int | float) and isinstance(before, int | float):
+        return None if isinstance(value, bool) or isinstance(before, bool) else value - before
+    return None
+
+
+def _place_before(memory: Value, now: Value, path: Path) -> Path | None:
+    """Return where a value was in the memory before, or None if it was not there."""
+    if memory is now:
+        return path
+    at = next((n for n in reversed(range(len(path))) if isinstance(path[n], int)), None)
+    try:
+        if at is None:
+            return path if is_same(part_of(memory, path), part_of(now, path)) else None
+        items, items_now = part_of(memory, path[:at]), part_of(now, path[:at])
+        place = path[at]
+        if isinstance(items, list) and isinstance(items_now, list) and isinstance(place, int):
+            element = items_now[place]
+            if not (place < len(items) and is_same(items[place], element)):
+                others = (n for n, each in enumerate(items) if is_same(each, element))
+                place = next(others, place)
+            before = (*path[:at], place, *path[at + 1 :])
+            return before if is_same(part_of(memory, before), part_of(now, path)) else None
+        return None
+    except QueryError:
+        return None
+
+
+def _from_the_start(memory: Value, path: Path) -> Path:
+    """Return a path whose places in lists are counted from the start."""
+    found: Path = ()
+    for name in path:
+        value = part_of(memory, found)
+        if isinstance(name, int) and name < 0 and isinstance(value, list):
+            name += len(value)
+        found = (*found, name)
+    return found
