@@ -127,7 +127,8 @@ class ProofTree:
                 found.add(line.key)
                 below = self._children(line)
                 shown += len(below)
-                waiting.extend((each, True) for each in below)
+                failed_first = sorted(below, key=lambda each: each.node.holds is not False)
+                waiting.extend((each, True) for each in failed_first)
         return found
 
     def _below(self, line: ProofLine) -> list[ProofLine]:
