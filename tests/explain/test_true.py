@@ -15,7 +15,7 @@ from tests.explain.asking import REST
 from tests.explain.checking import Checker
 from tests.explain.generated import programs
 from tests.explain.judging import false_in
-from tests.explain.questions import Scene, alone, asked, together
+from tests.explain.questions import Scene, alone, asked, missed, together
 from tests.explain.teams import team
 
 if TYPE_CHECKING:
@@ -53,6 +53,33 @@ def test_nothing_false_is_said(kind: str, questions: int, programs_at_once: int)
         total += answers.number
 
     while total < questions:
+        ask()
+
+
+@pytest.mark.parametrize("kind", SCENES)
+@pytest.mark.parametrize(
+    ("changes", "programs_at_once"),
+    [
+        (5, 2),
+        pytest.param(30, 4, marks=pytest.mark.slow),
+        pytest.param(300, 50, marks=pytest.mark.proof),
+    ],
+)
+def test_each_change_that_is_advised_gives_a_row(
+    kind: str, changes: int, programs_at_once: int
+) -> None:
+    total = 0
+
+    @given(SCENES[kind])
+    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
+    def ask(scene: AbstractContextManager[Scene]) -> None:
+        nonlocal total
+        with scene as entered:
+            found = missed(entered)
+        assert not found.false, (entered.mind.program.text, found.false)
+        total += found.number
+
+    while total < changes:
         ask()
 
 

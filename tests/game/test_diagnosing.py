@@ -51,6 +51,13 @@ async def test_of_a_program_in_which_all_is_used_there_is_nothing_to_tell(tmp_pa
     assert extent(found) == "Ticks 1 to 6, not won."
 
 
+async def test_alternatives_that_only_test_are_examined(tmp_path: Path) -> None:
+    text = f"""Num(1); Num(2); Odd(robot_name:) :- Sensor(robot_name:), Num(x), (x > 5 | x < 0);
+    Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:), ~Odd(robot_name:);"""
+    found = await diagnosed(tmp_path, text)
+    assert the(found, "no rows").message.startswith("The rule of Odd in line 1 never had a row")
+
+
 MISTAKES = {
     "a rule that never had a row": (
         f"Far(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"

@@ -294,6 +294,7 @@ class Tracer(Watching):
     def _part(self, part: Proposition, at: At, known: frozenset[str]) -> At:
         kind, bound = part_kind(part, self._own), binding(part, at.known)
         is_test = kind in ("condition", "denial") or (kind == "value" and bound is None)
+        is_test = is_test and not isinstance(part, Disjunction)
         if is_test and not self._relations(part) and variables(part) <= at.known:
             column = self._truth(
                 as_expression(part), at, "denial" if kind == "denial" else "condition"
