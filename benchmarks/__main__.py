@@ -8,6 +8,7 @@ import sys
 from benchmarks.answers import answers
 from benchmarks.breakpoints import breakpoints
 from benchmarks.classes import classes, large_classes
+from benchmarks.diagnosing import diagnosing
 from benchmarks.editing import editing
 from benchmarks.first_frame import first_frame
 from benchmarks.folding import folding
@@ -51,6 +52,7 @@ SUITE = Suite(
         "inspector": inspector,
         "folding": folding,
         "answers": answers,
+        "diagnosing": diagnosing,
         "proofs": proofs,
         "screen": with_screen,
         "traffic": traffic,

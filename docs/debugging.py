@@ -100,8 +100,8 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(PALETTE, "Find a command")
     yield Step("Diagnosis", "Scan the whole run for likely mistakes.")
     yield Step(ENTER, f"Look through the run up to tick {found.wrong}")
-    yield Step(ENTER, 'word was never "left"')
-    yield Step(DOWN, 'word was never "left"', "1-diagnosis")
+    yield Step(ENTER, '"left"` never held')
+    yield Step(DOWN, '"left"` never held', "1-diagnosis")
     yield Step(ENTER, f"tick {found.turned} of")
     yield Step("w", "✓ 22: Drive")
     yield Step(f"{DOWN * 3}{RIGHT}", "col1 = lamp")
@@ -207,8 +207,8 @@ that never produced a row, conditions that never changed, memories that were los
 
 {pictures["1"]}
 
-`word` was never `"left"`, although the sign says so. `Enter` goes to the first tick of a finding.
-The same on the command line:
+Whenever Dot had to turn, the word was another than `"left"`, although the sign says so. `Enter`
+goes to the first tick of a finding. The same on the command line:
 
 {diagnosis}
 

@@ -39,7 +39,8 @@ def _check_up(request: dict[str, Any]) -> dict[str, object]:
     functions = frozenset(request["checkup"])
     with closing(Database()) as database:
         found = check_up(request["text"], functions, partial(is_prepared_soon, database))
-    tuned = keep_preparable(tune_all(found.program.statements))
+    for_all = {probe.name for probe in found.probes if probe.closeness != "closer"}
+    tuned = keep_preparable(tune_all(found.program.statements, for_all=for_all))
     return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
 
 

@@ -71,6 +71,37 @@ class Run:
         (frame,) = [each async for each in self.each(tick, tick, lambda each, _mind, _stop: each)]
         return frame
 
+    async def to_end(
+        self, last: int, report: Callable[[int], object] = lambda _tick: None
+    ) -> RunHistory:
+        """Return the ticks up to a victory, the end of a match, or `last`.
+
+        `report` gets the last computed tick as work proceeds.
+        """
+        over = False
+        while not over:
+            tick, over = await self._thinker.do(partial(self._further, last))
+            report(tick)
+        return RunHistory(self, self._recording.first, tick)
+
+    async def replay(self, ticks: Sequence[int]) -> list[tuple[TickState, RecordedTick]]:
+        """Return the moments before some computed ticks, and the ticks; [] if they are lost."""
+
+        def read(_stop: threading.Event) -> list[tuple[TickState, RecordedTick]]:
+            try:
+                history = RunHistory(self, 0, self.last)
+                return [history.replay(tick) for tick in ticks]
+            except DamagedError:
+                return []
+
+        return await self._thinker.do(read)
+
+    def stored(self, tick: int) -> RecordedTick:
+        """Return a tick that was computed, while no work is being done, or raise DamagedError."""
+        if self._recording.is_in_gap(tick):
+            raise DamagedError(f"tick {tick} was dropped")
+        return RecordedTick(self.level, self._recording.moment(tick))
+
     async def each(
         self,
         first: int,
@@ -97,6 +128,10 @@ class Run:
                 tick -= len(some)
                 if not some:
                     return
+
+    async def forget(self) -> None:
+        """Discard all computed ticks."""
+        await self._thinker.do(lambda _stop: self._forget())
 
     async def close(self) -> None:
         """Save the computed ticks, and free the mind."""
@@ -144,16 +179,35 @@ class Run:
             return None
         return found
 
+    def _further(self, last: int, stop: threading.Event) -> tuple[int, bool]:
+        """Return the tick reached after a while, and whether the run ends there."""
+        until = CLOCK.now() + _SECONDS
+        try:
+            while True:
+                tick = min(self._recording.last, last)
+                ends = (self._recording.moment(tick).after.won_at, self.level.match_ticks, last)
+                end = min(each for each in ends if each)
+                if end <= tick or CLOCK.now() >= until:
+                    return min(tick, end), end <= tick
+                self._compute(tick + 1, stop, until)
+        except DamagedError:
+            self._forget()
+            return 0, False
+
     def _reached(self, tick: int, stop: threading.Event, *, until: float) -> Frame | None:
         try:
-            if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
-                self._recording.return_to_gap()
-            while self._recording.last < tick and CLOCK.now() < until:
-                self._go_on(stop)
-            return self._known(tick) if tick <= self._recording.last else None
+            return self._known(tick) if self._compute(tick, stop, until) else None
         except DamagedError:
             self._forget()
             return None
+
+    def _compute(self, tick: int, stop: threading.Event, until: float) -> bool:
+        """Compute ticks up to one, unless that takes too long; return whether it is there."""
+        if any(self._recording.is_in_gap(each) for each in (max(tick - 1, 0), tick)):
+            self._recording.return_to_gap()
+        while self._recording.last < tick and CLOCK.now() < until:
+            self._go_on(stop)
+        return tick <= self._recording.last
 
     def _forget(self) -> None:
         self._recording.forget()
@@ -178,6 +232,39 @@ class Run:
         frame = self._latest = step.frame
         before = self._recording.moment(past.tick).driven
         self._recording.add(TickState.of(frame, before + driven(frame.before, frame.after)))
+
+
+class RunHistory:
+    """The ticks of a run up to one, as a `History` has those of a game."""
+
+    turns = 0
+
+    def __init__(self, run: Run, first: int, last: int) -> None:
+        self._run = run
+        self.first, self.last = first, last
+        self._latest: RecordedTick | None = None
+
+    def around(self, tick: int) -> tuple[TickState, TickState]:
+        """Return the moments before and after a tick, or raise DamagedError."""
+        before, known = self.replay(tick)
+        return before, known.moment
+
+    def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
+        """Return the moment before a tick, and the tick, or raise DamagedError."""
+        before = self._stored(max(tick - 1, 0)).moment
+        return before, self._stored(tick)
+
+    def _stored(self, tick: int) -> RecordedTick:
+        latest = self._latest
+        if latest is None or latest.moment.after.tick != tick:
+            latest = self._latest = self._run.stored(tick)
+        return latest
+
+    def level_at(self, _tick: int) -> Level:
+        return self._run.level
+
+    def is_reliable_up_to(self, _tick: int) -> bool:
+        return self._run.lasts
 
 
 def run_key(level: Level, program: Program, limits: Limits) -> str:

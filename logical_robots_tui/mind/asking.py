@@ -58,10 +58,11 @@ class Asking:
         self._read_value = Interner().read if frozen else from_sql
 
     def each(
-        self, predicate: str, moment: Moment, within: Within
+        self, predicate: str, moment: Moment, within: Within, *, in_order: bool = True
     ) -> Iterator[tuple[View, Answer | FailureError]]:
         # All at once: the caller may query something else in between.
-        answers = self._quick_answers(self._program.tuned.get(predicate), moment, within)
+        tuned = self._program.tuned.get(predicate)
+        answers = self._quick_answers(tuned, moment, within, in_order=in_order)
         for view, answer in zip(moment.views, answers, strict=False):
             yield view, _with_truths(self._program.truths.get(predicate), answer)
         for view in moment.views[len(answers) :]:
@@ -215,6 +216,8 @@ class Asking:
             if answers[number][1] is nothing:
                 answers[number] = (answer[0], [])
             answers[number][1].append(row)
+        if not within.cut and any(len(rows) > within.rows for _, rows in answers):
+            return None
         return answers
 
     def _quick_answer(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import repeat
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
@@ -240,6 +241,41 @@ class Mind:
                     yield name, None
                 else:
                     yield name, [dict(zip(columns, row, strict=True)) for row in found]
+
+    def each_at(
+        self,
+        predicates: Sequence[str],
+        moments: Sequence[tuple[Sequence[SensorRow], Memories]],
+        *,
+        stop: threading.Event | None = None,
+    ) -> Iterator[tuple[str, int, list[list[dict[str, Value]]] | None]]:
+        """Return the rows of several predicates in each robot's mind at several moments.
+
+        Where each robot sees only its own sensor, one query is for all moments.
+
+        Yields:
+            A predicate, the number of a moment, and its rows there, a list for each view; None
+            if it fails or has more rows than the limits allow.
+
+        Raises:
+            Stopped: `stop` was set.
+        """
+        each = [self._new_moment(rows, memories) for rows, memories in moments]
+        together = bool(each) and all(moment.apart for moment in each)
+        for first, moment in enumerate([Moment.stacked(each)] if together else each):
+            of = [n for n, moment in enumerate(each) for _ in moment.views] if together else ()
+            for name in predicates:
+                found: dict[int, list[list[dict[str, Value]]] | None] = {}
+                within = self._within_query(self.limits.rows, stop, cut=False)
+                answers = self._asking.each(name, moment, within, in_order=False)
+                for number, (_, answer) in zip(of or repeat(first), answers, strict=False):
+                    if isinstance(answer, FailureError):
+                        found[number] = None
+                    elif (known := found.setdefault(number, [])) is not None:
+                        columns, rows = answer
+                        known.append([dict(zip(columns, row, strict=True)) for row in rows])
+                for number, rows_there in found.items():
+                    yield name, number, rows_there
 
     def relations(
         self,

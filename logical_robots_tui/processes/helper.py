@@ -33,7 +33,11 @@ def collect_later() -> None:
     gc.disable()
 
 
-_MODULES = ("logical_robots_tui.game.measuring", "logical_robots_tui.explain.worker")
+_MODULES = (
+    "logical_robots_tui.game.measuring",
+    "logical_robots_tui.game.diagnosis.scanning",
+    "logical_robots_tui.explain.worker",
+)
 _FLAGS = ("-I", "-S", "-B", "-X", "utf8")
 _BEGIN = (
     "import sys; sys.path[:] = sys.argv.pop(1).split(':'); "

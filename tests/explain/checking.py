@@ -6,27 +6,46 @@ the values that are shown, and the program itself is asked whether its rule hold
 
 from __future__ import annotations
 
-import json
 import re
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.mind.relations import same
+from tests.explain.rules import equal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from logical_robots_tui.explain import Node
     from logical_robots_tui.mind import Mind
+    from logical_robots_tui.values import Value
 
-__all__ = ["Checker", "equal", "false_claims", "head_columns"]
+__all__ = ["Checker", "Claim", "claims_of", "wrong_aggregates"]
 
 _BOUND = re.compile(r"(\w+)\s*==?\s")
 _OPERATOR = re.compile(r"(\w+|\+)(?:\{| over )")
 _FIELD = re.compile(r"^\w+: ")  # of a record that is written out
 _MORE = re.compile(r"and ([\d,]+) more")
 _EQUATION = re.compile(r"[^=<>!]==?[^=]")
+_AT_ONCE = 8  # claims that are compiled together
+
+
+class Claim(NamedTuple):
+    """That some conditions hold together in some way, or in none.
+
+    Attributes:
+        made: What is filled in with ``:=`` where the rule that they are from is a copy, or "".
+        is_so: Whether they are said to hold.
+        said: What is false if that is not so.
+    """
+
+    conditions: tuple[str, ...]
+    made: str
+    is_so: bool
+    said: str
 
 
 class Checker:
@@ -37,56 +56,73 @@ class Checker:
         mind: A mind with it.
         rows: Sensor rows.
         memories: By robot.
+        robot: In whose mind it is asked, or "" if all think alike.
     """
 
-    def __init__(self, program: Program, mind: Mind, rows: Any, memories: Any) -> None:
-        self.program, self.mind = program, mind
-        self.rows, self.memories = rows, memories
+    def __init__(
+        self, program: Program, mind: Mind, rows: Any, memories: Any, robot: str = ""
+    ) -> None:
+        self.program, self.mind, self.robot = program, mind, robot
+        self.rows_sensed, self.memories = rows, memories
         self.asked = self.unknown = 0
-        self._known: dict[tuple[str, str], bool | None] = {}
+        self._told: set[Claim] = set()
+        self.refused: list[tuple[str, str]] = []
+        self._known: dict[str, tuple[tuple[Value, ...], ...] | None] = {}
 
-    def holds(self, conditions: Sequence[str], made: str) -> bool | None:
-        """Whether there is a way in which all of some conditions hold; None if none can say.
+    def false(self, claims: Iterable[Claim]) -> Iterator[str]:
+        """What is said in claims that are false. One that can't be asked is left out."""
+        by_made: dict[str, list[Claim]] = {}
+        for claim in claims:
+            if claim not in self._told:
+                self._told.add(claim)
+                by_made.setdefault(claim.made, []).append(claim)
+        for made, together in by_made.items():
+            for at in range(0, len(together), _AT_ONCE):
+                yield from self._false(together[at : at + _AT_ONCE], made)
 
-        Args:
-            conditions: The conditions.
-            made: What is filled in with ``:=`` where the rule that they are from is a copy, or "".
-        """
-        rule = f"Holds(one: 1) :- {', '.join(conditions)}"
-        if (rule, made) not in self._known:
-            self._known[rule, made] = self._ask(rule, made)
-        return self._known[rule, made]
+    def rows(self, rules: str, made: str) -> tuple[tuple[Value, ...], ...] | None:
+        """The rows of rules, or of a copy of them; None if they can't be asked."""
+        name = rules.partition("(")[0]
+        asked = f"{rules};\nMade := {name}({made})" if made else rules
+        if asked not in self._known:
+            self._known[asked] = self._ask(asked)
+        return self._known[asked]
 
-    def _ask(self, rule: str, made: str) -> bool | None:
-        self.asked += 1
-        for asked in (rule, f"{rule};\nMade := Holds({made})") if made else (rule,):
-            try:
-                question = self.program.question(asked)
-            except ProgramError:
-                self.unknown += 1
-                return None
-            if self.mind.ask(question, self.rows, self.memories).rows:
-                return True
-        return False
+    def _false(self, claims: Sequence[Claim], made: str) -> Iterator[str]:
+        rules = [
+            f"Holds(n: {n}) :- {', '.join(each for each in claim.conditions if each)}"
+            for n, claim in enumerate(claims)
+        ]
+        found = self.rows(";\n".join(rules), made)
+        if found is None and len(claims) > 1:
+            half = len(claims) // 2
+            yield from self._false(claims[:half], made)
+            yield from self._false(claims[half:], made)
+            return
+        self.asked += len(claims)
+        if found is None:
+            self.unknown += 1
+            return
+        holding = {row[0] for row in found}
+        for n, claim in enumerate(claims):
+            if (n in holding) != claim.is_so:
+                yield claim.said
+
+    def _ask(self, asked: str) -> tuple[tuple[Value, ...], ...] | None:
+        try:
+            table = self.mind.ask(self.program.question(asked), self.rows_sensed, self.memories)
+        except (ProgramError, QueryError) as error:
+            if " does not use " in str(error):
+                return self.rows(asked.partition(";\nMade :=")[0], "")
+            self.refused.append((asked, str(error)))
+            return None
+        return table.in_mind_of(self.robot).rows
 
 
-def false_claims(node: Node, checker: Checker, made: str = "") -> Iterator[str]:
-    """What is false about a rule that is said to give a row."""
-    rule = node.text
-    head, _, body = rule.partition(":-")
-    if not body:
-        return  # a fact, which was compared with the row
-    claims = [*_claims(node)]
-    fixed = [body.strip()]
-    fixed += [claim for claim in claims if claim is not None]
-    for column, expression in head_columns(head):
-        values = [n.values[0] for n in node.children if _names(n, column) and n.values]
-        fixed += [claim for value in values[:1] if (claim := equal(expression, value))]
-    if checker.holds(fixed, made) is False:
-        yield f"{rule} does not hold with {fixed}"
-    for _, inner in node.walk():
-        if len(inner.values) == 1 and any(c.text.startswith("goes over") for c in inner.children):
-            yield from _wrong_aggregate(inner)
+def claims_of(node: Node, *, itself: bool = False) -> list[str]:
+    """What is claimed of variables and expressions below a node, or by the node, too."""
+    found = _claims(replace(node, children=(node,)) if itself else node)
+    return [claim for claim in found if claim]
 
 
 def _claims(node: Node) -> Iterator[str | None]:
@@ -108,28 +144,11 @@ def _claims(node: Node) -> Iterator[str | None]:
         yield from _claims(child)
 
 
-def equal(expression: str, value: Any) -> str | None:
-    if value is None:
-        return f"({expression}) is null"
-    if isinstance(value, float) and not value.is_integer():  # a sum depends on the order of rows
-        return f"Abs(({expression}) - ({value!r})) < {max(1, abs(value)) * 1e-12!r}"
-    if isinstance(value, bool | int | float | str):
-        return f"({expression}) == {json.dumps(value)}"
-    return None
-
-
-def head_columns(head: str) -> Iterator[tuple[str, str]]:
-    """Columns of a head of the generated kind that are not aggregated, and their expressions."""
-    found = re.match(r"\w+\(x: (.*), y: (.*)\)(?: distinct)?\s*$", head.strip())
-    if found:
-        yield "x", found.group(1)
-        yield "y", found.group(2)
-    elif found := re.match(r"\w+\(x: (.*), y\?", head.strip()):
-        yield "x", found.group(1)
-
-
-def _names(node: Node, column: str) -> bool:
-    return node.kind == "column" and (node.text == column or node.text.startswith(f"{column}: "))
+def wrong_aggregates(node: Node) -> Iterator[str]:
+    """What is false about the elements of aggregates that are told of a rule."""
+    for _, inner in node.walk():
+        if len(inner.values) == 1 and any(c.text.startswith("goes over") for c in inner.children):
+            yield from _wrong_aggregate(inner)
 
 
 def _wrong_aggregate(node: Node) -> Iterator[str]:

@@ -88,6 +88,17 @@ CASES = {
         'Change `object` to `label` in line 1: `label` is "Green".',
         "label",
     ),
+    "the field beside one in a call": Case(
+        f'Post("Green");\nNear(robot_name:) :- {SEES}, Post(ray.object);',
+        'Change `object` to `label` in line 2: `label` is "Green".',
+        "label",
+    ),
+    "a text within an expression": Case(
+        'Near(robot_name:) :- Memory(robot_name:, memory:), now in ["out", "home"], '
+        'now == Coalesce(memory.gone, "Out");',
+        'Change `"Out"` to `"out"` in line 1: `now` is "out".',
+        '"out"',
+    ),
     "a text in a call": Case(
         'Kind(robot_name:, kind: "out") :- Sensor(robot_name:);\n'
         'Near(robot_name:) :- Kind(robot_name:, kind: "aut");',
@@ -147,6 +158,10 @@ ALL_THAT_IS_SENSIBLE = {
         "Seen(robot_name:, x: 1) :- Sensor(robot_name:), 1 == 2;\n"
         "Near(robot_name:, x:) :- Sensor(robot_name:), Seen(robot_name:, x:);",
         [],
+    ),
+    "a denial of a table of facts": (
+        f'Post("Mine");\nNear(robot_name:) :- {SEES}, Post(ray.object);',
+        ["Remove `Post(ray.object)` in line 2: all the rest of the rule holds."],
     ),
     "a condition beside a threshold that would help": (
         f"Near(robot_name:) :- {SEES}, ray.distance < 20;",

@@ -12,7 +12,8 @@ from logical_robots_tui.explain.why.derivations import MOST_ROWS
 from logical_robots_tui.game import list_programs, load_program
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.world import World, list_levels, load_level
-from tests.explain.checking import Checker, false_claims
+from tests.explain.checking import Checker
+from tests.explain.judging import false_of
 from tests.mind.rows import nearly_same
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def check_proofs(name: str, ticks: Sequence[int], most: int) -> None:
             ]
             for node in {rule.text: rule for rule in rules}.values():
                 if checked < most:
-                    assert not list(false_claims(node, checker)), (name, robot)
+                    assert not list(false_of(node, checker)), (name, robot)
                     checked += 1
 
 

@@ -2,106 +2,55 @@
 
 from __future__ import annotations
 
-from contextlib import closing
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
 
-from logical_robots_tui.explain import Ask, Explainer
-from logical_robots_tui.explain.why.spelling import read_call, spell_call
-from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.explain import Ask
 from tests.explain.asking import REST
-from tests.explain.checking import Checker, false_claims
+from tests.explain.checking import Checker
 from tests.explain.generated import programs
-from tests.mind.rows import row
+from tests.explain.judging import false_in
+from tests.explain.questions import Scene, alone, asked, together
+from tests.explain.teams import team
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from logical_robots_tui.explain import Node
 
-ROWS = [row("Ada")]
-MOST_ROWS = 6
 SEARCH = (Phase.explicit, Phase.reuse, Phase.generate)  # to shrink takes far longer than to find
 
-
-def asked(text: str) -> int:
-    """Ask why of every predicate of a program; how many questions that were."""
-    program = Program.compile(text)
-    number = 0
-    with closing(Mind(program, limits=Limits(query_seconds=60))) as mind:
-        checker = Checker(program, mind, ROWS, {})
-        for predicate in program.predicates:
-            if predicate.kind != "program" or not predicate.has_rows or predicate.name == "Robot":
-                continue
-            number += _check(predicate.name, mind, checker)
-        assert checker.unknown < max(10, checker.asked / 4)
-    return number
+SCENES: dict[str, st.SearchStrategy[AbstractContextManager[Scene]]] = {
+    "one robot": programs().map(alone),
+    "a team": st.integers(0, 10**9).map(lambda seed: together(team(seed))),
+}
 
 
-def _check(name: str, mind: Mind, checker: Checker) -> int:
-    table = mind.query(name, ROWS, {})
-    seen: list[dict[str, Any]] = []
-    for values in table.rows[:MOST_ROWS]:
-        given_row = dict(zip(table.columns, values, strict=True))
-        if given_row in seen:
-            continue
-        seen.append(given_row)
-        proof = Explainer(mind, "Ada", ROWS, {}).proof(Ask(name, given_row), nodes=3_000)
-        explanation = proof.explanation
-        assert explanation.rows > 0, (name, given_row)
-        assert explanation.row is not None
-        giving = [found for found in explanation.rules if found.row is not None]
-        assert giving, (name, given_row, explanation)
-        for node in proof.nodes:
-            for found in _rules(node):
-                made = "A: B" if name == "P9" else ""
-                wrong = list(false_claims(found, checker, made)) if found.holds else []
-                assert not wrong, (name, given_row, wrong)
-            assert _is_founded(node, ()), (name, given_row)
-            for asked in (each.asked for _, each in node.walk() if each.asked is not None):
-                assert read_call(spell_call(asked), asked.within) == asked
-    for values in table.rows[:2]:
-        other = dict(zip(table.columns, values, strict=True))
-        other[table.columns[0]] = 77
-        assert Explainer(mind, "Ada", ROWS, {}).why(Ask(name, other)).rows == 0
-    return max(1, len(seen)) + min(2, len(table.rows))
-
-
-def _rules(node: Node) -> list[Node]:
-    return [each for _, each in node.walk() if each.kind == "rule"]
-
-
-def _is_founded(node: Node, above: tuple[str, ...]) -> bool:
-    """Whether no row is proved by itself."""
-    mine = above
-    if node.kind == "rule":
-        columns = [
-            f"{c.text}={c.values}" for c in node.children if c.kind in ("column", "aggregate")
-        ]
-        key = f"{node.text} {columns}"
-        if columns and key in above:
-            return False
-        mine = (*above, key)
-    return all(_is_founded(child, mine) for child in node.children)
-
-
+@pytest.mark.parametrize("kind", SCENES)
 @pytest.mark.parametrize(
     ("questions", "programs_at_once"),
     [
         (40, 2),
         pytest.param(200, 4, marks=pytest.mark.slow),
-        pytest.param(5_000, 50, marks=pytest.mark.proof),
+        pytest.param(2_500, 50, marks=pytest.mark.proof),
     ],
 )
-def test_nothing_false_is_said(questions: int, programs_at_once: int) -> None:
+def test_nothing_false_is_said(kind: str, questions: int, programs_at_once: int) -> None:
     total = 0
 
-    @given(programs())
-    @settings(max_examples=programs_at_once, phases=SEARCH)
-    def ask(text: str) -> None:
+    @given(SCENES[kind])
+    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
+    def ask(scene: AbstractContextManager[Scene]) -> None:
         nonlocal total
-        total += asked(text)
+        with scene as entered:
+            answers = asked(entered)
+        assert not answers.false, (entered.mind.program.text, answers.false)
+        total += answers.number
 
     while total < questions:
         ask()
@@ -111,18 +60,49 @@ def test_nothing_false_is_said(questions: int, programs_at_once: int) -> None:
 def test_nothing_false_is_said_of_more_elements_than_are_shown(aggregate: str) -> None:
     pairs = "A(x: a, y:), A(x: b, y:), A(x: c, y:)"
     facts = "; ".join(f"A(x: {x}, y: 1)" for x in range(6))
-    assert asked(f"{facts}; P0(x: 1, {aggregate}) distinct :- {pairs};{REST}")
+    with alone(f"{facts}; P0(x: 1, {aggregate}) distinct :- {pairs};{REST}") as scene:
+        answers = asked(scene)
+    assert answers.number
+    assert not answers.false
 
 
-def test_a_lie_would_be_found() -> None:
-    text = f"Num(x: 1); Num(x: 4); Big(x:) :- Num(x:), y == x + 1, y > 3;{REST}"
-    program = Program.compile(text)
-    with closing(Mind(program)) as mind:
-        checker = Checker(program, mind, ROWS, {})
-        (node,) = Explainer(mind, "Ada", ROWS, {}).why(Ask("Big")).nodes
-        assert not list(false_claims(node, checker))
-        lies = tuple(
-            replace(child, values=(2,)) if child.text.startswith("y ==") else child
-            for child in node.children
-        )
-        assert list(false_claims(replace(node, children=lies), checker))
+@pytest.mark.parametrize(
+    "rule",
+    [
+        "P(x: v, y: w + 1) :- A(x: v, y: w), (v > 0 | w > 3), w < 9;",
+        "P(x: v, y: w) :- A(x: v, y: u), (v > 0 | u > 3), (u == 2, w == 4 | u == 3, w == 5);",
+        "P(x: v, y: w) :- A(x: v, y: w), (v > 9 | w > 2, v > 5), w < 9;",
+        "P(x: v, y: w) :- A(x: v, y: w), (v > 0, w > 1 | w > 0), (A(x: w) | v == 7), ~A(x: v);",
+    ],
+)
+def test_nothing_false_is_said_of_alternatives(rule: str) -> None:
+    facts = "A(x: 0, y: 1); A(x: 1, y: 2); A(x: 2, y: 3); A(x: 3, y: 4);"
+    with alone(f"{facts} {rule}{REST}") as scene:
+        assert not asked(scene).false
+
+
+RULES = "Num(x: 1); Num(x: 4); Big(x:) :- Num(x:), y == x + 1, y > 3;"
+
+
+def lies(node: Node, said: Callable[[Node], Node]) -> Node:
+    return said(replace(node, children=tuple(lies(each, said) for each in node.children)))
+
+
+@pytest.mark.parametrize(
+    ("given", "lie"),
+    [
+        ({}, lambda n: replace(n, values=(2,)) if n.text.startswith("y ==") else n),
+        ({}, lambda n: replace(n, values=(1,)) if n.kind == "column" else n),
+        ({"x": 1}, lambda n: replace(n, span=None, text="y > 1") if n.text == "y > 3" else n),
+        ({"x": 1}, lambda n: replace(n, values=(3,)) if n.text == "x" else n),
+    ],
+    ids=["of a value", "of a row", "of what fails", "of what holds before"],
+)
+def test_a_lie_would_be_found(given: dict[str, Any], lie: Callable[[Node], Node]) -> None:
+    with alone(f"{RULES}{REST}") as scene:
+        proof = scene.explainer().proof(Ask("Big", given))
+        told = proof.explanation.asked
+        checker = Checker(scene.mind.program, scene.mind, scene.rows, scene.memories)
+        assert not list(false_in(proof.nodes, told, checker, {}))
+        changed = [lies(node, lie) for node in proof.nodes]
+        assert list(false_in(changed, told, checker, {}))

@@ -377,6 +377,7 @@ def test_literals_are_not_said_to_have_their_values() -> None:
         ("[1, 2] == [1, 2]", ()),
         ("b == 3", (3,)),
         ("b in [3, 4]", ()),
+        ("b", (3,)),
     ]
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import asyncio
 import shutil
-import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import Commands, harmless
-from logical_robots_tui.cli.runs.common import new_run_command, open_run, show
+from logical_robots_tui.cli.command import Commands, harmless, line_of_json, prefers_json
+from logical_robots_tui.cli.runs.common import new_run_command, open_run, progress_bar, run_shown
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.telling import Finding
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 NOTHING, FOUND = 0, 1
 DEFAULT_TICKS = 3000
 NARROWEST, WIDEST = 40, 96  # columns
+_SOON = 0.5  # seconds before progress is shown
 
 
 def declare(commands: Commands) -> None:
@@ -42,50 +42,84 @@ def start(options: argparse.Namespace) -> int:
       logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
       logical-robots diagnose 01-first-steps first-steps --json | jq .findings
 
-    Warnings come first. A note may well be intended.
+    Warnings come first. A note may well be intended. Ctrl+C ends the search; what was
+    found by then is printed.
 
     exit status: 0 no warnings, 1 warnings, 2 bad level or program
     """
     level, program = open_run(options)
-    found = asyncio.run(_diagnose(level, program, options.ticks))
-    show(options, _data(found), _lines(found))
+    printer = _Printer(is_silent=prefers_json(options))
+    found = asyncio.run(_diagnose(level, program, options.ticks, printer))
+    if prefers_json(options):
+        print(line_of_json(_data(found)))
+    else:
+        printer.finish(found)
     return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING
 
 
-async def _diagnose(level: Level, program: Program, ticks: int) -> Diagnosis:
-    from logical_robots_tui.game import Game
-    from logical_robots_tui.game.diagnosis.diagnosing import diagnose
+async def _diagnose(level: Level, program: Program, ticks: int, printer: _Printer) -> Diagnosis:
+    from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
 
-    game = Game(level, program, history=ticks)
-    try:
-        await game.run_until(tick=ticks)
-        return await diagnose(game, report=_report)
-    finally:
-        if sys.stderr.isatty():
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
-        await game.close()
+    async with run_shown(level, program, ticks) as (run, ran):
+        with progress_bar("Examining", ticks, after=_SOON) as show:
 
+            def report(done: int, of_all: int) -> None:
+                show(done * ticks // of_all)
 
-def _report(done: int, of_all: int) -> None:
-    if sys.stderr.isatty() and not done % 20:
-        print(f"\r{done} of {of_all} ticks", end="", file=sys.stderr, flush=True)
+            try:
+                return await diagnose_run(run, ticks, ran=ran, report=report, show=printer.show)
+            except asyncio.CancelledError:
+                if printer.found is None:
+                    raise
+                return printer.found  # interrupted
 
 
-def _lines(found: Diagnosis) -> Iterator[str]:
-    from logical_robots_tui.game.diagnosis.diagnosing import extent
+class _Printer:
+    """Prints findings as soon as they are sure."""
 
-    wide = max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
-    yield from textwrap.wrap(extent(found), wide)
-    for each in found.findings:
-        line = f"line {each.span.line}" if each.span is not None else "the run"
-        head = f"{each.severity}, {line}, tick {each.tick}: "
-        said = harmless(f"{each.message} {each.hint}")
-        yield from ("", *textwrap.wrap(f"{head}{said}", wide, subsequent_indent="  "))
-        if each.others:
-            lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
-            yield f"  See also line{'s' if ',' in lines else ''} {lines}."
-    if not found.findings:
-        yield "Nothing stands out."
+    def __init__(self, *, is_silent: bool) -> None:
+        self._is_silent = is_silent
+        self._has_begun = False
+        self._printed = 0
+        self.found: Diagnosis | None = None
+
+    def show(self, found: Diagnosis) -> None:
+        self.found = found
+        if not self._is_silent and found.sure:
+            self._print(found, found.findings[: found.sure])
+
+    def finish(self, found: Diagnosis) -> None:
+        from logical_robots_tui.game.diagnosis.diagnosing import shortcomings
+
+        self._print(found, found.findings)
+        if not found.findings:
+            print("Nothing stands out.")
+        if left := shortcomings(found).strip():
+            print("", *textwrap.wrap(left, _width()), sep="\n")
+
+    def _print(self, found: Diagnosis, findings: Sequence[Finding]) -> None:
+        from logical_robots_tui.game.diagnosis.diagnosing import ticks_of
+
+        if not self._has_begun:
+            self._has_begun = True
+            print(ticks_of(found))
+        for each in findings[self._printed :]:
+            print("", *_lines(each), sep="\n", flush=True)
+            self._printed += 1
+
+
+def _width() -> int:
+    return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
+
+
+def _lines(each: Finding) -> Iterator[str]:
+    line = f"line {each.span.line}" if each.span is not None else "the run"
+    head = f"{each.severity}, {line}, tick {each.tick}: "
+    said = harmless(f"{each.message} {each.hint}")
+    yield from textwrap.wrap(f"{head}{said}", _width(), subsequent_indent="  ")
+    if each.others:
+        lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
+        yield f"  See also line{'s' if ',' in lines else ''} {lines}."
 
 
 def _data(found: Diagnosis) -> dict[str, Any]:
@@ -97,6 +131,7 @@ def _data(found: Diagnosis) -> dict[str, Any]:
         "looked_for_what_never_happened_every": found.second_step,
         "left_out": found.left_out,
         "reliable": found.is_reliable,
+        "examined": found.examined,
         "findings": [_finding(each) for each in found.findings],
     }
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from logical_robots_tui.explain.clauses.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
+from logical_robots_tui.explain.diagnosis.sources import decisive_columns
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import MAIN, definitions, is_constant, reach, rules_of
+from logical_robots_tui.language.definitions import MAIN, is_constant, rules_of
 from logical_robots_tui.language.functors import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
@@ -49,25 +51,32 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     rules = [(name, rule) for name in own for rule in own[name]]
     functions |= {name for name, mine in own.items() if len(mine) == 1 and is_constant(mine[0])}
     functions |= {n for n, (first, _) in expanded.origins.items() if first in functions}
-    all_own = definitions(program)
-    needed = reach(all_own[MAIN], all_own) | {MAIN}
+    # A pattern that is only copied by `:=` is not needed itself.
+    used = expanded.reach(MAIN) | {MAIN}
     tracer = Tracer(source, expanded, functions, [rule for _, rule in rules])
     for name, rule in rules:
-        if name in needed and name not in functions:
+        if name in used and name not in functions:
             tracer.rule(rule, tells_robot=name == MAIN)
-    for name, (_, within) in tracer.copies.items():
-        if within in needed and name not in functions:
+    for name in tracer.copies:
+        if name in used and name not in functions:
             tracer.copy(name)
+    needed = used | {tracer.copies[name][0] for name in used & tracer.copies.keys()}
     asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
     copied = [rule for mine in expanded.rules.values() for rule in mine]
     probed = [rule for rule, _ in asked.values()]
     compiled = statements_of([*asked], [*expanded.annotations, *copied, *probed], source)
     statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
     probes = [asked[name][1] for name in statements]
+    for name in tracer.probes.keys() - statements.keys():
+        if tracer.probes[name][1].closeness != "closer":
+            tracer.miss_probe(tracer.probes[name][1])
     writes, writes_all = memory_fields(own, functions, source)
     return Checkup(
         tuple(
-            _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
+            replace(
+                _site(name, rule, source, is_function=name in functions, is_needed=name in needed),
+                sources=_sources(rule, expanded.rules) if name == MAIN else (),
+            )
             for name, rule in rules
         ),
         tuple(tracer.sites),
@@ -77,8 +86,10 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         tuple(writes),
         tracer.reads_all,
         writes_all,
-        tuple(texts_of((rule for name, rule in rules if name in needed), all_own, source)),
+        tuple(texts_of((rule for name, rule in rules if name in needed), own, source)),
         tracer.left_out + len(tracer.probes) - len(probes),
+        tuple(sorted(tracer.missed_sites())),
+        tuple(sorted(tracer.missed_rules)),
     )
 
 
@@ -92,6 +103,10 @@ def _site(
     return RuleSite(
         str(name), span, is_function, is_needed, not rule.body, _key(rule, span), memory, body
     )
+
+
+def _sources(rule: Rule, own: Mapping[str, Sequence[Rule]]) -> tuple[str, ...]:
+    return tuple(sorted({name for name, _ in decisive_columns(rule, own)}))
 
 
 def _key(rule: Rule, span: Span) -> str:

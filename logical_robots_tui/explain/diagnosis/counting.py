@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from itertools import chain
+from typing import Any, TypeAlias
 
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Checkup, Column, Probe, Site
+from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value
 
-_MOST_VALUES = 60  # compared values that are kept for a place
+Rows: TypeAlias = "Sequence[Mapping[str, Value]]"
+
+MOST_VALUES = 60
+"""Compared values that are kept for a place."""
 
 
 @dataclass(slots=True)
@@ -19,7 +24,7 @@ class Count:
     Attributes:
         reached, true, false, null: The first examined tick in which it was so, or None; a part
             is true if it gave rows.
-        ways, looks: In how many ways, and looks, it was reached.
+        ways, ticks: In how many ways, and in which ticks, it was reached.
         passed: The number of ways in which a part was passed.
         left, right: Values of the sides of an equation, with their first ticks.
         least, greatest: The extreme differences between the sides of a comparison, or None.
@@ -28,7 +33,7 @@ class Count:
     reached: int | None = None
     ways: int = 0
     passed: int = 0
-    looks: int = 0
+    ticks: set[int] = field(default_factory=set)
     true: int | None = None
     false: int | None = None
     null: int | None = None
@@ -37,6 +42,11 @@ class Count:
     least: float | None = None
     greatest: float | None = None
 
+    def reach(self, tick: int, ways: int) -> None:
+        self.reached = _first(self.reached, tick)
+        self.ways += ways
+        self.ticks.add(tick)
+
 
 @dataclass(slots=True)
 class RuleCount:
@@ -44,7 +54,6 @@ class RuleCount:
 
     asked: int | None = None
     gave: int | None = None
-    looks: int = 0
 
 
 class Tally:
@@ -53,28 +62,36 @@ class Tally:
     Attributes:
         given_up: Indices of probes that failed once, so that they can't prove a "never".
         robots: By robot and tick, how many rows each rule of `Robot` had for it.
+
+    Args:
+        checkup: What is watched.
+        robot: The only robot whose rows count, where rows tell whose they are; "" for all.
     """
 
-    def __init__(self, checkup: Checkup) -> None:
+    def __init__(self, checkup: Checkup, robot: str = "") -> None:
         self.checkup = checkup
+        self._robot = robot
         self.sites = [Count() for _ in checkup.sites]
         self.rules = [RuleCount() for _ in checkup.rules]
-        self.ticks: list[int] = []
+        self.ticks: set[int] = set()
         self.given_up: set[int] = set()
         # Parts that are reached only if the parts before them hold.
         self._waited_for = {probe.before for probe in checkup.probes}
         self.robots: dict[tuple[str, int], dict[int, int]] = {}
+        self._settle(checkup.missed_sites, checkup.missed_rules)
 
-    def add(self, tick: int, number: int, rows: Sequence[Mapping[str, Value]]) -> None:
-        if not self.ticks or self.ticks[-1] != tick:
-            self.ticks.append(tick)
+    def add(self, tick: int, number: int, views: Sequence[Rows]) -> None:
+        """Add the rows of a probe at a tick, in each view of it."""
+        self.ticks.add(tick)
         probe = self.checkup.probes[number]
         passed = before = gave = 0
-        reached: set[int] = set()
-        for row in rows:
+        for row in chain.from_iterable(views):
             ways = row["n"]
+            who = row.get("who")
             if not isinstance(ways, int):
                 continue  # a sum of nothing
+            if self._robot and isinstance(who, str) and who != self._robot:
+                continue
             truths: list[bool | None] = []
             for place, column in enumerate(probe.columns):
                 truth = self._truth(column, place, row)
@@ -82,21 +99,16 @@ class Tally:
                 is_reached = all((truths[c] is True) is holds for c, holds in column.guard)
                 if is_reached and column.kind != "skip":
                     self._see(tick, column, place, row, truth, ways)
-                    reached.add(column.site)
             passed += ways
             if all(truths[c] is True for c in probe.filters):
                 before += ways
                 gave += ways
-                who = row.get("who")
                 if probe.robot and isinstance(who, str):
                     given = self.robots.setdefault((who, tick), {})
                     given[probe.gives] = given.get(probe.gives, 0) + ways
-        for site in reached:
-            self.sites[site].looks += 1
-        self._note_parts(tick, probe, passed, before)
+        self._note_parts(tick, probe, passed, before, len(views))
         if probe.gives >= 0:
             rule = self.rules[probe.gives]
-            rule.looks += 1
             rule.asked = _first(rule.asked, tick)
             if gave:
                 rule.gave = _first(rule.gave, tick)
@@ -105,29 +117,16 @@ class Tally:
         """Mark a probe as failed; nothing that depends on it is reported."""
         probe = self.checkup.probes[number]
         self.given_up.add(number)
-        for place in {probe.after, probe.before, *(column.site for column in probe.columns)} - {-1}:
-            count = self.sites[place]
-            if self.checkup.sites[place].kind in ("leaf", "value"):
-                continue
-            if count.reached is None:
-                count.reached = 0
-            count.true = _first(count.true, 0)
-            count.false = _first(count.false, 0)
-        if probe.gives >= 0:
-            self.rules[probe.gives].gave = _first(self.rules[probe.gives].gave, 0)
+        self._settle(probe.sites, {probe.gives} - {-1})
 
     def doubtful_probes(self) -> list[int]:
-        sites = {
-            number
-            for number, (site, count) in enumerate(zip(self.checkup.sites, self.sites, strict=True))
-            if _is_doubtful(site, count)
-        }
+        """Return the probes that may still change what is told."""
+        sites = {n for n in range(len(self.sites)) if self._is_doubtful(n)}
         found = []
         for number, probe in enumerate(self.checkup.probes):
             if probe.closeness == "closer" or number in self.given_up:
                 continue
-            involved = {probe.after, probe.before, *(column.site for column in probe.columns)}
-            if involved & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
+            if probe.sites & sites or (probe.gives >= 0 and self.rules[probe.gives].gave is None):
                 found.append(number)
         return found
 
@@ -141,18 +140,34 @@ class Tally:
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int) -> None:
+    def _is_doubtful(self, number: int) -> bool:
+        site, count = self.checkup.sites[number], self.sites[number]
+        if site.kind in ("leaf", "value"):
+            return False
+        if count.reached is None or count.true is None:
+            return is_telling(site) or self.rules[site.rule].gave is None
+        return is_always_true(site, count)
+
+    def _settle(self, sites: Iterable[int], rules: Iterable[int]) -> None:
+        """Let nothing be said never to happen at some sites and in some rules."""
+        for place in sites:
+            count = self.sites[place]
+            if self.checkup.sites[place].kind not in ("leaf", "value"):
+                count.reached = _first(count.reached, 0)
+                count.true = _first(count.true, 0)
+                count.false = _first(count.false, 0)
+        for rule in rules:
+            self.rules[rule].gave = _first(self.rules[rule].gave, 0)
+
+    def _note_parts(self, tick: int, probe: Probe, passed: int, before: int, views: int) -> None:
         if probe.after >= 0 and passed:
             site = self.sites[probe.after]
             site.true = _first(site.true, tick)
             site.passed += passed
         if probe.after >= 0 and probe.after not in self._waited_for:
-            site = self.sites[probe.after]
-            site.reached = _first(site.reached, tick)
+            self.sites[probe.after].reach(tick, views)
         if probe.before >= 0 and before:
-            site = self.sites[probe.before]
-            site.reached = _first(site.reached, tick)
-            site.ways += before
+            self.sites[probe.before].reach(tick, before)
 
     def _truth(self, column: Column, place: int, row: Mapping[str, Value]) -> bool | None:
         if column.kind in ("always", "skip"):
@@ -174,8 +189,7 @@ class Tally:
         ways: int,
     ) -> None:
         site = self.sites[column.site]
-        site.reached = _first(site.reached, tick)
-        site.ways += ways
+        site.reach(tick, ways)
         if truth:
             site.true = _first(site.true, tick)
         elif truth is None:
@@ -190,10 +204,10 @@ class Tally:
         site.greatest = _extreme(max, site.greatest, row.get(f"h{place}"))
 
 
-def _is_doubtful(site: Site, count: Count) -> bool:
-    if site.kind in ("leaf", "value"):
-        return False
-    return count.reached is None or count.true is None or is_always_true(site, count)
+def is_telling(site: Site) -> bool:
+    """Return whether it is told of a site by itself that nothing held there."""
+    # What is negated is told of where it is negated.
+    return site.kind != "part" or not (site.predicate in ("", *INPUTS) or site.stands == "denied")
 
 
 def is_always_true(site: Site, count: Count) -> bool:
@@ -220,5 +234,5 @@ def _first(known: int | None, tick: int) -> int:
 
 
 def _keep(values: dict[Any, int], value: Value, tick: int) -> None:
-    if isinstance(value, str | int | float) and len(values) < _MOST_VALUES:
+    if isinstance(value, str | int | float) and len(values) < MOST_VALUES:
         values.setdefault(value, tick)

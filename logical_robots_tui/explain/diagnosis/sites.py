@@ -34,6 +34,7 @@ class Site:
         operator: The comparison, ``&&``, ``||`` or "".
         within: The predicate made with ``:=`` whose rules it belongs to, or "".
         places: Where its values come from, the nearest first.
+        owner: Of a leaf, the predicate that has its value, or calls the function that has it.
     """
 
     kind: SiteKind
@@ -46,6 +47,7 @@ class Site:
     within: str = ""
     places: tuple[Span, ...] = ()
     stands: Literal["body", "aggregate", "denied"] = "body"
+    owner: str = ""
 
     @property
     def is_step(self) -> bool:
@@ -61,6 +63,7 @@ class RuleSite:
         is_needed: Whether `Robot` uses it.
         key: Equal for facts that mean the same.
         memory: The place of a robot's memory in it, or None.
+        sources: Of a rule of `Robot`, the predicates from which its desire may come.
     """
 
     predicate: str
@@ -71,6 +74,7 @@ class RuleSite:
     key: str
     memory: Span | None = None
     body: Span | None = None
+    sources: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +117,11 @@ class Probe:
     robot: bool = False
     closeness: Literal["closer", "wider", "both"] = "both"
 
+    @property
+    def sites(self) -> frozenset[int]:
+        """The indices of all sites about which it tells something."""
+        return frozenset({self.after, self.before, *(c.site for c in self.columns)}) - {-1}
+
 
 @dataclass(frozen=True, slots=True)
 class Field:
@@ -131,6 +140,8 @@ class Checkup:
         writes_all: Whether it may write others, because its memory is not a plain record.
         texts: Texts in its comparisons and facts.
         left_out: The number of probes that could not be made.
+        missed_sites, missed_rules: Indices of those that are reached in other ways as well, so
+            that nothing can be said never to happen there.
     """
 
     rules: tuple[RuleSite, ...]
@@ -143,6 +154,8 @@ class Checkup:
     writes_all: bool = False
     texts: tuple[Field, ...] = ()
     left_out: int = 0
+    missed_sites: tuple[int, ...] = ()
+    missed_rules: tuple[int, ...] = ()
 
 
 def check_up(

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from logical_robots_tui.explain.diagnosis.counting import Count, Tally, is_always_true
+from logical_robots_tui.explain.diagnosis.counting import (
+    MOST_VALUES,
+    Count,
+    Tally,
+    is_always_true,
+    is_telling,
+)
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import most_similar
-from logical_robots_tui.schema import INPUTS
 from logical_robots_tui.values import Value
 
 FindingKind = Literal[
@@ -53,9 +58,19 @@ _LONGEST = 60  # characters in a quotation
 _MOST_LISTED = 4  # values
 
 
-def rule_findings(tally: Tally, *, won: bool) -> list[Finding]:
-    """Return findings, the most significant first; notes, not warnings, if the run was won."""
-    return list(_Reporter(tally, won=won).findings())
+_RARE = 20
+"""Ticks; what was asked in fewer of a longer run is no reason for a warning."""
+
+
+def rule_findings(tally: Tally, *, is_over: bool, is_complete: bool = True) -> list[Finding]:
+    """Return findings, the most significant first.
+
+    Args:
+        tally: The counts.
+        is_over: Whether the robots will achieve nothing more; only then there are warnings.
+        is_complete: Whether every tick was examined.
+    """
+    return list(_Reporter(tally, is_over=is_over, is_complete=is_complete).findings())
 
 
 def shorten(text: str) -> str:
@@ -63,11 +78,12 @@ def shorten(text: str) -> str:
 
 
 class _Reporter:
-    def __init__(self, tally: Tally, *, won: bool) -> None:
+    def __init__(self, tally: Tally, *, is_over: bool, is_complete: bool) -> None:
         self._tally = tally
         self._checkup = tally.checkup
         self._said: set[int] = set()
-        self._severity: Severity = "note" if won else "warning"
+        self._is_over, self._is_complete = is_over, is_complete
+        self._all, self._first = len(tally.ticks), min(tally.ticks, default=0)
 
     def findings(self) -> Iterator[Finding]:
         silent = self._silent()
@@ -78,7 +94,7 @@ class _Reporter:
         for tell in (self._of_text, self._of_site, self._of_truth):
             for number, site in enumerate(self._checkup.sites):
                 found = None if number in self._said else tell(number, site)
-                if found is not None:
+                if found is not None and (found.severity == "warning" or self._is_often(number)):
                     yield found
 
     # -- rules ---------------------------------------------------------------------------------
@@ -87,7 +103,12 @@ class _Reporter:
         silent = {}
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
-            if rule.is_needed and not rule.is_function and count.looks and count.gave is None:
+            if (
+                rule.is_needed
+                and not rule.is_function
+                and count.asked is not None
+                and count.gave is None
+            ):
                 silent[number] = self._tally.stopped(number)
         return silent
 
@@ -108,17 +129,17 @@ class _Reporter:
                 "no rows",
                 "note",
                 rule.span,
-                self._tally.ticks[0],
-                f"This rule of {rule.predicate} never had a row; {site.predicate} has none.",
+                self._first,
+                f"This rule of {rule.predicate} never had a row; {site.predicate} had none.",
                 f"Look at {site.predicate} first.",
                 (site.span,),
             )
         reason = self._why_not(site, count)
         return Finding(
             "no rows",
-            self._severity,
+            self._severity(count),
             site.span,
-            count.reached or self._tally.ticks[0],
+            count.reached or self._first,
             f"The rule of {rule.predicate} in line {rule.span.line} never had a row: {reason}",
             "If it should have, check this condition.",
             (rule.span, *site.places),
@@ -134,9 +155,9 @@ class _Reporter:
             return None
         self._said.add(number)
         close = most_similar(site.literal, (v for v in count.left if isinstance(v, str)))
-        hint = f'Did you mean "{close}"?' if close else f"It was {_join(count.left)}."
-        message = f'{shorten(site.other)} was never "{site.literal}"{_in(site)}.'
-        severity: Severity = "warning" if close else self._severity
+        hint = f'Did you mean "{close}"?' if close else f"It was {_values(count.left, count)}."
+        message = f"{_quote(site)} never held{self._asked(site, count)}."
+        severity: Severity = "warning" if close else self._severity(count)
         return self._finding("never true", severity, site, count, message, hint)
 
     def _of_site(self, number: int, site: Site) -> Finding | None:
@@ -147,10 +168,8 @@ class _Reporter:
             or site.kind in ("leaf", "text", "value")
         ):
             return None
-        if site.kind == "part" and site.predicate in ("", *INPUTS):
+        if not is_telling(site):
             return None
-        if site.kind == "part" and site.stands == "denied":
-            return None  # reported where it is negated
         self._said.add(number)
         if self._is_explained(site):
             return None
@@ -160,15 +179,13 @@ class _Reporter:
         hint = "Check what it compares."
         if is_null:
             hint = "Part of it has no value: a missing field, or an aggregate of nothing."
-        return self._finding(
-            what, self._severity, site, count, reason[0].upper() + reason[1:], hint
-        )
+        return self._finding(what, self._severity(count), site, count, reason, hint)
 
     def _of_truth(self, number: int, site: Site) -> Finding | None:
         count = self._tally.sites[number]
         if not is_always_true(site, count):
             return None
-        message = f"{_quote(site)} was never false{_in(site)}."
+        message = f"{_quote(site)} held{self._asked(site, count, every='all ')}."
         hint = "It never excluded anything; is it the right comparison?"
         return self._finding("never false", "note", site, count, message, hint)
 
@@ -188,19 +205,35 @@ class _Reporter:
         )
 
     def _why_not(self, site: Site, count: Count) -> str:
-        quoted, where = _quote(site), _in(site)
+        quoted = _quote(site)
         if site.kind == "part":
-            return f"{quoted} had no rows{where}."
+            return f"{quoted} had no row{self._asked(site, count)}."
         if site.kind in TESTS and count.false is None and count.null is not None:
-            return f"{quoted} was always null{where}."
+            return f"{quoted} was null{self._asked(site, count, every='all ')}."
+        said = f"{quoted} never held{self._asked(site, count)}"
         if count.left and count.right:
-            left, right = _join(count.left), _join(count.right)
-            return f"{quoted} was never true{where}: {left} on the left, {right} on the right."
+            left, right = _values(count.left, count), _values(count.right, count)
+            return f"{said}: {left} on the left, {right} on the right."
         if count.left:
-            other = shorten(site.other)
-            return f"{quoted} was never true{where}: {other} was {_join(count.left)}."
-        missed = _closest_miss(site, count)
-        return f"{quoted} was never true{where}{missed}."
+            return f"{said}: {shorten(site.other)} was {_values(count.left, count)}."
+        return f"{said}{_closest_miss(site, count)}."
+
+    def _asked(self, site: Site, count: Count, *, every: str = "") -> str:
+        """Return where, how often and when first something was asked."""
+        done = "it was asked" if self._is_complete else "examined"
+        where = f" in {site.within}" if site.within else ""
+        if count.ways == 1:
+            return f"{where} in the one case {done}, at tick {count.reached}"
+        cases = f"{every or 'the '}{count.ways:,} cases"
+        return f"{where} in {cases} {done}, first at tick {count.reached}"
+
+    def _severity(self, count: Count) -> Severity:
+        is_rare = len(count.ticks) < min(_RARE, self._all)
+        return "warning" if self._is_over and not is_rare else "note"
+
+    def _is_often(self, number: int) -> bool:
+        """Return whether something was asked so often that it is worth a note."""
+        return len(self._tally.sites[number].ticks) > 1 or self._all < _RARE
 
     def _finding(
         self,
@@ -211,7 +244,7 @@ class _Reporter:
         message: str,
         hint: str,
     ) -> Finding:
-        tick = count.reached if count.reached is not None else self._tally.ticks[0]
+        tick = count.reached if count.reached is not None else self._first
         return Finding(kind, severity, site.span, tick, message, hint, site.places)
 
 
@@ -220,11 +253,8 @@ def _is_inside(part: Span, whole: Span) -> bool:
 
 
 def _quote(site: Site) -> str:
-    return f"`{shorten(site.span.text)}`"
-
-
-def _in(site: Site) -> str:
-    return f" in {site.within}" if site.within else ""
+    is_given = site.kind == "text"  # the comparison is in the function that gets it
+    return f"`{shorten(f'{site.other} == {site.span.text}' if is_given else site.span.text)}`"
 
 
 def _closest_miss(site: Site, count: Count) -> str:
@@ -244,10 +274,14 @@ def _value(value: Value) -> str:
     return f'"{value}"' if isinstance(value, str) else f"{value:.4g}"
 
 
-def _join(values: Iterable[Value]) -> str:
+def _values(values: Collection[Value], count: Count) -> str:
+    """Return values in words; null may be on either side of a comparison."""
     known = sorted(values, key=str)
-    more = len(known) - _MOST_LISTED
     listed = [_value(value) for value in known[:_MOST_LISTED]]
-    if more > 0:
-        return f"{', '.join(listed)} or one of {more} others"
+    if count.null is not None:
+        listed.append("null")
+    if len(known) > _MOST_LISTED:
+        more = len(known) - _MOST_LISTED
+        others = f"{'at least ' if len(known) == MOST_VALUES else ''}{more} others"
+        return f"{', '.join(listed)} or one of {others}"
     return listed[0] if len(listed) == 1 else f"{', '.join(listed[:-1])} or {listed[-1]}"

@@ -51,14 +51,9 @@ from logical_robots_tui.language.tree import (
     variable_of,
     variables,
 )
-from logical_robots_tui.schema import VALUE
 
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
-
-
-_LEAVES = ("desire", VALUE)
-"""Columns whose ``if`` branches are watched."""
 
 
 class Tracer(Watching):
@@ -67,8 +62,10 @@ class Tracer(Watching):
             for branch in node.branches:
                 column = self._truth(branch.condition, at, "branch")
                 if column < 0:
+                    self._miss(node, at)
                     return
-                self._value(branch.value, at.when(column, holds=True), is_leaf=is_leaf)
+                within = replace(at.when(column, holds=True), chosen=(branch.condition, at.rule))
+                self._value(branch.value, within, is_leaf=is_leaf)
                 at = at.when(column, holds=False)
             self._value(node.otherwise, at, is_leaf=is_leaf)
             return
@@ -145,6 +142,7 @@ class Tracer(Watching):
         site = self._site(kind, condition, at, **details)
         column = self._add(at, site, asked, how, whole)
         if column < 0:
+            self._miss(condition, at)
             return column
         if lacks is not None:
             at.trail.segment.differences[column] = lacks
@@ -177,10 +175,12 @@ class Tracer(Watching):
 
     def _function(self, node: Call, at: At, *, is_leaf: bool) -> None:
         if node.name in at.inside or len(at.inside) >= _DEEPEST:
+            self._miss(node, at)
             return
         for rule in self._own.get(node.name, ()):
             found = self._entered(rule, node, at)
             if found is None or rule.value is None:
+                self._miss(node, at)
                 continue
             body = conjuncts(rule.body)
             if body:
@@ -239,7 +239,9 @@ class Tracer(Watching):
         trail = Trail(Segment(self._all_of(at)))
         within = replace(at, trail=trail, scope=scope, given=given, guard=(), **changed)
         done = self._parts(parts, within)
-        if done is not None:
+        if done is None:
+            self._miss([*parts, *(value for value, _ in values)], at)
+        else:
             for value, is_leaf in values:
                 self._value(value, done, is_leaf=is_leaf)
         self._emit(trail)
@@ -259,11 +261,13 @@ class Tracer(Watching):
         parts = conjuncts(rule.body)
         number = self._numbers[id(rule)]
         self._memories = set()
-        leaves = [column for column in columns if column.field in _LEAVES]
+        self._owner = rule.name
+        leaves = [column for column in columns if (rule.name, column.column) in self._decisive]
         self._leaves = {variable_of(column.expression) for column in leaves} - {""}
         scope = Scope(dict.fromkeys(self._functions, EVERY_COLUMN), variables([*parts, rule.head]))
         done = self._parts(parts, At(Trail(Segment([])), number, scope, frozenset(), {}))
         if done is None:
+            self._miss(rule, At(Trail(Segment([])), number, scope, frozenset(), {}))
             return
         at = done
         for column in columns:
@@ -275,11 +279,11 @@ class Tracer(Watching):
                 local = Variable(self._new("head"))
                 site = self._site("part", value, at)
                 at = self._next(at, site, Equation(local, substitute(value, at.given)))
-            is_leaf = column.field in _LEAVES and not isinstance(value, Variable)
+            is_leaf = column in leaves and not isinstance(value, Variable)
             self._value(value, at, is_leaf=is_leaf)
-        name = rule.head.column("robot_name") if tells_robot else None
+        name = rule.head.column("robot_name") if tells_robot or leaves else None
         who = substitute(name.expression, at.given) if name and name.expression else None
-        self._emit(at.trail, gives=number, who=who)
+        self._emit(at.trail, gives=number, who=who, is_robot=tells_robot)
 
     def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
         ordered, left = in_order(parts, at.scope, at.known)
@@ -311,6 +315,7 @@ class Tracer(Watching):
             done = self._parts(conjuncts(rule.body), within)
             if done is not None:
                 return replace(at, guard=done.guard, known=known)
+            self._miss(part, at)
         predicate = str(self.copies.get(name, (name, ""))[0])
         site = self._site("part", part, at, predicate=predicate)
         self._in_part(part, at)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -11,83 +10,24 @@ from logical_robots_tui.explain.clauses.bodies import (
     Scope,
     as_part,
     count_rule,
-    parameters,
     span_of,
 )
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
+from logical_robots_tui.explain.diagnosis.sources import Sources, alternate, decisive_columns
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import names_used
+from logical_robots_tui.language.definitions import MAIN, reach
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
-    Atom,
     Expression,
-    Node,
     Proposition,
     Rule,
     Tree,
-    equation_sides,
     variable_of,
-    variables,
-    walk,
 )
 from logical_robots_tui.schema import INPUTS
 
 if TYPE_CHECKING:
     from logical_robots_tui.language.functors import Expanded
-
-_MOST = 6  # places
-_DEEPEST = 4
-
-
-class Sources:
-    def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
-        self._source, self._own = source, own
-
-    def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
-        """Return where an expression's values come from, recursively, the nearest places first."""
-        found: dict[int, Span] = {}
-        seen: set[tuple[int, str]] = set()
-        waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
-        own_line = span_of(node, self._source).line
-        while waiting and len(found) < _MOST:
-            node, rule, depth = waiting.popleft()
-            for place, inner, where in self._next(node, rule, seen):
-                span = span_of(place, self._source)
-                if span.text and span.line != own_line:
-                    found.setdefault(span.line, span)
-                if depth + 1 < _DEEPEST:
-                    waiting.append((inner, where, depth + 1))
-        return tuple(found.values())[:_MOST]
-
-    def _next(
-        self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
-    ) -> Iterator[tuple[Node, Tree, Rule]]:
-        for name in dict.fromkeys(names_used(node)):
-            yield from self._rules(name, seen)
-        for variable in sorted(variables(node, inside=True)):
-            if (id(rule), variable) in seen:
-                continue
-            seen.add((id(rule), variable))
-            for part in walk(rule.body) if rule.body else ():
-                pair = equation_sides(part)
-                if pair is not None:
-                    for side, value in (pair, pair[::-1]):
-                        if variable_of(side) == variable:
-                            yield part, value, rule
-                            break
-                elif isinstance(part, Atom) and variable in variables(part):
-                    yield from self._rules(part.name, seen)
-
-    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
-        """Yield the rules of a predicate except facts."""
-        if (0, name) in seen:
-            return
-        seen.add((0, name))
-        for rule in self._own.get(name, ()):
-            is_function = rule.value is not None and parameters(rule) is not None
-            if rule.body or is_function:
-                yield rule, rule.value or rule, rule
-
 
 PROBE = "DiagnosisProbe"
 """The prefix of the generated predicates."""
@@ -129,7 +69,12 @@ class Trail:
 
 @dataclass(frozen=True)
 class At:
-    """Where an expression is computed; `given` maps variables to the query's expressions."""
+    """Where an expression is computed.
+
+    Attributes:
+        given: The query's expressions by variable.
+        chosen: The condition of an ``if`` that must hold for it, and the index of its rule.
+    """
 
     trail: Trail
     rule: int
@@ -139,6 +84,7 @@ class At:
     guard: Guard = ()
     inside: tuple[str, ...] = ()
     stands: Stands = "body"
+    chosen: tuple[Expression, int] | None = None
 
     def when(self, column: int, *, holds: bool) -> At:
         return replace(self, guard=(*self.guard, (column, holds)))
@@ -151,6 +97,7 @@ class Watching:
         probes: For each generated predicate its rule, and the meaning of its rows.
         left_out: The number of probes beyond the limits.
         copies: For each predicate copied by ``:=``, the original and the made predicate.
+        missed_rules: Rules that are also evaluated where no probe watches them.
     """
 
     def __init__(
@@ -163,7 +110,9 @@ class Watching:
         self.left_out = 0
         made = {name: (base, name) for name, base in expanded.bases.items()}
         self.copies = {**expanded.origins, **made}
-        self._within = ""
+        self.missed_rules: set[int] = set()
+        self._missed_sites: set[int] = set()
+        self._within = self._owner = ""
         self._source = source
         self._own, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
@@ -171,10 +120,33 @@ class Watching:
             for rule, first in zip(self._own[copy], self._own[original], strict=True):
                 self._numbers[id(rule)] = self._numbers[id(first)]
         self._sources = Sources(source, expanded.rules)
+        self._decisive = {
+            column
+            for rule in expanded.rules.get(MAIN, ())
+            for column in decisive_columns(rule, expanded.rules)
+        }
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
         self._fresh = 0
+
+    def missed_sites(self) -> set[int]:
+        """Return the sites that are also evaluated where no probe watches them."""
+        in_rules = {n for n, site in enumerate(self.sites) if site.rule in self.missed_rules}
+        return self._missed_sites | in_rules
+
+    def miss_probe(self, probe: Probe) -> None:
+        """Note that a probe is not asked."""
+        self._missed_sites |= probe.sites
+        if probe.gives >= 0:
+            self.missed_rules.add(probe.gives)
+
+    def _miss(self, tree: Tree, at: At) -> None:
+        """Note that a tree, and the rules that it uses, are not watched at a place."""
+        self.missed_rules.add(at.rule)
+        for name in reach(tree, self._own):
+            for rule in self._own.get(name, ()):
+                self.missed_rules |= {self._numbers.get(id(rule), at.rule)}
 
     def _all_of(self, at: At) -> list[Proposition]:
         segment = at.trail.segment
@@ -201,13 +173,18 @@ class Watching:
     def _site(self, kind: Any, node: Tree, at: At, **details: Any) -> int:
         """Return the index of a site; equal places share one."""
         span = self._span(node)
-        key = (kind, span.start, span.stop, self._within)
+        owner = self._owner if kind == "leaf" else ""
+        key = (kind, span.start, span.stop, self._within, owner, details.get("other"))
         if key not in self._known_sites:
             self._known_sites[key] = len(self.sites)
             rule = self._rules[at.rule]
             places = self._sources.of(node, rule) if kind in _EXPLAINED else ()
-            details = {"within": self._within, "places": places, "stands": at.stands, **details}
-            self.sites.append(Site(kind, span, at.rule, **details))
+            if kind == "leaf" and at.chosen is not None:
+                condition, number = at.chosen
+                why = self._sources.of_condition(condition, self._rules[number])
+                places = alternate(places, why, span.line)
+            known = {"within": self._within, "places": places, "stands": at.stands, "owner": owner}
+            self.sites.append(Site(kind, span, at.rule, **(known | details)))
         return self._known_sites[key]
 
     def _add(
@@ -223,6 +200,7 @@ class Watching:
         number = len(segment.columns)
         if self._width(segment) + 4 > _MOST_COLUMNS:
             self.left_out += 1
+            self._missed_sites.add(site)
             return -1
         segment.columns.append(Column(site, at.guard, kind))
         segment.trees.append(condition)
@@ -234,7 +212,13 @@ class Watching:
         return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
 
     def _emit(
-        self, trail: Trail, before: int = -1, gives: int = -1, who: Expression | None = None
+        self,
+        trail: Trail,
+        before: int = -1,
+        gives: int = -1,
+        who: Expression | None = None,
+        *,
+        is_robot: bool = False,
     ) -> None:
         segment = trail.segment
         if not segment.body and not segment.columns and gives < 0:
@@ -260,7 +244,7 @@ class Watching:
                 before,
                 trail.filters,
                 gives,
-                robot=who is not None,
+                robot=is_robot,
                 closeness=("closer" if closer else "wider") if values else "both",
             )
             rule = count_rule(name, columns, segment.differences, segment.body)

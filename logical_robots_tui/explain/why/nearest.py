@@ -108,7 +108,7 @@ class Nearest:
             sign = Span(span.start, span.start + 1, span.line, "~")
             yield 5.0, _removal(sign, f"`{span.text[1:].strip()}` has rows")
         elif step.kind == "call" and call is not None and call.predicate not in INPUTS:
-            yield from self._of_call(call, span, binds=bool(step.gives))
+            yield from self._of_call(call, span, stop.ways, binds=bool(step.gives))
         elif step.kind in ("condition", "value"):
             yield from self._of_condition(span, step.terms, stop.ways)
             if not step.gives:
@@ -154,36 +154,41 @@ class Nearest:
     # -- candidates ----------------------------------------------------------------------------
 
     def _of_equation(self, left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
-        if left.kind == "literal":
-            left, right = right, left
-        if right.kind != "literal" or left.kind == "literal":
-            return
-        yield from self._of_other_fields(left, right, ways)
-        subject = f"`{left.span.text}` is"
-        for value in _examples(left, ways):
-            for other in _examples(right, ways):
+        for term, other in ((left, right), (right, left)):
+            if term.kind != "literal":
+                for literal in _literals(other):
+                    yield from self._of_other_fields(term, _examples(literal, ways), ways)
+                    yield from self._of_literal(term, literal, ways)
+
+    @staticmethod
+    def _of_literal(term: Term, literal: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
+        subject = f"`{term.span.text}` is"
+        for value in _examples(term, ways):
+            for other in _examples(literal, ways):
                 size = _unlikeness(other, value)
                 if isinstance(other, str) and other.lower() in ("true", "false"):
-                    is_truth = value in (0, 1) and not isinstance(value, str)
-                    reason = f"{subject} a truth value and no text"
-                    if is_truth:
-                        yield 0.0, _change(right.span, other.lower(), reason)
+                    if value in (0, 1) and not isinstance(value, str):
+                        reason = f"{subject} a truth value and no text"
+                        yield 0.0, _change(literal.span, other.lower(), reason)
                 elif size is not None:
-                    kind = "the number " if isinstance(other, str) != isinstance(value, str) else ""
-                    kind = "" if isinstance(value, str) else kind
-                    yield size, _change(right.span, spell(value), f"{subject} {kind}{spell(value)}")
+                    kind = "the text " if isinstance(value, str) else "the number "
+                    kind = kind if isinstance(other, str) != isinstance(value, str) else ""
+                    reason = f"{subject} {kind}{spell(value)}"
+                    yield size, _change(literal.span, spell(value), reason)
 
-    def _of_other_fields(self, left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
-        """Yield the fields beside one that have the value that it is compared with."""
-        if left.kind != "field" or not left.span.text.endswith(f".{left.names[-1]}"):
+    def _of_other_fields(
+        self, term: Term, wanted: Sequence[Value], ways: Sequence[Way]
+    ) -> Iterator[_Sized]:
+        """Yield the fields beside one that have a text that is wanted of it."""
+        if term.kind != "field" or not term.span.text.endswith(f".{term.names[-1]}"):
             return
-        span = self._span(left.span.stop - len(left.names[-1]), left.span.stop)
+        span = self._span(term.span.stop - len(term.names[-1]), term.span.stop)
         for way in ways[:_MOST_VALUES]:
-            record = value_of(way, left.parts[0].column)
-            for name in left.names[:-1]:
+            record = value_of(way, term.parts[0].column)
+            for name in term.names[:-1]:
                 record = record.get(name) if isinstance(record, Mapping) else None
             for name, value in record.items() if isinstance(record, Mapping) else ():
-                if isinstance(value, str) and value == value_of(way, right.column):
+                if isinstance(value, str) and value in wanted and name != term.names[-1]:
                     yield 0.5, _change(span, name, f"`{name}` is {spell(value)}")
 
     def _of_threshold(
@@ -245,8 +250,12 @@ class Nearest:
                     span = self._span(*found.span(1))
                     yield 0.5, _change(span, close, f"the memory has no field {name}, but {close}")
 
-    def _of_call(self, call: Call, span: Span, *, binds: bool) -> Iterator[_Sized]:
+    def _of_call(
+        self, call: Call, span: Span, ways: Sequence[Way], *, binds: bool
+    ) -> Iterator[_Sized]:
         name = call.predicate
+        for column, term in call.terms.items():
+            yield from self._of_other_fields(term, self._known(name, column), ways)
         for place, (start, stop) in enumerate(_arguments(self._program.text, span)):
             argument = _ARGUMENT.fullmatch(self._program.text, start, stop)
             if argument is None:
@@ -269,10 +278,20 @@ class Nearest:
         if not binds:
             before = replace(span, stop=span.start)
             said = f"Put `~` before `{span.text}` in line {span.line}: there is no such row."
-            known = self._program.predicate(name)
-            is_function = known is not None and known.is_function
-            yield _LAST_RESORT if is_function else 4.5, Suggestion(said, before, "~")
+            if (size := self._size_of_denial(call)) is not None:
+                yield size, Suggestion(said, before, "~")
             yield _LAST_RESORT, _removal(span, "all the rest of the rule holds")
+
+    def _size_of_denial(self, call: Call) -> float | None:
+        """Return how likely a call is meant to be denied; None for a table of facts."""
+        known = self._program.predicate(call.predicate)
+        if known is not None and known.is_function:
+            return _LAST_RESORT
+        try:
+            rules = self._derivations.decompose(call.predicate, call.within).rules
+        except QueryError:
+            return None
+        return 4.5 if any(c.steps for rule in rules for c in rule.clauses) else None
 
     def _known(self, predicate: str, column: str) -> list[Value]:
         known = self._program.predicate(predicate)
@@ -317,6 +336,17 @@ def _change(span: Span, new: str, reason: str) -> Suggestion:
 
 def _removal(span: Span, reason: str) -> Suggestion:
     return Suggestion(f"Remove `{span.text}` in line {span.line}: {reason}.", span, "")
+
+
+def _literals(term: Term) -> list[Term]:
+    """Return a literal, or those that an ``if`` or ``Coalesce`` may give."""
+    if term.kind == "literal":
+        return [term]
+    if term.kind == "coalesce":
+        return [each for part in term.parts for each in _literals(part)]
+    if term.kind == "if":
+        return [each for part in (*term.parts[1::2], term.parts[-1]) for each in _literals(part)]
+    return []
 
 
 def _examples(term: Term, ways: Sequence[Way]) -> list[Value]:

@@ -2,30 +2,40 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import json
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections import deque
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
+from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.explain.diagnosis.counting import Tally
 from logical_robots_tui.explain.diagnosis.sites import Checkup, check_up
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.diagnosis.findings import Observations, findings_of, observe
+from logical_robots_tui.game.diagnosis.findings import Observations, Stored, findings_of, observe
+from logical_robots_tui.game.diagnosis.scanning import ROWS, Answer, Scanner, Tick, scan
 from logical_robots_tui.game.frame import Superseded
+from logical_robots_tui.game.history.recording import DamagedError
 from logical_robots_tui.game.thinker import Thinker
-from logical_robots_tui.mind import Limits
+from logical_robots_tui.mind import Limits, Program, QueryError, cache
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
+    from logical_robots_tui.game.run import Run
 
 _FEWEST = 20  # ticks that are examined
-_QUESTIONS = 20_000  # most probes of all robots when only some ticks are examined
-_MORE_QUESTIONS = 60_000  # the same when searching the other ticks for what seems never to happen
-_TOGETHER = 20  # ticks before settled probes are dropped
+_QUESTIONS = 12_000  # most probes of all robots when only some ticks are examined
+_MORE_QUESTIONS = 1_000_000  # the same when searching the other ticks for what never happened
+_STEP = 12  # the interval while the length of a run is unknown
+_MORE_AT_ONCE = 3  # times as many ticks for another process, because it takes longer to ask it
 _SAMPLES = 12  # ticks in which a robot's movement is explained
+_SECONDS = 0.5  # between two reports of findings
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +46,9 @@ class Diagnosis:
         step: The interval, in ticks, at which everything was examined.
         second_step: The interval of the search for what seemed never to happen.
         left_out: How many places could not be observed.
+        given_up: Of these, how many took too long.
+        sure: How many of the first findings stay as they are; all when it is finished.
+        examined: How many ticks were examined, if it is not finished; otherwise None.
     """
 
     findings: tuple[Finding, ...]
@@ -46,25 +59,100 @@ class Diagnosis:
     second_step: int
     left_out: int
     is_reliable: bool = True
+    sure: int = 0
+    examined: int | None = None
+    given_up: int = 0
+
+
+Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[Answer] | None]]
+Report: TypeAlias = Callable[[int, int], None]
+Show: TypeAlias = Callable[[Diagnosis], None]
 
 
 async def diagnose(
-    game: Game, *, report: Callable[[int, int], None] = lambda _done, _all: None
+    game: Game,
+    *,
+    report: Report = lambda _done, _all: None,
+    show: Show = lambda _found: None,
 ) -> Diagnosis:
     """Diagnose the current program over a game's history; cancelling the call stops it.
 
-    `report` gets the work done and the total. Raises QueryError for a program that is too
-    complex, Superseded if another future began.
+    `report` gets the work done and the total, `show` what was found so far. Raises QueryError
+    for a program that is too complex, Superseded if another future began.
     """
-    return await _Diagnosing(game, report).diagnose()
+    history = game.history
+    began = [begin for begin, program in history.programs(history.last)][-1:]
+    first = max([1, history.first, *began])
+    diagnosing = _Diagnosing(game.program, Limits(), report, show)
+    try:
+        return await diagnosing.diagnose(history, first)
+    finally:
+        await diagnosing.close()
+
+
+async def diagnose_run(
+    run: Run,
+    ticks: int,
+    *,
+    ran: Callable[[int], object] = lambda _tick: None,
+    report: Report = lambda _done, _all: None,
+    show: Show = lambda _found: None,
+) -> Diagnosis:
+    """Diagnose a run up to its end or so many ticks as `diagnose` does.
+
+    `ran` gets the ticks that were computed. A second process examines them meanwhile. The
+    result is kept on disk, if it is the same each time.
+    """
+    request = json.dumps({"diagnosis": run.key, "ticks": ticks}).encode()
+    known = await asyncio.to_thread(cache.find, request, Diagnosis)
+    if known is not None:
+        return known
+    try:
+        found = await _diagnose_run(run, ticks, ran, report, show)
+    except DamagedError:
+        await run.forget()
+        found = await _diagnose_run(run, ticks, ran, report, show)
+    if found.is_reliable and not found.given_up:
+        await asyncio.to_thread(cache.keep, request, found)
+    return found
+
+
+async def _diagnose_run(
+    run: Run, ticks: int, ran: Callable[[int], object], report: Report, show: Show
+) -> Diagnosis:
+    diagnosing = _Diagnosing(run.program, run.limits, report, show)
+    helping = asyncio.create_task(diagnosing.help(run))
+
+    def reached(tick: int) -> None:
+        ran(tick)
+        diagnosing.offer(tick)
+
+    try:
+        history = await run.to_end(ticks, reached)
+        return await diagnosing.diagnose(history, max(1, history.first))
+    finally:
+        helping.cancel()
+        await asyncio.gather(helping, return_exceptions=True)
+        await diagnosing.close()
 
 
 def extent(found: Diagnosis) -> str:
+    return f"{ticks_of(found)}{shortcomings(found)}"
+
+
+def ticks_of(found: Diagnosis) -> str:
     if found.last < found.first:
         return "There are no ticks to examine yet."
     end = "won" if found.won_at is not None else "not won"
-    said = f"Ticks {found.first} to {found.last}, {end}."
-    if found.second_step > 1:
+    return f"Ticks {found.first} to {found.last}, {end}."
+
+
+def shortcomings(found: Diagnosis) -> str:
+    """Return what was not examined, in sentences after a space, or ""."""
+    said = ""
+    if found.examined is not None:
+        said += f" Only {found.examined} of these ticks were examined."
+    elif found.second_step > 1:
         said += f" Only one tick in {found.second_step} was examined: rare events may be missed."
     if found.left_out:
         said += f" Places not covered, because they are too expensive to examine: {found.left_out}."
@@ -74,99 +162,186 @@ def extent(found: Diagnosis) -> str:
 
 
 class _Diagnosing:
-    def __init__(self, game: Game, report: Callable[[int, int], None]) -> None:
-        self._game, self._report, self._limits = game, report, Limits()
-        self._program = game.program
-        self._thinker = Thinker("diagnose")
-        self._turns = game.history.turns
-        self._done = self._all = 0
+    """A diagnosis: a queue of ticks, and what was counted in those that were examined."""
 
-    async def diagnose(self) -> Diagnosis:
-        history = self._game.history
-        began = [begin for begin, program in history.programs(history.last)][-1:]
-        first, last = max([1, history.first, *began]), history.last
+    def __init__(self, program: Program, limits: Limits, report: Report, show: Show) -> None:
+        self._program, self._limits = program, limits
+        self._report, self._show = report, show
+        self._thinker = Thinker("diagnose")
+        self._preparing: asyncio.Task[Checkup] | None = None
+        self._tally: Tally | None = None
+        # Ticks to examine: some first, to find out what need not be looked for in the others.
+        self._some: deque[int] = deque()
+        self._others: deque[int] = deque()
+        self._step, self._second_step = _STEP, 0
+        self._reached = self._done = self._pending = 0
+        self._is_complete = False  # whether all ticks were offered
+        self._changed = asyncio.Event()
+        self._found: Callable[[], Diagnosis] | None = None
+        self._due = 0.0
+
+    async def close(self) -> None:
+        if self._preparing is not None:
+            self._preparing.cancel()
+            await asyncio.gather(self._preparing, return_exceptions=True)
+        await self._thinker.close()
+
+    def offer(self, last: int) -> None:
+        """Let the ticks up to one be examined."""
+        for tick in range(self._reached + 1, last + 1):
+            (self._others if tick % self._step else self._some).append(tick)
+        self._reached = max(self._reached, last)
+        self._changed.set()
+
+    async def help(self, run: Run) -> None:
+        """Examine ticks of a run in another process, until cancelled."""
+        with contextlib.suppress(QueryError):  # `diagnose` raises it
+            tally = await self._prepared()
+            scanner = Scanner(tally.checkup.program, run.level, run.limits)
+
+            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer] | None:
+                stored = await run.replay(ticks)
+                return await scanner.scan(probes, stored) if stored else None
+
+            try:
+                await self._work(tally, ask, len(run.level.robots), is_helping=True)
+            finally:
+                scanner.close()
+
+    async def diagnose(self, history: Stored, first: int) -> Diagnosis:
+        last, turns = history.last, history.turns
         if last < first:
             return Diagnosis((), first, last, None, 1, 1, 0)
-        try:
-            checkup = await self._thinker.do(
+        tally = await self._prepared()
+        observed = await observe(history, first, last)
+        level = history.level_at(last)
+        closer: dict[tuple[str, int], Tally] = {}
+
+        def stored(ticks: Sequence[int]) -> list[Tick]:
+            if history.turns != turns:
+                raise Superseded
+            # Others were dropped in the meantime.
+            return [history.replay(tick) for tick in ticks if tick >= history.first]
+
+        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer]:
+            return await self._scan(tally.checkup, probes, stored(ticks))
+
+        def found(*, is_final: bool = False) -> Diagnosis:
+            is_complete = is_final and self._second_step <= 1
+            sure, others = findings_of(tally, observed, closer, level, is_complete=is_complete)
+            return Diagnosis(
+                (*sure, *others),
+                first,
+                last,
+                observed.won_at,
+                self._step,
+                max(1, self._second_step),
+                tally.checkup.left_out + len(tally.given_up),
+                history.is_reliable_up_to(last),
+                len(sure) + len(others) * is_final,
+                None if is_final else self._done,
+                len(tally.given_up),
+            )
+
+        for robot, ticks in _to_explain(observed):
+            closer[robot, ticks[0]] = near = Tally(tally.checkup, robot)
+            await self._look_closely(near, stored(ticks), robot)
+        self._found = found
+        self._show(found())
+        robots = max(1, len(level.robots))
+        if not self._reached:
+            questions = max(1, len(tally.doubtful_probes()) * robots)
+            self._step = max(1, -(-(last + 1 - first) // max(_FEWEST, _QUESTIONS // questions)))
+            self._reached = first - 1
+        self._is_complete = True
+        self.offer(last)
+        await self._work(tally, ask, robots)
+        stored(())
+        return found(is_final=True)
+
+    async def _prepared(self) -> Tally:
+        """Return the counts, after the program was prepared."""
+        if self._preparing is None:
+            work = self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
             )
-            observed = await observe(history, first, last)
-            return await self._look(checkup, observed)
-        finally:
-            await self._thinker.close()
+            self._preparing = asyncio.create_task(work)
+        checkup = await asyncio.shield(self._preparing)
+        if self._tally is None:
+            self._tally = Tally(checkup)
+        return self._tally
 
-    async def _look(self, checkup: Checkup, observed: Observations) -> Diagnosis:
-        ticks = range(observed.first, observed.last + 1)
-        robots = len(self._game.level.robots)
-        questions = max(1, len(checkup.probes) * robots)
-        step = max(1, -(-len(ticks) // max(_FEWEST, _QUESTIONS // questions)))
-        sample = list(ticks[::step])
-        rest = [tick for tick in ticks if (tick - ticks[0]) % step]
-        tally = Tally(checkup)
-        self._all = len(ticks)
-        second = 1
-        for begin in range(0, len(sample), _TOGETHER):
-            await self._watch(tally, sample[begin : begin + _TOGETHER], tally.doubtful_probes())
-        questions = len(tally.doubtful_probes()) * robots
-        second = max(1, -(-len(rest) * questions // _MORE_QUESTIONS))
-        chosen = rest[::second]
-        self._all = self._done + len(chosen)
-        for begin in range(0, len(chosen), _TOGETHER):
-            await self._watch(tally, chosen[begin : begin + _TOGETHER], tally.doubtful_probes())
-        close = [n for n, probe in enumerate(checkup.probes) if probe.closeness != "wider"]
-        closer: dict[tuple[str, int], Tally] = {}
-        for robot, wanted in _to_explain(observed):
-            tally_of_it = closer[robot, wanted[0]] = Tally(checkup)
-            await self._watch(tally_of_it, wanted, close, (robot,))
-        found = findings_of(tally, observed, closer, self._game.level)
-        return Diagnosis(
-            tuple(found),
-            observed.first,
-            observed.last,
-            observed.won_at,
-            step,
-            second,
-            checkup.left_out + len(tally.given_up),
-            self._game.history.is_reliable_up_to(observed.last),
+    async def _work(self, tally: Tally, ask: Ask, robots: int, *, is_helping: bool = False) -> None:
+        """Count the rows of all probes that are not settled, some ticks at a time."""
+        names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
+        most = max(1, ROWS // robots) * (_MORE_AT_ONCE if is_helping else 1)
+        while is_helping or self._pending or self._waiting:
+            probes = tally.doubtful_probes()
+            ticks = self._take(len(probes) * robots, most, is_helping=is_helping)
+            if not ticks:
+                if is_helping or self._pending:
+                    self._changed.clear()
+                    await self._changed.wait()
+                continue
+            self._pending += len(ticks)
+            answers = await ask([tally.checkup.probes[number].name for number in probes], ticks)
+            self._pending -= len(ticks)
+            self._changed.set()
+            if answers is None:
+                self._others.extendleft(ticks)
+                return
+            for answer in answers:
+                if answer.views is None:
+                    tally.give_up(names[answer.probe])
+                else:
+                    tally.add(answer.tick, names[answer.probe], answer.views)
+            self._done += len(ticks)
+            self._report(self._done, self._done + self._pending + self._waiting)
+            if self._found is not None and CLOCK.now() >= self._due:
+                self._show(self._found())
+                self._due = CLOCK.now() + _SECONDS
+
+    @property
+    def _waiting(self) -> int:
+        return len(self._some) + len(self._others)
+
+    def _take(self, questions: int, most: int, *, is_helping: bool) -> list[int]:
+        """Return the next ticks to examine; none if nothing is left to be found out."""
+        if not questions:
+            self._some.clear()
+            self._others.clear()
+        if is_helping and self._waiting <= most:
+            return []
+        if self._is_complete and not self._some and not self._second_step:
+            self._second_step = max(1, -(-len(self._others) * questions // _MORE_QUESTIONS))
+            self._others = deque([*self._others][:: self._second_step])
+        queue = self._some or self._others
+        return [queue.popleft() for _ in range(min(most, len(queue)))]
+
+    async def _scan(
+        self, checkup: Checkup, probes: Sequence[str], ticks: Sequence[Tick]
+    ) -> list[Answer]:
+        return await self._thinker.do(
+            lambda stop: [*scan(self._thinker, checkup.program, self._limits, probes, ticks, stop)]
         )
 
-    async def _watch(
-        self,
-        tally: Tally,
-        ticks: Sequence[int],
-        probes: Sequence[int],
-        viewers: tuple[str, ...] | None = None,
-    ) -> None:
-        names = {tally.checkup.probes[number].name: number for number in probes}
-        history = self._game.history
-        for tick in ticks if names else ():
-            if history.turns != self._turns:
-                raise Superseded
-            if tick < history.first:
-                continue  # it was dropped in the meantime
-            before, known = history.replay(tick)
-            await self._thinker.do(partial(self._ask, tally, names, before, known, viewers))
-            self._done += 1
-            self._report(self._done, max(self._all, self._done))
+    async def _look_closely(self, tally: Tally, ticks: Sequence[Tick], robot: str) -> None:
+        """Count the rows of all probes, also of values, in the mind of a robot."""
+        probes = enumerate(tally.checkup.probes)
+        names = {probe.name: n for n, probe in probes if probe.closeness != "wider"}
 
-    def _ask(
-        self,
-        tally: Tally,
-        names: Mapping[str, int],
-        before: TickState,
-        known: RecordedTick,
-        viewers: tuple[str, ...] | None,
-        stop: threading.Event,
-    ) -> None:
-        """Evaluate probes by name at a tick, and count the results. Runs in the thread."""
-        frame, mind = self._thinker.replay(tally.checkup.program, before, known, self._limits)
-        sensors, memories = frame.sensors, frame.memories_before
-        for name, rows in mind.each([*names], sensors, memories, viewers=viewers, stop=stop):
-            if rows is None:
-                tally.give_up(names[name])
-            else:
-                tally.add(frame.tick, names[name], rows)
+        def ask(before: TickState, known: RecordedTick, stop: threading.Event) -> None:
+            program = tally.checkup.program
+            frame, mind = self._thinker.replay(program, before, known, self._limits)
+            sensors, memories = frame.sensors, frame.memories_before
+            for name, rows in mind.each([*names], sensors, memories, viewers=[robot], stop=stop):
+                if rows is None:
+                    tally.give_up(names[name])
+                else:
+                    tally.add(frame.tick, names[name], [rows])
+
+        for before, known in ticks:
+            await self._thinker.do(partial(ask, before, known))
 
 
 def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from logical_robots_tui.explain.diagnosis.counting import Tally
 from logical_robots_tui.explain.diagnosis.sites import Checkup
@@ -20,7 +20,8 @@ from logical_robots_tui.schema import NO_LABEL, OBJECTS
 from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.history.history import History
+    from logical_robots_tui.game.advancing import RecordedTick
+    from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind.decision import NoticeKind
     from logical_robots_tui.world import Level, RobotState
 
@@ -58,6 +59,7 @@ class Observations:
     Attributes:
         notices: By kind and robot, the first tick of a notice, their number, and the message.
         fields: The fields that memories had, each with its first tick.
+        is_on_way: Whether a robot was still on its way at the end.
     """
 
     first: int
@@ -68,6 +70,12 @@ class Observations:
     texts: set[str] = attribute(default_factory=set)
     losses: dict[tuple[str, str], Loss] = attribute(default_factory=dict)
     stretches: list[Stretch] = attribute(default_factory=list)
+    is_on_way: bool = False
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the robots did not win, and none of them is still on its way."""
+        return self.won_at is None and not self.is_on_way
 
     def first_notice(self, kind: NoticeKind) -> tuple[int, str]:
         return min((each[0], robot) for (of, robot), each in self.notices.items() if of == kind)
@@ -79,7 +87,23 @@ class Observations:
         return list(first.values())
 
 
-async def observe(history: History, first: int, last: int) -> Observations:
+class Stored(Protocol):
+    """Ticks that were computed, of a game or a run."""
+
+    @property
+    def first(self) -> int: ...
+    @property
+    def last(self) -> int: ...
+    @property
+    def turns(self) -> int: ...
+
+    def around(self, tick: int, /) -> tuple[TickState, TickState]: ...
+    def replay(self, tick: int, /) -> tuple[TickState, RecordedTick]: ...
+    def level_at(self, tick: int, /) -> Level: ...
+    def is_reliable_up_to(self, tick: int, /) -> bool: ...
+
+
+async def observe(history: Stored, first: int, last: int) -> Observations:
     found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
@@ -104,7 +128,12 @@ async def observe(history: History, first: int, last: int) -> Observations:
     kinds: Counter[str] = Counter()
     for name, path in paths.items():
         is_home = name in visitors.get(at_home.get(name, ""), ())
-        for stretch in _stretches(path, first) if len(path) > last - first and not is_home else ():
+        if len(path) <= last - first or is_home:
+            continue
+        stretches = [*_stretches(path, first)]
+        is_stuck = any(each.kind != "unfinished" and each.last == last for each in stretches)
+        found.is_on_way |= not (is_stuck or path[-1].dead)
+        for stretch in stretches:
             kinds[stretch.kind] += 1
             if kinds[stretch.kind] <= _MOST_STRETCHES:
                 found.stretches.append(stretch)
@@ -175,17 +204,30 @@ _MOST_LEAVES = 3
 
 
 def findings_of(
-    tally: Tally, observed: Observations, closer: Mapping[tuple[str, int], Tally], level: Level
-) -> list[Finding]:
-    """Return findings, most significant first; `closer` has counts by robot and first tick."""
-    found = [
+    tally: Tally,
+    observed: Observations,
+    closer: Mapping[tuple[str, int], Tally],
+    level: Level,
+    *,
+    is_complete: bool = True,
+) -> tuple[list[Finding], list[Finding]]:
+    """Return the findings, most significant first, in two parts; the first needs no counts.
+
+    `closer` has counts by robot and first tick. Unless the counts are complete, they are of
+    some ticks only.
+    """
+    surely = [
         *_of_notices(observed, closer),
         *_of_memory(tally.checkup, observed, closer),
         *_of_texts(tally.checkup, observed, level),
-        *rule_findings(tally, won=observed.won_at is not None),
+    ]
+    others = [
+        *rule_findings(tally, is_over=observed.is_over and is_complete, is_complete=is_complete),
         *_of_movement(observed, closer),
     ]
-    return sorted(found, key=lambda each: each.severity == "note")
+    warnings = [each for each in surely if each.severity == "warning"]
+    notes = [each for each in surely if each.severity == "note"]
+    return warnings, sorted([*notes, *others], key=lambda each: each.severity == "note")
 
 
 def _of_notices(
@@ -248,7 +290,7 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 
 
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
-    leaves = _leaves(tally)
+    leaves = _leaves(tally, robot)
     nulls = [
         site.span
         for number, site in enumerate(tally.checkup.sites)
@@ -325,7 +367,7 @@ def _of_movement(
     for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
-        leaves = _leaves(closer[stretch.robot, stretch.first])
+        leaves = _leaves(closer[stretch.robot, stretch.first], stretch.robot)
         by_distance = [span for each in zip_longest(*leaves) for span in each if span]
         spans = list({span.line: span for span in by_distance}.values())
         span = leaves[0][0] if leaves else None
@@ -333,7 +375,8 @@ def _of_movement(
             continue
         reported.add((stretch.kind, span))
         others = tuple(each for each in spans if span is None or each.line != span.line)
-        is_doubtful = observed.won_at is None and stretch.kind != "unfinished"
+        is_fixed = stretch.kind == "still" and not observed.is_over  # perhaps where it should be
+        is_doubtful = observed.won_at is None and stretch.kind != "unfinished" and not is_fixed
         yield Finding(
             stretch.kind,
             "warning" if is_doubtful else "note",
@@ -368,15 +411,19 @@ def _how_far(stretch: Stretch, span: Span | None) -> str:
     return f"{stretch.robot} {how}{doing}."
 
 
-def _leaves(tally: Tally) -> list[list[Span]]:
+def _leaves(tally: Tally, robot: str) -> list[list[Span]]:
     """Return where a robot's desire came from, the most frequent and outermost first.
 
     For each choice these are its place and the sources of its values.
     """
+    rules = tally.checkup.rules
+    gave = {n for (who, _), given in tally.robots.items() if who == robot for n in given}
+    owners = {name for n in gave for name in rules[n].sources}
     found = [
-        (tally.checkup.rules[site.rule].is_function, -tally.sites[number].looks, number)
+        (rules[site.rule].is_function, -len(tally.sites[number].ticks), number)
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "leaf" and tally.sites[number].reached is not None
+        if site.owner in owners and (rules[site.rule].predicate != "Robot" or site.rule in gave)
     ]
-    sites = [tally.checkup.sites[number] for *_, number in sorted(found)[:_MOST_LEAVES]]
-    return [[site.span, *site.places] for site in sites]
+    sites = {tally.checkup.sites[n].span: tally.checkup.sites[n] for *_, n in sorted(found)}
+    return [[site.span, *site.places] for site in [*sites.values()][:_MOST_LEAVES]]

@@ -74,6 +74,16 @@ class Recording:
         return self._packed + len(self._loose) - 1
 
     @property
+    def first(self) -> int:
+        """The first tick after the gap, or 0."""
+        at = self._packed
+        for piece in reversed(self._pieces):
+            if piece.ticks.stop != at:
+                return at
+            at = piece.first
+        return at
+
+    @property
     def lasts(self) -> bool:
         """Whether every tick is reproducible: no time limit cut off a thought."""
         return self._lasting >= self.last

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 from sqlglot import exp
 
-from logical_robots_tui.language import error_messages, package_patches, unbound
+from logical_robots_tui.language import error_messages, package_patches
 from logical_robots_tui.language.adapter import Raw, parse, to_package
 from logical_robots_tui.language.annotations import IGNORED
 from logical_robots_tui.language.checks import check
@@ -42,6 +42,7 @@ from logical_robots_tui.language.tree import (
 )
 from logical_robots_tui.language.types import Kind, Plain, Tables, dump_kind
 from logical_robots_tui.language.web import web_remarks
+from logical_robots_tui.mind.compiling import unbound
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.fixpoint import (
     DEPTH,

@@ -10,7 +10,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.language import error_messages, unbound
+from logical_robots_tui.language import error_messages
 from logical_robots_tui.language.adapter import (
     is_rule,
     parse,
@@ -33,6 +33,7 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
+from logical_robots_tui.mind.compiling import unbound
 from logical_robots_tui.mind.compiling.compiler import (
     compile_statements,
     read_program,

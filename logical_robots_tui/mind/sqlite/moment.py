@@ -68,6 +68,32 @@ class Moment:
                 for n, name in enumerate(names)
             ]
 
+    @classmethod
+    def stacked(cls, moments: Sequence[Moment]) -> Moment:
+        """Return several moments, in which each robot sees only its own sensor, as one.
+
+        Its robots are those of all moments in turn; each sees what it sees in its moment.
+        """
+        rows = [row for moment in moments for row in moment.sensors]
+        stack = cls(rows, {}, "own", "own")
+        remembered: dict[str, Value] = {}
+        memories: list[tuple[int, str]] = []
+        first = 0
+        for moment in moments:
+            size = len(moment.sensors)
+            owners = [_Owner(name) for name in moment.names]
+            for owner in owners:
+                remembered[owner] = moment.remembered.get(str(owner))
+            seen = [number for number, _ in moment.memories]
+            if not moment.stride:
+                seen = [n * size + m for n in range(size) for m in seen]
+            for number in seen:
+                viewer, mine = divmod(number, size)
+                memories.append(((first + viewer) * len(rows) + first + mine, owners[mine]))
+            first += size
+        stack.remembered, stack.memories = remembered, memories
+        return stack
+
     def rays_to(self, kind: str) -> Sequence[Sequence[tuple[int, Mapping[str, Any]]]]:
         found = self._rays_to.get(kind)
         if found is None:
@@ -92,6 +118,14 @@ class Moment:
             seen = {numbers.get(ray["label"], number) for _, ray in rays}
             found += [(number * len(names) + m, names[m]) for m in sorted(seen | {number})]
         return found
+
+
+class _Owner(str):
+    """The name of a memory's owner at one of several moments, different from all others."""
+
+    __slots__ = ()
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
 
 
 _OBJECT = itemgetter("object")

@@ -5,7 +5,7 @@ All but the required ones can be left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Mapping
 from dataclasses import dataclass
 
 from sqlglot import exp
@@ -152,9 +152,13 @@ def tune_all(
     statements: Mapping[str, str],
     trees: dict[str, exp.Query] | None = None,
     *,
+    for_all: Container[str] = ("Robot",),
     without: Collection[str] = (),
 ) -> dict[str, Tuned]:
-    """Tune queries in order until a size limit; consumes `trees`, the parsed statements."""
+    """Tune queries in order until a size limit; consumes `trees`, the parsed statements.
+
+    Those named in `for_all` are made for all viewers at once as well.
+    """
     tuned = {}
     trees = {} if trees is None else trees
     known = MemoryColumns()
@@ -168,7 +172,7 @@ def tune_all(
                 statement,
                 known,
                 tree=trees.pop(statement, None),
-                for_all=name == "Robot",
+                for_all=name in for_all,
                 without=without,
             )
             if found is not None:

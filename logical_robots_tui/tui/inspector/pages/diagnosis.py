@@ -57,7 +57,8 @@ class DiagnosisPage(Page):
     def _list(self) -> None:
         game = self._session.game
         last = 0 if game is None else game.history.last
-        shown = (self.found, self.is_diagnosing, last)
+        findings = self.found.findings if self.found is not None else ()
+        shown = (findings, self.is_diagnosing, last)
         if shown == self._shown:
             return
         self._shown = shown
@@ -65,7 +66,6 @@ class DiagnosisPage(Page):
         self.view.clear_options()
         offer = "Stop looking" if self.is_diagnosing else f"Look through the run up to tick {last}"
         options = [Option(Content.styled(offer, f"bold {INK.key}"), id=_START)]
-        findings = self.found.findings if self.found is not None else ()
         options += [Option(_describe(each), id=str(n)) for n, each in enumerate(findings)]
         self.view.add_options(options)
         self.view.highlighted = min(at or 0, len(options) - 1)
@@ -82,7 +82,7 @@ class DiagnosisPage(Page):
             self._describe(NO_PROGRAM)
             return
         try:
-            self.found = await diagnose(game, report=self._report)
+            self.found = await diagnose(game, report=self._report, show=self._fill)
         except QueryError as error:
             self._describe(str(error))
         except Superseded:
@@ -90,6 +90,10 @@ class DiagnosisPage(Page):
         finally:
             self._worker = None
             self._shown = None
+        self._list()
+
+    def _fill(self, found: Diagnosis) -> None:
+        self.found = found
         self._list()
 
     def _report(self, done: int, of_all: int) -> None:
@@ -105,10 +109,12 @@ class DiagnosisPage(Page):
                 self.post_message(Timeline.Pointed(finding.tick))
         elif self._worker is not None and self.is_diagnosing:
             self._worker.cancel()
-            self._worker = None
+            self._worker = self._shown = None
             self._list()
-            self._describe("Stopped.")
+            if self.found is None:
+                self._describe("Stopped.")
         else:
+            self.found = None
             self._worker = in_background(self, self._look, "diagnose", exclusive=True)
             self._describe("Looking through the run…")
             self._list()

@@ -12,6 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
+from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
@@ -110,7 +111,11 @@ class WhyPage(Page):
         values = {node.text.split(":")[0]: node.values[0] for node in own if len(node.values) == 1}
         given = {columns.get(label, label): value for label, value in values.items()}
         label = line.text.split(":")[0]
-        return replace(asked, given={**asked.given, **given}), columns.get(label, label)
+        here = columns.get(label, label)
+        given = {**asked.given, **given}
+        if here not in (VALUE, "value"):  # with other arguments a function has another value
+            given.pop(VALUE, None)
+        return replace(asked, given=given), here
 
     async def show(self, frame: Frame) -> None:
         """Answer the question at a tick; while the game runs, only with the first level."""

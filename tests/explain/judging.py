@@ -1,0 +1,274 @@
+"""Whether a proof is true: each rule that holds, each step that fails, each deciding element."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
+from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from logical_robots_tui.explain import Ask, Node
+    from logical_robots_tui.values import Value
+
+__all__ = ["false_in", "false_of"]
+
+_VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
+_DECIDED = ("Min", "Max", "ArgMin", "ArgMax")
+
+
+def false_in(
+    nodes: Sequence[Node], asked: Ask, checker: Checker, copies: Mapping[str, str]
+) -> Iterator[str]:
+    """What is false in a proof.
+
+    Args:
+        nodes: The rules that answer a question.
+        asked: The question.
+        checker: Asks the program.
+        copies: By predicate made with ``:=``, what is filled in.
+    """
+    judge = _Judge(checker, copies)
+    yield from checker.false(judge.answer(nodes, asked))
+    yield from (found for rule in judge.giving for found in wrong_aggregates(rule))
+
+
+def false_of(node: Node, checker: Checker) -> Iterator[str]:
+    """What is false about one rule that is said to give a row."""
+    fixed = _holding(node)
+    if fixed[0]:
+        said = f"{node.text} does not hold with {fixed}"
+        yield from checker.false([Claim(fixed, "", True, said)])
+    yield from wrong_aggregates(node)
+
+
+class _Judge:
+    def __init__(self, checker: Checker, copies: Mapping[str, str]) -> None:
+        self._checker, self._copies = checker, copies
+        self._valued = {*_VALUED.findall(checker.program.text)}
+        self._open = {p.name for p in checker.program.predicates if not p.has_rows}
+        self._is_open = False  # whether what is wanted is needed to compute anything
+        self.giving: list[Node] = []
+
+    def answer(self, nodes: Sequence[Node], asked: Ask) -> Iterator[Claim]:
+        made = self._copies.get(asked.within or asked.predicate, "")
+        self._is_open = asked.predicate in self._open
+        for node in nodes:
+            if node.kind == "rule":
+                yield from self._rule(node, asked.given, made)
+        for node in nodes:
+            yield from self._called(node)
+
+    def _called(self, node: Node) -> Iterator[Claim]:
+        if node.asked is not None:
+            yield from self.answer([n for n in node.children if n.kind == "rule"], node.asked)
+        for child in node.children:
+            if node.asked is None or child.kind != "rule":
+                yield from self._called(child)
+
+    def _rule(self, node: Node, given: Mapping[str, Value], made: str) -> Iterator[Claim]:
+        written = parts(node.text)
+        wanted = {column: value for column, value in given.items() if column in written.columns}
+        known = [equal(written.columns[column], value) for column, value in wanted.items()]
+        if node.holds and not node.said.endswith("not the first"):
+            self.giving.append(node)
+            fixed = (*_holding(node), *known)
+            if any(fixed):
+                yield Claim(fixed, made, True, f"{node.text} does not hold with {fixed}")
+            yield from self._aggregates(node, written, fixed, made)
+            yield from self._denials(node.children, fixed, made)
+        elif node.holds is False and written.body:
+            if not written.collected:
+                said = f"{node.text} is refuted for {given}, but holds"
+                yield Claim((*known, written.body), made, False, said)
+            yield from self._refutation(node.children, (), known, made)
+
+    # -- refutations -----------------------------------------------------------------------------
+
+    def _refutation(
+        self, nodes: Sequence[Node], context: tuple[str, ...], known: list[str], made: str
+    ) -> Iterator[Claim]:
+        """What is claimed of steps that are said to hold, and of the one that is said to fail.
+
+        Args:
+            nodes: What is said.
+            context: What holds around them.
+            known: What is wanted of variables, as far as they are bound.
+            made: What is filled in.
+        """
+        for branch in _branches(nodes):
+            yield from self._branch(branch, context, known, made)
+
+    def _branch(
+        self, branch: _Branch, context: tuple[str, ...], known: list[str], made: str
+    ) -> Iterator[Claim]:
+        steps = (*context, *map(_step, branch.held))
+        told = [claim for node in branch.held for claim in claims_of(node, itself=True)]
+        if branch.held:
+            yield Claim((*steps, *told), made, True, f"said to hold: {steps} with {told}")
+        yield from self._denials(branch.held, (*steps, *told), made)
+        for node in branch.failing:
+            failing = self._failing(node)
+            bound = {*names(", ".join([*steps, failing]))}
+            is_anyhow = node.said.startswith("in no way") and not self._is_open
+            here = [] if is_anyhow else [c for c in known if bound.issuperset(names(c))]
+            said = f"said to fail: {failing}, after {steps} for {here}"
+            yield Claim((*steps, *here, failing), made, False, said)
+            if node.kind == "denial" and node.said == "there is such a thing":
+                there = _step(node).lstrip("~ ")
+                claims = [c for n in node.children for c in claims_of(n, itself=True)]
+                said = f"said to be there: {there} with {claims}"
+                yield Claim((*steps, *told, there, *claims), made, True, said)
+            elif node.kind != "alternative":
+                yield from self._examples(node, steps, made)
+
+    def _examples(self, node: Node, before: tuple[str, ...], made: str) -> Iterator[Claim]:
+        for each in node.children:
+            if each.kind != "rule" and each.span is not None:
+                for value in each.values[:3]:
+                    claim = equal(each.text, value)
+                    if claim:
+                        said = f"said of {node.text}: {claim}, after {before}"
+                        yield Claim((*before, claim), made, True, said)
+
+    def _failing(self, node: Node) -> str:
+        text = _step(node)
+        is_value = node.kind == "call" and text.partition("(")[0] in self._valued
+        return f"result_ == {text}" if is_value else text
+
+    def _denials(self, nodes: Sequence[Node], fixed: tuple[str, ...], made: str) -> Iterator[Claim]:
+        for node in nodes:
+            if node.kind == "denial" and node.holds and node.text.startswith("~"):
+                yield from self._refutation(node.children, fixed, [], made)
+            elif node.kind == "alternative":
+                yield from self._denials(node.children, fixed, made)
+
+    # -- aggregates ------------------------------------------------------------------------------
+
+    def _aggregates(
+        self, rule: Node, written: Written, fixed: tuple[str, ...], made: str
+    ) -> Iterator[Claim]:
+        for column in rule.children:
+            if column.kind == "aggregate" and column.text in written.collected:
+                body = written.body or "1 == 1"
+                aggregate = written.collected[column.text]._replace(body=body)
+                is_all = not column.said.endswith("of this rule")
+                yield from self._elements(column, aggregate, _row(rule, written), made, is_all)
+        for node in _inside(rule):
+            for aggregate in aggregates(rule.text):
+                if node.text in (aggregate.text, f"({aggregate.text})") and node.values:
+                    yield from self._elements(node, apart(aggregate, rule.text), fixed, made)
+
+    def _elements(
+        self,
+        node: Node,
+        aggregate: Aggregate,
+        fixed: tuple[str, ...],
+        made: str,
+        is_all: bool = True,
+    ) -> Iterator[Claim]:
+        for each in node.children:
+            if each.kind == "contributor":
+                yield self._element(each, aggregate, fixed, made)
+                if aggregate.operator in _DECIDED and is_all and each.values[0] is not None:
+                    yield from self._best(each, aggregate, fixed, made)
+            elif each.kind == "note" and "goes over nothing" in each.text:
+                said = f"{aggregate} goes over something"
+                yield Claim((*fixed, aggregate.body), made, False, said)
+            elif each.kind == "note":
+                for inner in each.children[:5]:
+                    if inner.kind == "contributor":
+                        yield self._element(inner, aggregate, fixed, made)
+
+    def _element(
+        self, each: Node, aggregate: Aggregate, fixed: tuple[str, ...], made: str
+    ) -> Claim:
+        told = (*fixed, aggregate.body, equal(aggregate.value, each.values[0]))
+        return Claim(told, made, True, f"no element {each.text} = {each.values[0]}: {told}")
+
+    def _best(
+        self, each: Node, aggregate: Aggregate, fixed: tuple[str, ...], made: str
+    ) -> Iterator[Claim]:
+        """That the element that is said to decide is the best, as the engine orders them."""
+        extreme = "Min" if aggregate.operator.endswith("Min") else "Max"
+        key = aggregate.by or aggregate.value
+        conditions = ", ".join(each for each in (*fixed, aggregate.body) if each)
+        found = self._checker.rows(f"Best(b? {extreme}= {key}) distinct :- {conditions}", made)
+        if not found or found[0][0] is None:
+            return
+        best = found[0][0]
+        told = (*fixed, aggregate.body, equal(aggregate.value, each.values[0]), equal(key, best))
+        yield Claim(told, made, True, f"{each.text} = {each.values[0]} decides, not {best}")
+        shown = each.text.rpartition(" -> ")[2]
+        if aggregate.by and not isinstance(best, float) and shown not in _spellings(best):
+            yield Claim(("1 == 2",), "", True, f"{each.text} decides, but the best is {best}")
+
+
+def _spellings(value: Value) -> tuple[str, ...]:
+    return str(value), spelled(value)
+
+
+class _Branch(NamedTuple):
+    """Steps that are said to hold, and what is said to fail after them."""
+
+    held: list[Node]
+    failing: list[Node]
+
+
+def _branches(nodes: Sequence[Node]) -> Iterator[_Branch]:
+    """The ways through a body that are told apart, each with all that is said of it."""
+    steps = [node for node in nodes if node.kind not in ("rule", "column", "instance", "note")]
+    ended = [at for at, n in enumerate(steps) if n.kind == "alternative" and not n.holds]
+    before = steps[: ended[0]] if ended else []
+    for at in ended:
+        yield _branch([*before, *steps[at].children], steps[at])
+    rest = steps[ended[-1] + 1 :] if ended else steps
+    if rest:
+        yield _branch([*before, *rest])
+
+
+def _branch(nodes: Sequence[Node], alternative: Node | None = None) -> _Branch:
+    held: list[Node] = []
+    for node in nodes:
+        if node.kind == "alternative" and node.holds:
+            held += node.children or [node]
+        elif node.holds:
+            held.append(node)
+    failing = [node for node in nodes if node.holds is False and node.kind != "alternative"]
+    if alternative is not None and alternative.holds is False:
+        failing.append(alternative)
+    return _Branch(held, failing)
+
+
+def _inside(rule: Node) -> Iterator[Node]:
+    """All nodes of a derivation, without those of the rules that it calls."""
+    for child in rule.children:
+        if child.kind != "rule":
+            yield child
+            yield from _inside(child)
+
+
+def _holding(node: Node) -> tuple[str, ...]:
+    """What is claimed of a rule that is said to give a row."""
+    written = parts(node.text)
+    return (written.body, *_row(node, written), *claims_of(node))
+
+
+def _row(node: Node, written: Written) -> tuple[str, ...]:
+    """What is claimed of the columns of a row."""
+    named = {c: "value" if c == "logica_value" else value for c, value in written.columns.items()}
+    return tuple(
+        equal(written.columns[column], child.values[0])
+        for column in written.columns
+        for child in node.children
+        if child.kind == "column" and child.values
+        if child.text.partition(": ")[0] in (column, named[column])
+    )
+
+
+def _step(node: Node) -> str:
+    text = node.span.text if node.span is not None else node.text
+    return f"({text})" if node.kind in ("condition", "alternative") else text

@@ -1,0 +1,133 @@
+"""Diagnosis of a run with two processes: nothing else is found than with one."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game import Game, Run
+from logical_robots_tui.game.diagnosis import diagnosing, scanning
+from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, diagnose_run, extent
+from logical_robots_tui.mind import Program
+from tests.game.playing import hall
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.world import Level
+
+TICKS = 400
+TEXT = """
+Late(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock > 380;
+Never(robot_name:) :- Sensor(robot_name:, sensor:), sensor.clock < 0;
+Robot(robot_name:, desire: {left_engine: x, right_engine: -x}, memory: {n:}) :-
+  Sensor(robot_name:), Memory(robot_name:, memory:), ~Never(robot_name:),
+  n = Coalesce(memory.n, 0) + 1, x = (if n > 1000 then 0.3 else 0.2);
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 1) :-
+  Late(robot_name:), Never(robot_name:);
+"""
+
+
+@pytest.fixture
+def level(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Level:
+    monkeypatch.setenv("LOGICAL_ROBOTS_CACHE_DIR", str(tmp_path / "cache"))
+    return hall(tmp_path)
+
+
+async def of_run(level: Level, ticks: int = TICKS) -> tuple[Diagnosis, list[Diagnosis]]:
+    run = Run(level, Program.compile(TEXT))
+    shown: list[Diagnosis] = []
+    try:
+        return await diagnose_run(run, ticks, show=shown.append), shown
+    finally:
+        await run.close()
+
+
+async def of_game(level: Level) -> Diagnosis:
+    game = Game(level, Program.compile(TEXT))
+    try:
+        await game.run_until(tick=TICKS)
+        return await diagnose(game)
+    finally:
+        await game.close()
+
+
+async def test_a_run_that_is_computed_or_stored_is_diagnosed_as_that_of_a_game(
+    level: Level,
+) -> None:
+    there = await of_game(level)
+    assert len(there.findings) > 2
+    await of_run(level, TICKS + 1)
+    found, _ = await of_run(level)
+    assert found.findings == there.findings
+    assert extent(found) == extent(there) == f"Ticks 1 to {TICKS}, not won."
+
+
+async def test_what_was_found_is_kept_until_run_or_program_are_others(level: Level) -> None:
+    found, shown = await of_run(level)
+    assert shown
+    assert await of_run(level) == (found, [])
+    fewer, shown = await of_run(level, TICKS - 1)
+    assert shown
+    assert fewer.last == TICKS - 1
+
+
+async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level: Level) -> None:
+    program = Program.compile(
+        "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :-\n"
+        "  Sensor(robot_name:);"
+    )
+    run = Run(level, program)
+    try:
+        frame = await run.frame(200)
+        found = await diagnose_run(run, 300)
+    finally:
+        await run.close()
+    assert frame.after.won_at is not None
+    assert found.last == found.won_at == frame.after.won_at
+
+
+async def test_without_the_second_process_it_takes_longer(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = await of_game(level)
+
+    def refuse(*_: object) -> None:
+        raise OSError
+
+    monkeypatch.setattr(scanning, "Helper", refuse)
+    assert (await of_run(level))[0].findings == expected.findings
+
+
+async def test_what_is_sure_is_shown_first_and_stays(level: Level) -> None:
+    found, shown = await of_run(level)
+    assert shown
+    for early in shown:
+        assert early.examined is not None
+        assert early.findings[: early.sure] == found.findings[: early.sure]
+    assert found.examined is None
+
+
+async def test_what_was_found_before_it_is_stopped_is_kept(
+    level: Level, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(diagnosing, "_SECONDS", 0.0)
+    run = Run(level, Program.compile(TEXT))
+    shown: list[Diagnosis] = []
+    some = asyncio.Event()
+
+    def show(found: Diagnosis) -> None:
+        shown.append(found)
+        some.set()
+
+    try:
+        task = asyncio.create_task(diagnose_run(run, TICKS, show=show))
+        await some.wait()
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+    finally:
+        await run.close()
+    assert "of these ticks were examined." in extent(shown[-1])

@@ -1,0 +1,96 @@
+"""Several moments in one query: each robot gets the rows that it gets at its own moment."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Literal
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from logical_robots_tui.explain.diagnosis.sites import check_up
+from logical_robots_tui.mind import Limits, Mind, Program
+from tests.mind.rows import row
+
+if TYPE_CHECKING:
+    from logical_robots_tui.values import SensorRow, Value
+
+    Rows = list[dict[str, Value]]
+
+TEXT = """
+Met(robot_name:, who: ray.label) distinct :-
+  Sensor(robot_name:, sensor:), ray in sensor.radar, ray.object == "robot";
+Heard(robot_name:, other:, n:) :-
+  Sensor(robot_name:), Memory(robot_name: other, memory:), n = memory.n, n > 1;
+Most(robot_name:, best? Max= n) distinct :- Heard(robot_name:, n:), ~Met(robot_name:, who: "Cy");
+Robot(robot_name:, desire: {left_engine: best, right_engine: 0}, memory: {n: best}) :-
+  Most(robot_name:, best:), best > 2;
+"""
+ROBOTS = ("Ada", "Bo", "Cy")
+SIGHTS = st.dictionaries(
+    st.integers(0, 30),
+    st.tuples(st.integers(1, 199), st.sampled_from(["robot", "beacon"]), st.sampled_from(ROBOTS)),
+    max_size=3,
+)
+MEMORIES = st.one_of(
+    st.just(""), st.none(), st.text(max_size=3), st.fixed_dictionaries({"n": st.integers(0, 4)})
+)
+MOMENTS = st.lists(
+    st.tuples(
+        st.tuples(
+            *(
+                st.builds(lambda name, sees: row(name, sees=sees), st.just(n), SIGHTS)
+                for n in ROBOTS
+            )
+        ),
+        st.fixed_dictionaries(dict.fromkeys(ROBOTS, MEMORIES)),
+    ),
+    min_size=1,
+    max_size=15,
+)
+
+
+@cache
+def probes() -> Program:
+    return check_up(Program.compile(TEXT)).program
+
+
+def in_any_order(views: list[Rows] | None) -> list[list[str]] | None:
+    return None if views is None else [sorted(map(repr, rows)) for rows in views]
+
+
+@pytest.mark.parametrize("memory", ["own", "seen", "all"])
+@pytest.mark.parametrize("sensor", ["own", "all"])
+@settings(deadline=None)
+@given(moments=MOMENTS)
+def test_the_rows_at_several_moments_are_those_at_each(
+    memory: Literal["own", "seen", "all"],
+    sensor: Literal["own", "all"],
+    moments: list[tuple[tuple[SensorRow, ...], dict[str, Value]]],
+) -> None:
+    names = [*probes().statements]
+    mind = Mind(probes(), memory, sensor)
+    try:
+        single: dict[tuple[str, int], list[Rows]] = {}
+        for number, (rows, memories) in enumerate(moments):
+            for name, found in mind.each(names, rows, memories):
+                assert found is not None
+                single.setdefault((name, number), []).append(found)
+        several = {(name, number): views for name, number, views in mind.each_at(names, moments)}
+    finally:
+        mind.close()
+    assert {key: in_any_order(views) for key, views in several.items()} == {
+        key: in_any_order(views) for key, views in single.items()
+    }
+
+
+def test_a_predicate_that_fails_is_told_of_each_moment() -> None:
+    mind = Mind(probes(), limits=Limits(rows=0))
+    try:
+        rows = tuple(row(name) for name in ROBOTS)
+        memories: dict[str, Value] = {name: {"n": 3} for name in ROBOTS}
+        name = next(iter(probes().statements))
+        assert [*mind.each_at([name], [(rows, memories)] * 2)] == [(name, 0, None), (name, 1, None)]
+    finally:
+        mind.close()
