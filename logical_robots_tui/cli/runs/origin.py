@@ -19,7 +19,7 @@ from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask
-    from logical_robots_tui.explain.why.sourcing import Path, Source
+    from logical_robots_tui.explain.why.sources import Path, Source
     from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program
     from logical_robots_tui.values import Value
@@ -59,10 +59,10 @@ def start(options: argparse.Namespace) -> int:
         --predicate Next --value ray.distance
 
     A value in a memory, as it is after the tick, comes from the tick of its last
-    change; any other value of a predicate is made in the tick itself. The chain goes
-    on with what it was made from, through rules, earlier ticks and the memories of
-    other robots, to rays, sensor fields, facts or the start. What only passes a value
-    on is left out.
+    change; any other value of a predicate is made in the tick itself. The chain
+    goes on with what it was made from, through rules, earlier ticks and the
+    memories of other robots, to rays, sensor fields, facts or the start. What only
+    passes a value on is left out.
 
     exit status: 0 found, 2 bad level, program, robot or value
     """
@@ -77,7 +77,7 @@ def start(options: argparse.Namespace) -> int:
 async def _search(
     level: Level, program: Program, asked: Ask, options: argparse.Namespace
 ) -> Origin:
-    from logical_robots_tui.explain.why.sourcing import Subject
+    from logical_robots_tui.explain.why.sources import Subject
     from logical_robots_tui.game import origin_in_run
 
     default = "memory" if asked.predicate == "Robot" else ""
@@ -148,7 +148,7 @@ def _input(source: Source, link: int | None) -> dict[str, Any]:
     return {
         "name": path_text(read.path, read.what) if read else source.name,
         "robot": read.robot if read else None,
-        "value": source.value,
+        "value": read.value if read else source.value,
         "link": link,
     }
 

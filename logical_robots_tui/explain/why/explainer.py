@@ -22,7 +22,8 @@ from logical_robots_tui.explain.why.probing import (
     decompose,
 )
 from logical_robots_tui.explain.why.proving import explain, prove
-from logical_robots_tui.explain.why.sourcing import Source, Subject, source_of
+from logical_robots_tui.explain.why.sources import Source, Subject
+from logical_robots_tui.explain.why.sourcing import source_of
 from logical_robots_tui.explain.why.spelling import read_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError

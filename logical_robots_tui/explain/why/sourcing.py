@@ -7,9 +7,9 @@ from sensors and memories. What only passes a value on is left out.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.explain.why.deriving import ask_of, value_of, winner
 from logical_robots_tui.explain.why.explanation import Ask
@@ -24,87 +24,20 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
+from logical_robots_tui.explain.why.sources import Condition, Path, Read, Source, Subject, part_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, alike
 from logical_robots_tui.schema import INPUTS, VALUE
-from logical_robots_tui.values import Value, spell
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.derivations import Derivations, Derived
-
-Path: TypeAlias = "tuple[str | int, ...]"
-"""The way to a part of a value: names of fields and places in lists."""
 
 _MOST_ROWS = 200  # that are derived
 _DEEPEST = 40  # rows within rows
 _MOST_ELEMENTS = 10  # of an aggregate that are traced
 _RADAR = ("radar",)
-
-
-@dataclass(frozen=True, slots=True)
-class Subject:
-    """A value whose source is asked for, in a predicate's first such row.
-
-    Attributes:
-        column: The column of the row; "" for the only one that is not given.
-        span: An expression of the row's rule instead of a column.
-        variable: A variable of the row's rule instead of a column.
-        value: The value of the expression or variable, which tells elements apart.
-    """
-
-    asked: Ask = field(default_factory=Ask)
-    column: str = "memory"
-    path: Path = ()
-    span: Span | None = None
-    variable: str = ""
-    value: Value = None
-
-
-@dataclass(frozen=True, slots=True)
-class Read:
-    """Something that was read from a robot's sensor or memory; of a ray, all of it."""
-
-    what: Literal["sensor", "memory"]
-    robot: str
-    path: Path
-    value: Value
-
-
-@dataclass(frozen=True, slots=True)
-class Condition:
-    """A condition that chose a branch."""
-
-    span: Span
-    holds: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Source:
-    """A value and what it was made from.
-
-    Attributes:
-        name: The value as the program writes it.
-        span: The expression that made it; None if it was read.
-        rule: The rule that this expression is in.
-        read: What was read, if it was only read.
-        inputs: Distinct values that it was made from; of a constant in a fact, the keys of the
-            join that chose the fact.
-        more: How many more there are.
-        decided_by: What the conditions that chose a constant depend on.
-        is_constant: Whether the program says the value itself.
-    """
-
-    name: str
-    value: Value
-    span: Span | None = None
-    rule: Span | None = None
-    read: Read | None = None
-    conditions: tuple[Condition, ...] = ()
-    inputs: tuple[Source, ...] = ()
-    more: int = 0
-    decided_by: tuple[Source, ...] = ()
-    is_constant: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,27 +55,6 @@ def source_of(derivations: Derivations, subject: Subject) -> Source:
         return _Sourcing(derivations).subject(subject)
     except FailureError as failure:
         raise QueryError(f"{subject.asked.predicate} failed: {failure}.") from None
-
-
-def part_of(value: Value, path: Path) -> Value:
-    """Return a part of a value, or raise QueryError."""
-    for place, name in enumerate(path):
-        if isinstance(value, dict) and name in value:
-            value = value[str(name)]
-        elif isinstance(value, list) and isinstance(name, int) and -len(value) <= name < len(value):
-            value = value[name]
-        else:
-            here = ".".join(map(str, path[:place])) or "this value"
-            raise QueryError(f"{here} has no part {name}{_parts_of(value)}.")
-    return value
-
-
-def _parts_of(value: Value) -> str:
-    if isinstance(value, Mapping):
-        return f"; it has {', '.join(value)}" if value else "; it is empty"
-    if isinstance(value, list):
-        return f"; it is a list of {len(value)}"
-    return f"; it is {spell(value)}"
 
 
 class _Sourcing:

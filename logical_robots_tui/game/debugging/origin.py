@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui import explain
 from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.sourcing import Path, Read, Source, Subject
+from logical_robots_tui.explain.why.sources import Path, Read, Source, Subject
 from logical_robots_tui.game.debugging.changes import FEWEST_STEPS, Change, Steps, last_change
 from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded

@@ -10,7 +10,7 @@ from logical_robots_tui.game.debugging.pins import path_text
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.probing import Span
-    from logical_robots_tui.explain.why.sourcing import Read, Source
+    from logical_robots_tui.explain.why.sources import Read, Source
     from logical_robots_tui.game.debugging.changes import Steps
     from logical_robots_tui.game.debugging.origin import Link
     from logical_robots_tui.values import Value

@@ -13,7 +13,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
 from logical_robots_tui.mind import Decision, Notice, NoticeKind
-from logical_robots_tui.values import Desire, Value, is_same
+from logical_robots_tui.values import Desire, Value
 from logical_robots_tui.world import AreaState, Level, RobotState, WorldState
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is no
 _KEPT_OPEN = 4  # for stepping through them
 _BODY_BYTES = 1_000  # of a robot's state and decision
 _DEEPEST = 200  # that a memory read from a file may be nested
+_BYTES_PER_BYTE = 6  # of objects, for each that they take when written
 _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
@@ -138,23 +139,27 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
 def memories_in(runs: Sequence[Any], robot: str) -> tuple[int, list[Value]]:
     """Return a robot's memories in all moments of this layout, and the bytes of their objects.
 
-    Parts that stay the same are one object. Raises LookupError if the robot is not there.
+    Parts that stay the same are one object. Raises ValueError if the robot is not there.
     """
     weight, found = 0, list[Value]()
-    for _, names, _, facts, _, _, thoughts in runs:
-        weight += sum(each[4] for each in facts) + 64 * len(facts)
+    for _, names, _, _, _, _, thoughts in runs:
         for memory, _, _ in thoughts[names.index(robot)]:
-            found.append(_shared(memory, found[-1]) if found else memory)
+            shared, more = _shared(memory, found[-1] if found else None)
+            found.append(shared)
+            weight += more
     return weight, found
 
 
-def _shared(memory: Value, before: Value) -> Value:
-    """Return a memory with the parts that are the same as before, as `is` tells then."""
-    if is_same(memory, before):
-        return before
+def _shared(memory: Any, before: Any) -> tuple[Any, int]:
+    """Return a memory that shares with the one before what stayed the same, and what it adds."""
+    written = marshal.dumps(memory, 2)
+    if memory == before and written == marshal.dumps(before, 2):
+        return before, 8
     if isinstance(memory, dict) and isinstance(before, dict):
-        return {name: _shared(value, before.get(name)) for name, value in memory.items()}
-    return memory
+        parts = {name: _shared(value, before.get(name)) for name, value in memory.items()}
+        added = 64 + sum(weight for _, weight in parts.values())
+        return {name: value for name, (value, _) in parts.items()}, added
+    return memory, _BYTES_PER_BYTE * len(written)
 
 
 _opened: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()

@@ -187,7 +187,7 @@ class InspectorPane(Pane):
 
     def traced_here(self, tick: int) -> Traced | None:
         """Return the value under the cursor; the robot's memory if only robots are shown."""
-        from logical_robots_tui.explain.why.sourcing import Subject
+        from logical_robots_tui.explain.why.sources import Subject
         from logical_robots_tui.tui.inspector.under_cursor import (
             Traced,
             traced_cell,

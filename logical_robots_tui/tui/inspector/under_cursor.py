@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain import Ask, Node
-from logical_robots_tui.explain.why.sourcing import Subject
+from logical_robots_tui.explain.why.sources import Subject
 from logical_robots_tui.game import MIND, ROBOT_COLUMNS, Frame, Pin, pin_of_cell, read_part
 from logical_robots_tui.tui.inspector.predicate_list import ASK, DECISION, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
