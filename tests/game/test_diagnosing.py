@@ -230,6 +230,12 @@ async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:
     assert the_kinds(await diagnosed(tmp_path, text)) == []
 
 
+async def test_a_text_that_the_program_gives_itself_is_no_mistake(tmp_path: Path) -> None:
+    text = PLAIN.replace("robot_name:);", "robot_name:), Plan(phase: Now(robot_name));")
+    rules = 'Plan(phase: "out");\nNow(name) = (if name == "Ada" then "out" else "in");'
+    assert "unknown text" not in the_kinds(await diagnosed(tmp_path, f"{rules}\n{text}"))
+
+
 async def test_what_happens_in_one_tick_of_many_is_not_said_never_to_happen(tmp_path: Path) -> None:
     text = (
         "Robot(robot_name:, desire: {left_engine: if sensor.clock == 1234 then 0.2 else 0,\n"

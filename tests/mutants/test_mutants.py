@@ -19,7 +19,7 @@ from tests.mutants.planted import (
 )
 
 KINDS = 10
-ENOUGH = 20
+ENOUGH = 26
 QUICK = ("02-open-space", "03-the-long-hall", "09-the-gate")
 """Levels in which a mutant is diagnosed within seconds."""
 
@@ -56,7 +56,7 @@ def test_a_bug_in_a_small_program_is_named(mutant: Mutant) -> None:
 
 
 @pytest.mark.proof
-def test_of_thirty_bugs_at_least_twenty_are_named_and_the_page_says_which() -> None:
+def test_of_thirty_bugs_most_are_named_and_the_page_says_which() -> None:
     """`python -m benchmarks.mutants` prints the table of the page anew."""
     page = (CHECKOUT / "docs" / "diagnose.md").read_text()
     found = [verdict(number) for number in range(1, len(MUTANTS) + 1)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -28,6 +29,7 @@ from logical_robots_tui.language.tree import (
     PredicateName,
     Record,
     Rule,
+    Text,
     Variable,
     conjuncts,
     operands,
@@ -156,12 +158,14 @@ def memory_fields(
 
 
 def texts_of(rules: Iterable[Rule], own: Container[str], source: Prepared) -> Iterator[Field]:
-    """Yield the texts in some rules that are compared or passed to a predicate."""
+    """Yield the texts in some rules that are compared or passed to a predicate, and only that."""
+    rules = list(rules)
+    times = Counter(node.value for rule in rules for node in walk(rule) if isinstance(node, Text))
     for rule in rules:
         for node in walk(rule):
             for value in _constants_in(node, own, is_fact=not rule.body):
                 name = text_of(value)
-                if name:
+                if name and times[name] == 1:
                     yield Field(name, span_of(value, source))
 
 

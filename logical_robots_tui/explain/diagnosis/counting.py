@@ -97,7 +97,9 @@ class Tally:
                 truth = self._truth(column, place, row)
                 truths.append(truth)
                 is_reached = all((truths[c] is True) is holds for c, holds in column.guard)
-                if is_reached and column.kind != "skip":
+                count = self.sites[column.site]
+                is_settled = count.true is not None and count.false is not None
+                if is_reached and column.kind != "skip" and not is_settled:
                     self._see(tick, column, place, row, truth, ways)
             passed += ways
             if all(truths[c] is True for c in probe.filters):

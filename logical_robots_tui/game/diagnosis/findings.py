@@ -344,9 +344,8 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
     names = {robot.name for robot in level.robots} | {beacon.name for beacon in level.beacons}
     names |= {area.name for area in level.areas if area.impenetrable}  # rays see their names
     known = {*names, *_SEEN, *observed.texts}
-    times = Counter(field.name for field in checkup.texts)
     for field in checkup.texts:
-        if field.name in known or times[field.name] > 1:
+        if field.name in known:
             continue
         close = closest(field.name, names | _SEEN, 0.6) or next(
             (n for n in names if n.lower() == field.name.lower()), ""
