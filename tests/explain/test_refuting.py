@@ -192,3 +192,15 @@ def test_what_is_not_in_a_list_is_told_with_the_list() -> None:
         ("[9, 10]", ([9, 10],)),
         ("x + y", (3, 5)),
     ]
+
+
+def test_a_row_that_a_rule_gives_is_not_said_to_fail_where_it_was_cut_off() -> None:
+    limited = f'Num(x: 1); Num(x: 2); @OrderBy(Num, "x"); @Limit(Num, 1);{REST}'
+    first, second = why(limited, "Num", given={"x": 2}).rules
+    assert first.node.said == "is about something else"
+    assert (second.node.said, second.node.holds) == (
+        "gives this row, but it was left out, as by @Limit",
+        None,
+    )
+    rules = why(COUNTING.format(most=100), "Number", given={"x": 6}).rules
+    assert rules[1].node.said == "would give this row in a later step"

@@ -98,7 +98,9 @@ class _Proving:
                 unlike = self._unlike(rule)
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
             said = "is about something else" if is_else else "gives no row"
-            node = _heading(rule, said, None if is_else else False, children)
+            if is_left_out := row is None and not (stopped or is_else or is_aggregated(rule)):
+                said = _left_out(self._probing)
+            node = _heading(rule, said, None if is_else or is_left_out else False, children)
             return RuleFound(rule.span, 0, None, stopped, node)
         except FailureError as failure:
             note = Node("note", "This could not be asked", str(failure))
@@ -195,6 +197,13 @@ def _over_nothing(found: RuleFound, row: Row, label: Callable[[str], str]) -> Ru
     children = (*columns, *found.node.children)
     node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
     return replace(found, rows=1, row=row, node=node)
+
+
+def _left_out(probing: Probing) -> str:
+    """Return why a predicate lacks a row that a rule of it gives."""
+    if probing.recursive:
+        return "would give this row in a later step"
+    return "gives this row, but it was left out, as by @Limit"
 
 
 def _note(like: RuleFound, text: str) -> RuleFound:

@@ -84,3 +84,12 @@ def test_truths_are_not_numbers() -> None:
 
 def content(node: Node, width: int, depth: int = 0) -> str:
     return line_content(ProofLine(node, depth, 1, (), lacks=False), width, is_open=False).plain
+
+
+def test_what_fails_is_opened_before_what_holds() -> None:
+    value = (Node("value", "x", values=(1,)),)
+    holds = Node("condition", "x > 0", holds=True, children=value)
+    fails = Node("condition", "x > 5", holds=False, children=value)
+    folds = ProofTree()
+    folds.show([Node("rule", "P(x)", holds=False, children=(holds, fails))], [], 4)
+    assert [folds.is_open(line) for line in folds.lines] == [True, False, True, False]

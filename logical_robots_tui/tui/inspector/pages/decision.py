@@ -13,7 +13,7 @@ from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value, radar_plot
+from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked, radar_plot
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
@@ -118,7 +118,7 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
             shown = dict(zip(table.columns, rows[0], strict=True))
             shown.pop("robot_name", None)
             values = [
-                Content.assemble((f"{one_line(c)} ", INK.dim), cell(v, 60))
+                Content.assemble((f"{one_line(c)} ", INK.dim), inked(v, 60))
                 for c, v in shown.items()
             ]
             said = Content("  ").join(values) if values else said

@@ -18,7 +18,7 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, Questions, progress
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
+from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
@@ -193,7 +193,7 @@ class OriginPage(Page):
 
 def lines_of(number: int, link: Link, width: int) -> Iterator[Content]:
     name = one_line(f"{number + 1}. {link.name}")
-    text, colour = cell(link.value, width)
+    text, colour = inked(link.value, width)
     yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
     for line in link_lines(link, partial(format_value, limit=_LONGEST)):
         is_input = line.startswith(_INPUTS)

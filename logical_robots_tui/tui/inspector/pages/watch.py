@@ -17,7 +17,7 @@ from logical_robots_tui.tui.app.frame_scheduler import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page, Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import Sample, cell, scale, sparkline
+from logical_robots_tui.tui.inspector.widgets.plots import Sample, inked, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
@@ -135,7 +135,7 @@ class WatchView(CursorView):
         elif reading.problem:
             value = Content.styled(clip(one_line(reading.problem), self.columns // 2), INK.warn)
         else:
-            value = Content.styled(*cell(reading.value, self.columns // 2))
+            value = Content.styled(*inked(reading.value, self.columns // 2))
         room = max(1, self.columns - value.cell_length - 1)
         name = Content.styled(one_line(pin.words), INK.text).truncate(room, ellipsis=True)
         return name.pad_right(room + 1 - name.cell_length).append(value)

@@ -183,7 +183,8 @@ class WhyPage(Page):
             return
         if misses and self._answered is question:
             nodes = (_suggestion(line, each) for line, each in misses)
-            head = Node("note", "One of these would give a row", children=tuple(nodes))
+            said = "This change" if len(misses) == 1 else "Each of these changes"
+            head = Node("note", f"{said} would give a row", children=tuple(nodes))
             self._show_nodes(question, (*self._roots, head), ())
 
     def _show(self, question: _Question, found: Explanation, roots: Sequence[Node]) -> None:

@@ -28,7 +28,12 @@ def cell(value: Value, limit: int = 120) -> tuple[str, str]:
     """A value's text and colour, by kind; text without quotes where that is clear."""
     if isinstance(value, str) and not _could_be_taken_for_another(value):
         return clip(visible(value[: limit + 1]), limit), INK.string
-    return format_value(value, limit), value_colour(value)
+    return inked(value, limit)
+
+
+def inked(value: Value, limit: int = 120) -> tuple[str, str]:
+    """Return a value in program syntax, in at most `limit` characters, and its colour."""
+    return format_value(value, limit), _colour(value)
 
 
 def format_value(value: Value, limit: int = FULL) -> str:
@@ -46,7 +51,7 @@ def _could_be_taken_for_another(text: str) -> bool:
     return True
 
 
-def value_colour(value: Value) -> str:
+def _colour(value: Value) -> str:
     if value is None:
         return INK.dim
     if isinstance(value, str):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual.content import Content
 
-from logical_robots_tui.tui.inspector.widgets.plots import format_value, value_colour
+from logical_robots_tui.tui.inspector.widgets.plots import inked
 from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 
@@ -127,7 +127,8 @@ class ProofTree:
                 found.add(line.key)
                 below = self._children(line)
                 shown += len(below)
-                waiting.extend((each, True) for each in below)
+                failed_first = sorted(below, key=lambda each: each.node.holds is not False)
+                waiting.extend((each, True) for each in failed_first)
         return found
 
     def _below(self, line: ProofLine) -> list[ProofLine]:
@@ -206,7 +207,7 @@ def _values(node: Node, room: int) -> Content:
         glue = " or " if parts else " = "
         left = room - sum(part.cell_length for part in parts) - len(glue) - len(words)
         widest = _WIDEST_VALUE if parts else min(max(4, left), _WIDEST_VALUE)
-        text, colour = format_value(value, widest), value_colour(value)
+        text, colour = inked(value, widest)
         if parts and len(text) > left:
             break
         parts.append(Content.assemble((glue, INK.dim), (text, colour)))

@@ -13,7 +13,7 @@ from textual.content import Content
 from textual.widgets import Static, Tree
 
 from logical_robots_tui.schema import ray_angle
-from logical_robots_tui.tui.inspector.widgets.plots import cell, radar_plot
+from logical_robots_tui.tui.inspector.widgets.plots import inked, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
@@ -138,7 +138,7 @@ class ValueTree(Dialog[None]):
         colour = INK.text if _size(part.value) else INK.dim
         label = Text.assemble((one_line(name), rich_style(colour)), "  ")
         if part.within is None:
-            text, colour = cell(part.value, _PREVIEW)
+            text, colour = inked(part.value, _PREVIEW)
             label.append(text, rich_style(INK.dim if _size(part.value) else colour))
         if _size(part.value):
             return node.add(label, part)
