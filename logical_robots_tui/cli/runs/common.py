@@ -145,14 +145,14 @@ _REDRAW_EVERY = 0.1  # seconds
 
 
 @contextmanager
-def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar after some seconds; yield a callback for finished ticks."""
+def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[..., None]]:
+    """Show a progress bar after some seconds; yield a callback for finished ticks, and of all."""
     began = monotonic()
     due = began + after if sys.stderr.isatty() else float("inf")
     bar: Progress | None = None
     with ExitStack() as stack:
 
-        def show(tick: int) -> None:
+        def show(tick: int, of_all: int = ticks) -> None:
             nonlocal bar, due
             now = monotonic()
             if now < due:
@@ -162,7 +162,7 @@ def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Call
                 bar = stack.enter_context(_new_bar())
                 bar.add_task(harmless(title), total=ticks, pace=0.0)
             pace = tick / max(now - began, 1e-9)
-            bar.update(bar.task_ids[0], completed=tick, pace=pace, refresh=True)
+            bar.update(bar.task_ids[0], completed=tick, total=of_all, pace=pace, refresh=True)
 
         yield show
 

@@ -61,11 +61,7 @@ async def _diagnose(level: Level, program: Program, ticks: int, printer: _Printe
     from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
 
     async with run_shown(level, program, ticks) as (run, ran):
-        with progress_bar("Examining", ticks, after=_SOON) as show:
-
-            def report(done: int, of_all: int) -> None:
-                show(done * ticks // of_all)
-
+        with progress_bar("Examining", ticks, after=_SOON) as report:
             try:
                 return await diagnose_run(run, ticks, ran=ran, report=report, show=printer.show)
             except asyncio.CancelledError:
