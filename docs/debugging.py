@@ -312,7 +312,7 @@ back.
 | it goes wrong somewhere | what stands out in the run? | Diagnosis, in `^P` | `diagnose` |
 | it does the wrong thing now | why? | `w` | `why --tree` |
 | it doesn't do what it should | why not? | `w`, on a rule without a row | `why --predicate P` |
-| it should hold for other values | why not for these? | `!` on a line of the proof | `why --predicate 'P(x: 1)'` |
+| it should hold for other values | why not? | `!` in a proof | `why --predicate 'P(x: 1)'` |
 | a rule almost holds | what would have to change? | `w`, below that rule | `why --predicate P` |
 | a value is wrong | where does it come from? | `<` | `origin` |
 | it happens now and then | in which ticks? | `Q`, then `;` `:` | `when` |
