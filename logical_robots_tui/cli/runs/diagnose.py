@@ -42,8 +42,8 @@ def start(options: argparse.Namespace) -> int:
       logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
       logical-robots diagnose 01-first-steps first-steps --json | jq .findings
 
-    Warnings come first. A note may well be intended. Ctrl+C ends the search; what was
-    found by then is printed.
+    Warnings come first. A note may well be intended. Ctrl+C ends the search, and
+    what was found by then is printed.
 
     exit status: 0 no warnings, 1 warnings, 2 bad level or program
     """
