@@ -143,9 +143,8 @@ def test_what_a_proof_does_between_its_queries_is_counted() -> None:
         mind = Mind(program, limits=Limits(query_steps=steps))
         try:
             proof = Explainer(mind, "Ada", [row("Ada")], {"Ada": "x" * 100_000}).proof()
-            found[steps] = [
-                n.text for root in proof.nodes for _, n in root.walk() if "steps" in n.text
-            ]
+            said = [f"{n.text}: {n.said}" for root in proof.nodes for _, n in root.walk()]
+            found[steps] = [each for each in said if "steps" in each]
         except QueryError as error:
             found[steps] = [str(error)]
         mind.close()

@@ -50,7 +50,7 @@ def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explana
     if row is not None and all(found.row is None for found in rules):
         if _is_over_nothing(probing, row):
             rules = (_over_nothing(rules[0], row, proving.label), *rules[1:])
-        else:
+        elif all(found.rows is not None for found in rules):
             rules = (*rules, _note(rules[0], _unexplained(probing)))
     if row is None and (is_first or probing.recursive):
         cut = derivations.relations.cut_off(asked.predicate)
@@ -291,7 +291,7 @@ def _premises(explanation: Explanation) -> tuple[Node, ...]:
         return explanation.nodes
     giving = tuple(rule.node for rule in explanation.rules if rule.row is not None)
     if not giving:
-        return (explanation.rules[-1].node,)
+        return next((rule.node,) for rule in explanation.rules if rule.rows is None)
     # Several rules may contribute to what is aggregated; else one of them is enough.
     is_aggregated = any(child.kind == "aggregate" for child in giving[0].children)
     return giving if is_aggregated else giving[:1]
