@@ -104,7 +104,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(DOWN, '"left"` never held', "1-diagnosis")
     yield Step(ENTER, f"tick {found.turned} of")
     yield Step("w", "✓ 22: Drive")
-    yield Step(f"{DOWN * 3}{RIGHT}", "col1 = lamp")
+    yield Step(f"{DOWN * 3}{RIGHT}", 'word = "lamp"')
     yield Step(f"{DOWN * 3}{RIGHT}", "Turn(word) = {left", "2-why")
     yield Step(f"{HOME}X", "memory after")
     yield Step(f"{DOWN * 13}@", "Pinned: Robot.memory.word for Dot.")

@@ -168,8 +168,8 @@ def _rows_of_rule(scene: Scene, text: str, start: int, stop: int) -> int:
     """How many rows one rule of a program gives; what is removed goes with its comma."""
     arguments = text[text.index("(", start) : stop]
     whole = f"{text}\nThisRule{arguments};"
-    whole = re.sub(r"(?<=[({|]),\s*|,\s*(?=\s*[,)};|])|:-\s*(?=,)", "", whole)
-    whole = re.sub(r":-\s*,", ":-", whole)
+    whole = re.sub(r"(?<=[({|]),\s*|(?<=:-)\s*,|,\s*(?=\s*[,)};|])", "", whole)
+    whole = re.sub(r"(?<=:-)\s+,|:-\s*(?=;)", "", whole)
     mind = scene.mind
     with closing(Mind(Program.compile(whole), memory=mind.memory, sensor=mind.sensor)) as other:
         table = other.query("ThisRule", scene.rows, scene.memories).in_mind_of(scene.robot)

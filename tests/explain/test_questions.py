@@ -25,7 +25,9 @@ LEAVES = (
     | st.booleans()
     | st.integers(-(10**9), 10**9)
     | st.floats(-1e9, 1e9).map(lambda x: round(x, 6))
-    | st.text(st.characters(categories=("L", "N", "P", "Zs", "Cc")), max_size=12)
+    | st.text(
+        st.characters(categories=("L", "N", "P", "Zs", "Cc"), exclude_characters="\0"), max_size=12
+    )
 )
 VALUES = st.recursive(
     LEAVES,

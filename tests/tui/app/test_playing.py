@@ -210,7 +210,7 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
         assert "\x1b" not in game.screen()
         await game.sees("[link]")
         assert "[/]C: [b]A[/b] ·" in game.status
-        await game.sees('[b]A[/b] remembers "␛[2J[red]"')
+        await game.sees(r"[b]A[/b] remembers '\u001b[2J[red]'")
 
 
 async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> None:
