@@ -11,6 +11,7 @@ from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import MAIN, names_used
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
+    CONDITIONS,
     Aggregate,
     Aggregation,
     Atom,
@@ -23,6 +24,7 @@ from logical_robots_tui.language.tree import (
     Rule,
     Tree,
     Variable,
+    conjuncts,
     equation_sides,
     operands,
     variable_of,
@@ -76,6 +78,7 @@ class Sources:
                             yield from ((place, value, rule) for place in _places(part, value))
                             break
                 elif isinstance(part, Atom) and variable in variables(part):
+                    yield part, (), rule
                     yield from self._rules(part.name, seen)
 
     def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
@@ -87,6 +90,9 @@ class Sources:
             is_function = rule.value is not None and parameters(rule) is not None
             if rule.body or is_function:
                 yield rule, rule.value or rule, rule
+            for part in conjuncts(rule.body):
+                if isinstance(part, Atom) and part.name in CONDITIONS:
+                    yield part, part, rule
 
 
 def _places(part: Node, value: Tree) -> Sequence[Node]:

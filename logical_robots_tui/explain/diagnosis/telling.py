@@ -70,7 +70,16 @@ def rule_findings(tally: Tally, *, is_over: bool, is_complete: bool = True) -> l
         is_over: Whether the robots will achieve nothing more; only then there are warnings.
         is_complete: Whether every tick was examined.
     """
-    return list(_Reporter(tally, is_over=is_over, is_complete=is_complete).findings())
+    found = list(_Reporter(tally, is_over=is_over, is_complete=is_complete).findings())
+    lines = {each.span.line for each in found if each.span is not None}
+    return sorted(found, key=lambda each: _follows(each, lines))
+
+
+def _follows(finding: Finding, lines: Collection[int]) -> bool:
+    """Return whether what a finding is about comes from places of other findings."""
+    return finding.span is not None and any(
+        place.line in lines and place.line != finding.span.line for place in finding.others
+    )
 
 
 def shorten(text: str) -> str:
