@@ -152,14 +152,13 @@ def memories_in(runs: Sequence[Any], robot: str) -> tuple[int, list[Value]]:
 
 def _shared(memory: Any, before: Any) -> tuple[Any, int]:
     """Return a memory that shares with the one before what stayed the same, and what it adds."""
-    written = marshal.dumps(memory, 2)
-    if memory == before and written == marshal.dumps(before, 2):
+    if memory == before and marshal.dumps(memory, 2) == marshal.dumps(before, 2):
         return before, 8
     if isinstance(memory, dict) and isinstance(before, dict):
         parts = {name: _shared(value, before.get(name)) for name, value in memory.items()}
         added = 64 + sum(weight for _, weight in parts.values())
         return {name: value for name, (value, _) in parts.items()}, added
-    return memory, _BYTES_PER_BYTE * len(written)
+    return memory, _BYTES_PER_BYTE * len(marshal.dumps(memory, 2))
 
 
 _opened: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
