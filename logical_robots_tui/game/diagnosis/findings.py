@@ -59,7 +59,7 @@ class Observations:
     Attributes:
         notices: By kind and robot, the first tick of a notice, their number, and the message.
         fields: The fields that memories had, each with its first tick.
-        is_on_way: Whether a robot was still on its way at the end.
+        is_on_way: Whether a robot was still on its way at the end, or may be where it should be.
     """
 
     first: int
@@ -107,6 +107,7 @@ async def observe(history: Stored, first: int, last: int) -> Observations:
     found = Observations(first, last)
     paths: dict[str, list[RobotState]] = {}
     level = history.level_at(last)
+    found.is_on_way = bool(level.scores)  # to stand still may earn points
     at_home = {name: area.name for area in level.areas for name in area.victory_robots}
     before: dict[str, Value] = dict(history.around(first)[0].memories)
     for tick in range(first, last + 1):
