@@ -89,13 +89,14 @@ async def test_it_ends_where_the_run_is_won_even_if_more_ticks_are_stored(level:
     assert found.last == found.won_at == frame.after.won_at
 
 
+@pytest.mark.parametrize("error", [OSError, RuntimeError])
 async def test_without_the_second_process_it_takes_longer(
-    level: Level, monkeypatch: pytest.MonkeyPatch
+    level: Level, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
 ) -> None:
     expected = await of_game(level)
 
     def refuse(*_: object) -> None:
-        raise OSError
+        raise error
 
     monkeypatch.setattr(scanning, "Helper", refuse)
     assert (await of_run(level))[0].findings == expected.findings

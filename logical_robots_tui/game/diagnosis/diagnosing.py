@@ -18,7 +18,7 @@ from logical_robots_tui.explain.diagnosis.sites import Checkup, check_up
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game.advancing import RecordedTick
 from logical_robots_tui.game.diagnosis.findings import Observations, Stored, findings_of, observe
-from logical_robots_tui.game.diagnosis.scanning import ROWS, Answer, Scanner, Tick, scan
+from logical_robots_tui.game.diagnosis.scanning import Answer, Scanner, Tick, scan, ticks_at_once
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedError
 from logical_robots_tui.game.thinker import Thinker
@@ -274,7 +274,7 @@ class _Diagnosing:
     async def _work(self, tally: Tally, ask: Ask, robots: int, *, is_helping: bool = False) -> None:
         """Count the rows of all probes that are not settled, some ticks at a time."""
         names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
-        most = max(1, ROWS // robots) * (_MORE_AT_ONCE if is_helping else 1)
+        most = ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
         while is_helping or self._pending or self._waiting:
             probes = tally.doubtful_probes()
             ticks = self._take(len(probes) * robots, most, is_helping=is_helping)
@@ -284,11 +284,15 @@ class _Diagnosing:
                     await self._changed.wait()
                 continue
             self._pending += len(ticks)
-            answers = await ask([tally.checkup.probes[number].name for number in probes], ticks)
-            self._pending -= len(ticks)
-            self._changed.set()
+            answers = None
+            try:
+                answers = await ask([tally.checkup.probes[number].name for number in probes], ticks)
+            finally:
+                self._pending -= len(ticks)
+                self._changed.set()
+                if answers is None:
+                    self._others.extendleft(ticks)
             if answers is None:
-                self._others.extendleft(ticks)
                 return
             for answer in answers:
                 if answer.views is None:

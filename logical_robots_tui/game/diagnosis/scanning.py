@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 PROCESSOR_SECONDS = 3600
 """The longest scan."""
 
-ROWS = 60
-"""Of sensors, that are examined with one query."""
+_ROWS = 60  # of sensors, that are examined with one query
 
 Tick: TypeAlias = "tuple[TickState, RecordedTick]"
 """The moment before a tick, and the tick."""
@@ -41,6 +40,11 @@ class Answer(NamedTuple):
     views: Sequence[Rows] | None
 
 
+def ticks_at_once(robots: int) -> int:
+    """Return how many ticks are examined with one query."""
+    return max(1, _ROWS // max(1, robots))
+
+
 def scan(
     thinker: Thinker,
     program: Program,
@@ -52,7 +56,7 @@ def scan(
     """Yield what probes answer at some ticks; call it in the thinker's thread."""
     for _, alike in groupby(ticks, key=lambda each: id(each[1].level)):
         same = list(alike)
-        most = max(1, ROWS // max(1, len(same[0][1].level.robots)))
+        most = ticks_at_once(len(same[0][1].level.robots))
         for at in range(0, len(same), most):
             replayed = [thinker.replay(program, *each, limits) for each in same[at : at + most]]
             frames = [frame for frame, _ in replayed]
