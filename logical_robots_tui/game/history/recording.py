@@ -13,6 +13,7 @@ import zlib
 from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
@@ -42,8 +43,8 @@ SUFFIX = ".run"
 
 _TOGETHER = 32  # moments in a piece, unless they are large
 _HEAVY = 12_000_000  # bytes of unpacked objects, unless a single moment has more
-_HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a single moment,
-# and of the memories that are held to be compared
+_HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a single moment
+_HEAVIEST_REMEMBERED = 48_000_000  # the same of memories that are held to be compared
 _QUICK = 2  # zlib level
 _KEPT_OPEN = 2  # pieces, for sequential access
 
@@ -65,6 +66,9 @@ class Recording:
         self._start = start
         self._pieces: list[_Piece] = []
         self._loose = [start]
+        # Memories of a robot in the pieces that were asked for last, with their weight.
+        self._remembered: OrderedDict[tuple[_Piece, str], tuple[int, Sequence[Value]]]
+        self._remembered = OrderedDict()
         self._is_new = False
         self._lasting: float = math.inf
         self._read()
@@ -102,14 +106,10 @@ class Recording:
         if tick >= self._packed:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
-        try:
+        with _damage_told():
             moment = moment_in(_unpack(piece), tick - piece.first)
             if not is_moment(moment, tick, self._level):
                 raise DamagedError(f"this is not tick {tick}")
-        except DamagedError:
-            raise
-        except (ValueError, TypeError, LookupError, StopIteration, RecursionError) as error:
-            raise DamagedError("these are no moments") from error
         return moment
 
     def memory(self, tick: int, robot: str) -> Value:
@@ -117,12 +117,8 @@ class Recording:
         if tick >= self._packed:
             return self._loose[tick - self._packed].memories[robot]
         piece = self._piece(tick)
-        try:
-            return _memories(piece, robot)[tick - piece.first]
-        except DamagedError:
-            raise
-        except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
-            raise DamagedError("these are no moments") from error
+        with _damage_told():
+            return self._memories(piece, robot)[tick - piece.first]
 
     def add(self, moment: TickState) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
@@ -164,6 +160,14 @@ class Recording:
     @property
     def _packed(self) -> int:
         return self._pieces[-1].ticks.stop if self._pieces else 0
+
+    def _memories(self, piece: _Piece, robot: str) -> Sequence[Value]:
+        known = self._remembered
+        found = known.pop((piece, robot), None) or memories_in(_unpack(piece), robot)
+        known[piece, robot] = found
+        while len(known) > 1 and sum(each for each, _ in known.values()) > _HEAVIEST_REMEMBERED:
+            known.popitem(last=False)
+        return found[1]
 
     def _piece(self, tick: int) -> _Piece:
         return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
@@ -275,16 +279,22 @@ def _unpack(piece: _Piece) -> Any:
     return json.loads(text)
 
 
-_remembered: OrderedDict[tuple[_Piece, str], tuple[int, Sequence[Value]]] = OrderedDict()
-"""The memories of a robot in the pieces that were asked for last, with their weight."""
-
-
-def _memories(piece: _Piece, robot: str) -> Sequence[Value]:
-    found = _remembered.pop((piece, robot), None) or memories_in(_unpack(piece), robot)
-    _remembered[piece, robot] = found
-    while len(_remembered) > 1 and sum(each for each, _ in _remembered.values()) > _HEAVIEST:
-        _remembered.popitem(last=False)
-    return found[1]
+@contextmanager
+def _damage_told() -> Iterator[None]:
+    """Raise DamagedError for whatever reading a piece raises that is no piece."""
+    try:
+        yield
+    except DamagedError:
+        raise
+    except (
+        ValueError,
+        TypeError,
+        LookupError,
+        AttributeError,
+        StopIteration,
+        RecursionError,
+    ) as error:
+        raise DamagedError("these are no moments") from error
 
 
 def _folder() -> CacheFolder:
