@@ -181,12 +181,12 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
 
 
 def _values_as_conditions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    own = definitions(program)
+    values = built_in_names() - CONDITIONS - _PREDICATES - definitions(program).keys()
     for node in walk(each for each in program if isinstance(each, Rule)):
-        if not isinstance(node, Atom) or node.name in CONDITIONS | _PREDICATES | {*own}:
+        if not isinstance(node, Atom) or node.name not in values:
             continue
         span = node.span or span_of(node.arguments)
-        if is_built_in(node.name) and span is not None:
+        if span is not None:
             message = f"{node.name} gives a value; it is not a condition"
             hint = "Compare the value with something, or name it: x = ..."
             length = span.stop - span.start
