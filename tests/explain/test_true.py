@@ -15,7 +15,7 @@ from tests.explain.asking import REST
 from tests.explain.checking import Checker
 from tests.explain.generated import programs
 from tests.explain.judging import false_in
-from tests.explain.questions import Scene, alone, asked, missed, together
+from tests.explain.questions import Asked, Scene, alone, asked, missed, together
 from tests.explain.teams import team
 
 if TYPE_CHECKING:
@@ -31,6 +31,25 @@ SCENES: dict[str, st.SearchStrategy[AbstractContextManager[Scene]]] = {
 }
 
 
+def find_nothing_false(
+    ask_of: Callable[[Scene], Asked], kind: str, number: int, programs_at_once: int
+) -> None:
+    """Ask of generated programs until so many answers are judged."""
+    total = 0
+
+    @given(SCENES[kind])
+    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
+    def ask(scene: AbstractContextManager[Scene]) -> None:
+        nonlocal total
+        with scene as entered:
+            answers = ask_of(entered)
+        assert not answers.false, (entered.mind.program.text, answers.false)
+        total += answers.number
+
+    while total < number:
+        ask()
+
+
 @pytest.mark.parametrize("kind", SCENES)
 @pytest.mark.parametrize(
     ("questions", "programs_at_once"),
@@ -41,19 +60,7 @@ SCENES: dict[str, st.SearchStrategy[AbstractContextManager[Scene]]] = {
     ],
 )
 def test_nothing_false_is_said(kind: str, questions: int, programs_at_once: int) -> None:
-    total = 0
-
-    @given(SCENES[kind])
-    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
-    def ask(scene: AbstractContextManager[Scene]) -> None:
-        nonlocal total
-        with scene as entered:
-            answers = asked(entered)
-        assert not answers.false, (entered.mind.program.text, answers.false)
-        total += answers.number
-
-    while total < questions:
-        ask()
+    find_nothing_false(asked, kind, questions, programs_at_once)
 
 
 @pytest.mark.parametrize("kind", SCENES)
@@ -68,19 +75,7 @@ def test_nothing_false_is_said(kind: str, questions: int, programs_at_once: int)
 def test_each_change_that_is_advised_gives_a_row(
     kind: str, changes: int, programs_at_once: int
 ) -> None:
-    total = 0
-
-    @given(SCENES[kind])
-    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
-    def ask(scene: AbstractContextManager[Scene]) -> None:
-        nonlocal total
-        with scene as entered:
-            found = missed(entered)
-        assert not found.false, (entered.mind.program.text, found.false)
-        total += found.number
-
-    while total < changes:
-        ask()
+    find_nothing_false(missed, kind, changes, programs_at_once)
 
 
 @pytest.mark.parametrize("aggregate", ["y? List= a", "y? Set= a", "y? += a", "y? Count= a"])

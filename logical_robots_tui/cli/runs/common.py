@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
-_SOON = 0.5  # seconds before the progress bar appears
+SOON = 0.5
+"""Seconds before the progress bar appears."""
 
 
 def new_run_command(
@@ -130,7 +131,7 @@ async def run_shown(
 
     run = Run(level, program)
     try:
-        with progress_bar(level.title, ticks, after=_SOON) as show:
+        with progress_bar(level.title, ticks, after=SOON) as show:
             yield run, show
     finally:
         await run.close()

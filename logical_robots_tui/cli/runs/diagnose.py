@@ -10,7 +10,13 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, harmless, line_of_json, prefers_json
-from logical_robots_tui.cli.runs.common import new_run_command, open_run, progress_bar, run_shown
+from logical_robots_tui.cli.runs.common import (
+    SOON,
+    new_run_command,
+    open_run,
+    progress_bar,
+    run_shown,
+)
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.telling import Finding
@@ -21,7 +27,6 @@ if TYPE_CHECKING:
 NOTHING, FOUND = 0, 1
 DEFAULT_TICKS = 3000
 NARROWEST, WIDEST = 40, 96  # columns
-_SOON = 0.5  # seconds before progress is shown
 
 
 def declare(commands: Commands) -> None:
@@ -61,7 +66,7 @@ async def _diagnose(level: Level, program: Program, ticks: int, printer: _Printe
     from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
 
     async with run_shown(level, program, ticks) as (run, ran):
-        with progress_bar("Examining", ticks, after=_SOON) as report:
+        with progress_bar("Examining", ticks, after=SOON) as report:
             try:
                 return await diagnose_run(run, ticks, ran=ran, report=report, show=printer.show)
             except asyncio.CancelledError:

@@ -8,12 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import Commands, cut, harmless
-from logical_robots_tui.cli.runs.common import (
-    new_run_command,
-    open_run,
-    run_shown,
-    show,
-)
+from logical_robots_tui.cli.runs.common import new_run_command, open_run, run_shown, show
 from logical_robots_tui.cli.runs.why import add_row, read_row
 from logical_robots_tui.values import spell
 
