@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Stopped
 from logical_robots_tui.mind import cache
+from logical_robots_tui.mind.failures import NO_MEMORY
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.processes.helper import Helper
 from logical_robots_tui.records import record
@@ -35,6 +36,8 @@ _KEPT = 64
 _LOOK_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy machine
 _LARGEST_ANSWER = 32_000_000  # bytes
+_LACKS_MEMORY = {NO_MEMORY, -signal.SIGSEGV, -signal.SIGBUS, -signal.SIGABRT, -signal.SIGKILL}
+"""Exit statuses: a stack that can't grow, a failed allocation, or the system's own choice."""
 
 
 def compile_request(
@@ -140,10 +143,10 @@ class _Compiler:
             return record(kind, found[kind.__name__.lower()])
         except ProgramError:
             raise
-        except (OSError, ValueError):
+        except (OSError, ValueError) as error:
             self.close()
-            message = "the compiler gave up on this program"
-            raise _refusal(message, "Try a simpler one.", is_unfinished=True) from None
+            _log.warning("The compile process failed: %r", error)
+            raise _gave_up() from None
         except BaseException:
             self.close()
             raise
@@ -167,16 +170,18 @@ class _Compiler:
                 [out_of], [into] if request else [], [], _LOOK_SECONDS
             )
             if writable:
-                request = request[os.write(into, request[: select.PIPE_BUF]) :]
+                try:
+                    request = request[os.write(into, request[: select.PIPE_BUF]) :]
+                except BrokenPipeError:
+                    request = b""  # it has ended: its status is told below
             if readable:
                 piece = os.read(out_of, 1 << 20)
                 if not piece:
                     self.close()
-                    if process.returncode == -signal.SIGPROF:
-                        raise _too_slow(limits)
-                if not piece or len(answer) > _LARGEST_ANSWER:
-                    raise OSError("the compile process ended or sent too much")
+                    raise _ended(process.returncode, limits)
                 answer += piece
+                if len(answer) > _LARGEST_ANSWER:
+                    raise OSError("the compile process sent too much")
 
     def _started(self, limits: Limits) -> Helper:
         bounds = str(limits.compile_bytes), str(limits.compile_seconds)
@@ -209,6 +214,26 @@ def _too_slow(limits: Limits) -> ProgramError:
         "Simplify the program; deep recursion and many mentions of a long expression are what "
         "takes time.",
         is_unfinished=True,
+    )
+
+
+def _ended(status: int, limits: Limits) -> ProgramError:
+    """Return why the compile process ended with an exit status."""
+    if status == -signal.SIGPROF:
+        return _too_slow(limits)
+    if status not in _LACKS_MEMORY:
+        _log.warning("The compile process ended with status %d.", status)
+        return _gave_up()
+    return _refusal(
+        "the program needs too much memory to compile",
+        "Shorten it, or let a recursion take fewer steps: @Recursive(P, 8);",
+        is_unfinished=status != NO_MEMORY,
+    )
+
+
+def _gave_up() -> ProgramError:
+    return _refusal(
+        "the compiler gave up on this program", "Try a simpler one.", is_unfinished=True
     )
 
 

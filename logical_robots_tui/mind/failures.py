@@ -13,6 +13,9 @@ from logical_robots_tui.mind.sqlite.database import TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.moment import TooHeavyError, Within
 from logical_robots_tui.mind.sqlite.stored import TooDeepError
 
+NO_MEMORY = 3
+"""The exit status of a compile process that ran out of memory."""
+
 _log = logging.getLogger(__name__)
 _logged: set[type[Exception]] = set()  # each class of our bugs is logged once
 

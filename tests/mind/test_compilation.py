@@ -93,6 +93,23 @@ def test_a_program_that_needs_too_much_memory_to_compile_is_refused() -> None:
     assert Program.compile(ROBOT + "m = 12346;").statements
 
 
+@pytest.mark.parametrize(
+    ("ended_by", "message"),
+    [
+        (signal.SIGSEGV, "too much memory"),
+        (signal.SIGKILL, "too much memory"),
+        (signal.SIGTERM, "gave up"),
+    ],
+)
+def test_a_compile_process_that_ends_while_compiling_is_told_by_its_cause(
+    ended_by: signal.Signals, message: str
+) -> None:
+    working = process()
+    with pytest.raises(ProgramError, match=message):
+        Program.compile(HEAVY, report=lambda *_: working.send_signal(ended_by))
+    assert Program.compile(ROBOT + "m = 779;").statements
+
+
 def test_a_compile_process_that_dies_is_replaced() -> None:
     running = process()
     running.kill()

@@ -29,7 +29,7 @@ from logical_robots_tui.language.definitions import MAIN, with_constants
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
-from logical_robots_tui.mind.failures import in_plain_words
+from logical_robots_tui.mind.failures import NO_MEMORY, in_plain_words
 from logical_robots_tui.mind.program import Program, Question, Tuned
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
@@ -77,9 +77,12 @@ def serve(jobs: Mapping[str, Job]) -> None:
     while True:
         request = json.loads(requests.get())
         signal.setitimer(signal.ITIMER_PROF, max(seconds, _LEAST_SECONDS))  # ends the process
-        found = answer(request, jobs, partial(_report, answers))
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        _say(answers, found)
+        try:
+            found = answer(request, jobs, partial(_report, answers))
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            _say(answers, found)
+        except MemoryError:  # what is left may not be enough to answer
+            os._exit(NO_MEMORY)
 
 
 def _say(answers: IO[str], what: dict[str, object]) -> None:
@@ -127,16 +130,12 @@ def answer(
         shown = error.diagnostics[:_MOST_DIAGNOSTICS]
         return {"diagnostics": [asdict(_plain(d)) for d in shown]}
     except MemoryError:
-        pass  # frees the memory of the computation before answering
+        raise
     except RecursionError:
         return _refusal("the program is nested too deeply", "Give parts of it names of their own.")
     except Exception:  # the package may raise anything, and the process must survive
         refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
         return {**refusal, "trace": traceback.format_exc()}
-    return _refusal(
-        "the program needs too much memory to compile",
-        "Shorten it, or let a recursion take fewer steps: @Recursive(P, 8);",
-    )
 
 
 def _settle(request: dict[str, Any]) -> dict[str, object]:
