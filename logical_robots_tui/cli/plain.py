@@ -22,18 +22,18 @@ from logical_robots_tui.game import (
     load_program,
     save_program,
 )
-from logical_robots_tui.game.continuing import (
-    keep_if_own,
-    level_to_begin_with,
-    note_level,
-    programs_to_begin_with,
-)
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.robustness import named_start_of
 from logical_robots_tui.game.source import hide_solutions, target, warnings_in
 from logical_robots_tui.game.victory import Victory, keep_victory, result_line, victory_of
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.paths import is_there
+from logical_robots_tui.player.continuing import (
+    keep_if_own,
+    level_to_begin_with,
+    note_level,
+    programs_to_begin_with,
+)
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import Level, load_level
 

@@ -26,8 +26,8 @@ from logical_robots_tui.paths import is_folder
 from logical_robots_tui.processes.helper import collect_later
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
+    from logical_robots_tui.player.open_games import OpenGames
 
 SIZES = ("small", "medium", "large")
 
@@ -121,7 +121,7 @@ def start(options: argparse.Namespace) -> int:
 
 def _choose_daily(options: argparse.Namespace) -> None:
     """Take the labyrinth of the day as the level, or raise InputError."""
-    from logical_robots_tui.game.continuing import daily_level
+    from logical_robots_tui.player.continuing import daily_level
     from logical_robots_tui.progress import FILE_NAME, Progress
 
     if options.programs:
@@ -174,8 +174,8 @@ def _prepare_screen() -> None:
 
 
 def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int:
+    from logical_robots_tui.player.session_state import Permissions
     from logical_robots_tui.tui.app.app import play
-    from logical_robots_tui.tui.app.session_state import Permissions
 
     free = not options.restricted
     permissions = Permissions(
@@ -195,8 +195,8 @@ def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int
 def play_replay(options: argparse.Namespace, replay: Replay) -> int:
     """Open a replay on the screen; raise InputError if there is no terminal."""
     _prepare_screen()
+    from logical_robots_tui.player.session_state import Permissions
     from logical_robots_tui.tui.app.app import play
-    from logical_robots_tui.tui.app.session_state import Permissions
 
     permissions = Permissions(solutions=not options.no_solutions)
     return play(None, (), folder_of(options.data_dir), permissions, replay=replay)

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from logical_robots_tui.confinement import confine
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.open_games import OpenGames
 from logical_robots_tui.paths import shipped_folder
+from logical_robots_tui.player.open_games import OpenGames
 from logical_robots_tui.processes.audit import refuse_all_but
 from logical_robots_tui.processes.helper import is_helper
 

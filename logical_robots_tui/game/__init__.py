@@ -6,7 +6,6 @@ from logical_robots_tui.later import lazy_exports
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import start_frame
-    from logical_robots_tui.game.continuing import Place, place_of
     from logical_robots_tui.game.debugging.breakpoints import (
         EVENTS,
         Breakpoint,
@@ -69,7 +68,6 @@ _NAMES = {
     "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
     "history.course": "Difference Divergence",
     "debugging.pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
-    "continuing": "Place place_of",
     "pace": "Pace",
     "victory": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",

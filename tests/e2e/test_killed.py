@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.progress import FILE_NAME, Progress
 from tests.short import AHEAD, LEVEL
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 KEEPS = """if True:
     import itertools, sys
     from pathlib import Path
-    from logical_robots_tui.game.drafts import Draft, Drafts
+    from logical_robots_tui.player.drafts import Draft, Drafts
     from logical_robots_tui.game.source import save_program
     from logical_robots_tui.progress import FILE_NAME, Progress
 

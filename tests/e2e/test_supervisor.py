@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.player.drafts import Drafts
 from tests.memory_use import memory_use
 from tests.terminal import Terminal
 from tests.waiting import until

@@ -14,8 +14,11 @@ import logical_robots_tui
 from tests.waiting import PATIENCE
 
 SCREEN = {"textual", "rich"}
-PARTS = ("world", "language", "mind", "explain", "progress", "editing", "game", "lab", "tui", "cli")
-WORLD, LANGUAGE, MIND, EXPLAIN, PROGRESS, EDITING, GAME, LAB, TUI, CLI = (
+PARTS = (
+    *("world", "language", "mind", "explain", "progress", "editing", "game", "player", "lab"),
+    *("tui", "cli"),
+)
+WORLD, LANGUAGE, MIND, EXPLAIN, PROGRESS, EDITING, GAME, PLAYER, LAB, TUI, CLI = (
     f"logical_robots_tui.{part}" for part in PARTS
 )
 EXTRAS = {"distributed", "plotext", "pyarrow", "pygal"}
@@ -28,7 +31,11 @@ MUST_NOT_LOAD = {
     EXPLAIN: {WORLD, PROGRESS, GAME, TUI, CLI, "numpy", "logica", "sqlglot"} | SCREEN,
     PROGRESS: {WORLD, MIND, GAME, TUI, CLI, "numpy", "logica"} | SCREEN,
     f"{EDITING}.edits": {MIND, PROGRESS, GAME, TUI, CLI, "logica", "sqlite3"} | SCREEN,
-    GAME: {TUI, CLI, "logica", "sqlglot"} | SCREEN,
+    GAME: {PLAYER, TUI, CLI, "logica", "sqlglot"} | SCREEN,
+    **{
+        f"{PLAYER}.{part}": {TUI, CLI, LAB, "logica", "sqlglot"} | SCREEN
+        for part in ("session", "library", "recorder", "recovery")
+    },
     **{
         f"{LAB}.{part}": {TUI, CLI, EDITING, "logica", "sqlglot", "textual", "rich"} | EXTRAS
         for part in ("coordinating", "cluster", "local", "reporting", "submissions", "sweeping")
@@ -39,13 +46,10 @@ MUST_NOT_LOAD = {
     **{
         f"{TUI}.{part}": {CLI, f"{TUI}.app.main_screen"} | SCREEN
         for part in (
-            "app.session",
             "library.controller",
-            "library.progress_recorder",
             "labyrinth.victory",
             "level_editor.controller",
             "level_editor.mode",
-            "recovery.offers",
             "timeline.controller",
         )
     },

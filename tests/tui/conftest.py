@@ -16,8 +16,8 @@ from textual.css.stylesheet import Stylesheet
 from textual.document._history import EditHistory
 
 from logical_robots_tui.game import Source, load_program, measuring
+from logical_robots_tui.player.session_state import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from logical_robots_tui.tui.app.session_state import Opening
 from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.layout.status_line import StatusLine
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from textual.css.model import RuleSet
     from textual.pilot import Pilot
 
+    from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.app.main_screen import MainScreen
-    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.app.settings import Settings
 
 _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn

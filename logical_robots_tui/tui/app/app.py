@@ -16,16 +16,16 @@ from textual.errors import NoWidget
 from textual.geometry import Region, Size
 from textual.theme import Theme
 
-from logical_robots_tui.game.continuing import level_to_begin_with, programs_to_begin_with
 from logical_robots_tui.game.source import hide_solutions
+from logical_robots_tui.player.continuing import level_to_begin_with, programs_to_begin_with
+from logical_robots_tui.player.recorder import THEME, TOUR, ProgressRecorder
+from logical_robots_tui.player.session_state import Opening, Permissions
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.session_state import Opening, Permissions
 from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
-from logical_robots_tui.tui.library.progress_recorder import THEME, TOUR, ProgressRecorder
 from logical_robots_tui.tui.terminal.capabilities import drawing_for, may_use_mouse
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
@@ -36,8 +36,8 @@ from logical_robots_tui.tui.timeline.replays import level_of, sources_of
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
+    from logical_robots_tui.player.open_games import OpenGames
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end

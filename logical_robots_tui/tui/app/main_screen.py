@@ -14,11 +14,15 @@ from textual.widget import Widget
 from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game import Frame, level_key
-from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.player.autosave import Autosave, UnsavedText, leave, program_draft
+from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.library import Library
+from logical_robots_tui.player.recovery import Bookmark, Offering, OtherGames
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import Opening, SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
-from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler, ScreenUi
-from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_state import Opening, SessionListener
+from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
+from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
@@ -47,17 +51,15 @@ from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
-from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, leave, program_draft
-from logical_robots_tui.tui.recovery.offers import Bookmark, Offering, Offers, OtherGames
 from logical_robots_tui.tui.timeline.controller import Search, TimelineController
 from logical_robots_tui.tui.timeline.replays import Replays
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
+    from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 _HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
 _READABLE = 0.2  # seconds that a number stays while robots run
@@ -105,28 +107,27 @@ class MainScreen(Screen[None], SessionListener):
             failed=self.warn,
             what="What you type",
         )
-        self.library = LibraryController(
+        library = self.library = Library(
+            session, ui, recorder, self.drafts, self.autosave, program, data_dir
+        )
+        self.editing = LevelEditing(
+            session, ui, data_dir / "levels", self.drafts, library.open_level, self._panel
+        )
+        self.library_controller = LibraryController(
+            library,
             session,
             ui,
             recorder,
-            self.drafts,
-            self.autosave,
             program,
-            data_dir,
+            data_dir / "levels",
             drawing=lambda: view.drawing,
-            make_level=lambda: self.editing.make_level(),
+            make_level=self.editing.make_level,
         )
-        self.editing = LevelEditing(
-            session, ui, data_dir / "levels", self.drafts, self.library.open_level, self._panel
-        )
-        library = self.library
         self.bookmark = Bookmark(
             session, self.drafts, ui, library.open_level, library.open_program, library.look_at
         )
-        self.offers = Offers(ui, lambda: self.is_active)
-        self.learning = LearningController(
-            session, ui, recorder, program, self.library.open_program
-        )
+        self.offers = ScreenOffers(ui, lambda: self.is_active)
+        self.learning = LearningController(session, ui, recorder, program, library.open_program)
         self.program_controller = ProgramController(
             program,
             session,
@@ -136,8 +137,8 @@ class MainScreen(Screen[None], SessionListener):
             enter=lambda: self.go_to(program),
             suspend=lambda: self.app.suspend(),
         )
-        self.team_choice = TeamChoice(session, self.library.look_at, self.tell)
-        self._watch = FileWatch(lambda: session.source, self.library.take_from_disk)
+        self.team_choice = TeamChoice(session, library.look_at, self.tell)
+        self._watch = FileWatch(lambda: session.source, library.take_from_disk)
         self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
         self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
         self.replays = Replays(session, ui, data_dir / "replays")

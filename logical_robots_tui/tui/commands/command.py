@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, 
 from logical_robots_tui.tui.terminal.textual_internals import characters_by_key
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session_state import Spawn
+    from logical_robots_tui.player.session_state import Spawn
 
 Target = TypeVar("Target")
 

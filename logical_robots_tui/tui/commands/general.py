@@ -48,7 +48,7 @@ async def run_until(screen: MainScreen) -> None:
 
 
 def definition(screen: MainScreen) -> None:
-    from logical_robots_tui.tui.theme.safe_text import one_line
+    from logical_robots_tui.wording import one_line
 
     word = program(screen).go_to_definition()
     if word:

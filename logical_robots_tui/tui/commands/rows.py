@@ -26,7 +26,7 @@ _NOT_TRACED = (
 def pin(screen: MainScreen) -> None:
     from logical_robots_tui.game import Pin
     from logical_robots_tui.tui.inspector.under_cursor import pin_here
-    from logical_robots_tui.tui.theme.safe_text import one_line
+    from logical_robots_tui.wording import one_line
 
     inspector = screen.inspector
     if inspector.pages.pins.has_focus:

@@ -87,19 +87,19 @@ programs.add("wrap", "Wrap lines", "", general.wrap,
     "Wrap lines of the program that are too long for the pane, or cut them.")
 programs.add("rename", "Rename the predicate", "", lambda s: s.program_controller.rename(),
     "Rename the predicate under the cursor wherever it is used.", worker="dialog")
-programs.add("level", "Choose a level", "l", lambda s: s.library.choose_level(),
+programs.add("level", "Choose a level", "l", lambda s: s.library_controller.choose_level(),
     "Show all levels and what you have won, or type the path of a level file.",
     bar="Level", spare=2, worker="dialog")
 programs.add("next_level", "Next level", "greater_than_sign", lambda s: s.library.next_level(),
     "Go to the level after this one.", worker="dialog")
 programs.add("daily", "Labyrinth of the day", "", lambda s: s.library.open_daily(),
     "Open the labyrinth that everybody has today, in one of three sizes.", worker="dialog")
-programs.add("program", "Choose a program", "o", lambda s: s.library.choose_program(),
+programs.add("program", "Choose a program", "o", lambda s: s.library_controller.choose_program(),
     "Choose a program, or type the path of a program file.", bar="Open", spare=4, worker="dialog")
-programs.add("save", "Save the program", "ctrl+s", lambda s: s.library.save(),
+programs.add("save", "Save the program", "ctrl+s", lambda s: s.library_controller.save(),
     "Save the text in the editor in its file, or under a name if that is not your own.",
     bar="Save", place="editor", worker="dialog")
-programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library.save_as(),
+programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_controller.save_as(),
     "Save the text in the editor as a program of your own, under any name.",
     bar="Save as", spare=9, worker="dialog")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),

@@ -18,8 +18,8 @@ from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError, Table
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain import Node
     from logical_robots_tui.game import Inquiry
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 
 

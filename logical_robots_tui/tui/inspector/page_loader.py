@@ -22,7 +22,7 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 )
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 
 class Pages:

@@ -12,7 +12,7 @@ from textual.widgets import OptionList
 from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, Superseded
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, Survey, definition
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
 from logical_robots_tui.tui.inspector.predicate_list import (
@@ -28,7 +28,7 @@ from logical_robots_tui.tui.inspector.predicate_list import (
 from logical_robots_tui.tui.layout.arrangement import Pane
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.inspector.page_loader import Pages
     from logical_robots_tui.tui.inspector.under_cursor import Traced
     from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable

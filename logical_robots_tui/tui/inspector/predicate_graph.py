@@ -13,8 +13,8 @@ from textual.widgets import Static
 from logical_robots_tui.tui.inspector.predicate_list import MARKS
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

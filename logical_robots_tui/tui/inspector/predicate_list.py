@@ -9,8 +9,8 @@ from textual.content import Content
 from textual.widgets.option_list import Option
 
 from logical_robots_tui.tui.layout.dialogs import Listing
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate

@@ -11,7 +11,7 @@ from logical_robots_tui.explain import Ask
 from logical_robots_tui.explain.why.explainer import read_ask
 from logical_robots_tui.explain.why.spelling import spell_call
 from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Prompt
 from logical_robots_tui.values import spell
 

@@ -17,15 +17,14 @@ from textual.widgets import Static
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.labyrinth.results import results_lines
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import clip, count_of, one_line, visible
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 
 if TYPE_CHECKING:
+    from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 
 _OFFERS = (

@@ -13,8 +13,8 @@ from logical_robots_tui.world.level import SecondGoal
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.measuring import Trial
+    from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.progress import Bests, Measures
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 _TITLES = ("ticks", "rules", "distance", "robust")
 _WIDTHS = (9, 7, 10, 11)

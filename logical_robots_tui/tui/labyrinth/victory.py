@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 from logical_robots_tui.game import Frame
 from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER, MarkKind
-from logical_robots_tui.tui.app.session_state import SessionListener
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
+    from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.session import Session
     from logical_robots_tui.progress import Measures
-    from logical_robots_tui.tui.app.session import Session
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 
 _BLOCKED = f"stuck: blocked for {STUCK_AFTER} ticks."
 _AGAIN = f"in circles: {ROUNDS} times the same way."

@@ -14,7 +14,7 @@ from textual.geometry import Offset, Size
 from textual.message import Message
 from textual.widget import Widget
 
-from logical_robots_tui.tui.theme.safe_text import visible
+from logical_robots_tui.wording import visible
 
 
 class Pane(Container):

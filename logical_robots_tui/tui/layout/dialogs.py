@@ -15,7 +15,7 @@ from textual.screen import ModalScreen, Screen
 from textual.widgets import Button, Input, OptionList, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.tui.theme.safe_text import one_line, visible_lines
+from logical_robots_tui.wording import one_line, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

@@ -13,11 +13,11 @@ from logical_robots_tui.game import Goal, goals
 from logical_robots_tui.game.frame import is_match_over, standing
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.terminal.diff_app import repaint
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]
 

@@ -11,19 +11,19 @@ from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
 from logical_robots_tui.progress import Version
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.layout.dialogs import Question
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import ProgramText, Ui
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
+    from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.session_state import ProgramText
+    from logical_robots_tui.tui.app.ui import Dialogs
 
 
 class LearningController:
     def __init__(
         self,
         session: Session,
-        ui: Ui,
+        ui: Dialogs,
         recorder: ProgressRecorder,
         program: ProgramText,
         open_program: Callable[[Source, str], None],
@@ -70,8 +70,7 @@ class LearningController:
                 "Do you want to see winning programs before you have won? "
                 "A hint ({hint}) may be all you need."
             )
-            asked = Question("Reference programs", question, answers)
-            if await self._ui.ask(asked) != "yes":
+            if await self._ui.choose("Reference programs", question, answers) != "yes":
                 return
         try:
             names = await asyncio.to_thread(reference_names, level.solution)
@@ -116,8 +115,7 @@ class LearningController:
         question = with_keys(
             "Put the starter program back? Yours is kept among the earlier versions ({versions})."
         )
-        asked = Question("Reset to the starter", question, answers)
-        if await self._ui.ask(asked) == "yes":
+        if await self._ui.choose("Reset to the starter", question, answers) == "yes":
             self._recorder.keep(self._program.text, starter.text)
             self._open_program(starter, starter.text)
             self._ui.tell("The starter program is back.")

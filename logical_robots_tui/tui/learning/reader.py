@@ -14,8 +14,8 @@ from textual.widgets import Markdown, Static
 
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
-from logical_robots_tui.tui.theme.safe_text import one_line, visible
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX
+from logical_robots_tui.wording import one_line, visible
 
 
 class Reader(Dialog[None]):

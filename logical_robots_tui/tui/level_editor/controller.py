@@ -8,21 +8,22 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.app.session_state import SessionListener, Ui
+from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.drafts import Draft, Drafts
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.drafts import Draft, Drafts
+    from logical_robots_tui.player.recovery import Offers
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.app.ui import Dialogs
     from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
-    from logical_robots_tui.tui.recovery.offers import Offers
 
 
 class LevelEditing(SessionListener):
     def __init__(
         self,
         session: Session,
-        ui: Ui,
+        ui: Dialogs,
         own: Path,
         drafts: Drafts,
         open_level: Callable[[Level], Awaitable[None]],
@@ -93,7 +94,7 @@ class LevelEditing(SessionListener):
         except OSError:
             return  # current edits can't be kept either, which is reported then
         if drafts:
-            from logical_robots_tui.tui.recovery.offers import offer
+            from logical_robots_tui.player.recovery import offer
 
             await offer(offers, drafts, self._drafts, self._go_on)
 

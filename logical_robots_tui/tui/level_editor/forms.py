@@ -22,11 +22,11 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.editing.checks import LevelFinding
 from logical_robots_tui.editing.things import Ref, change, resize, set_words
 from logical_robots_tui.editing.things import thing as thing_of
-from logical_robots_tui.tui.app.session_state import Ui
+from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.library.level_screen import own_levels
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import (
     Beacon,
     Level,
@@ -435,7 +435,7 @@ class NewLevelForm(Form):
         return replace(level, name=f"{original}-copy", title=f"{level.title} (copy)", source="")
 
 
-async def ask_for_level(ui: Ui, here: str, own: Path) -> Level | None:
+async def ask_for_level(ui: Dialogs, here: str, own: Path) -> Level | None:
     own_names = await asyncio.to_thread(own_levels, own)
     shipped = await asyncio.to_thread(list_shipped)
     names = list(dict.fromkeys([*shipped, *own_names]))

@@ -13,10 +13,10 @@ from logical_robots_tui.editing.checks import LevelFinding, check
 from logical_robots_tui.editing.level_text import lost_in_web, write_native
 from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.game import is_shipped
-from logical_robots_tui.game.drafts import Draft, Drafts, Key
+from logical_robots_tui.player.autosave import Autosave
+from logical_robots_tui.player.drafts import Draft, Drafts, Key
 from logical_robots_tui.tui.level_editor.editor import LevelEditor
-from logical_robots_tui.tui.recovery.autosave import Autosave
-from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, LevelError, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.drawing import coarsest_cell
@@ -24,8 +24,8 @@ from logical_robots_tui.world.levels.load import is_web_file
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Ui
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.app.ui import Dialogs
 
 _DRAFT_DELAY = 1.0  # seconds from a change to its draft on disk
 _CHECK_DELAY = 0.3  # seconds without a change before a level is checked
@@ -73,7 +73,7 @@ class EditMode:
     def __init__(
         self,
         session: Session,
-        ui: Ui,
+        ui: Dialogs,
         own: Path,
         drafts: Drafts,
         view: Callable[[EditMode], EditView],

@@ -19,9 +19,8 @@ from logical_robots_tui.tui.layout.command_bar import Labels
 from logical_robots_tui.tui.level_editor.editor import PAINTING, LevelEditor, Tool
 from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Area, Beacon, Robot
 
 if TYPE_CHECKING:

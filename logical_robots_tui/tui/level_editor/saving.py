@@ -13,9 +13,8 @@ from logical_robots_tui.editing.files import is_made_here, save_level
 from logical_robots_tui.editing.things import set_words
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import target
-from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.library.save_dialog import SaveDialog
-from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.levels.load import NATIVE, SUFFIXES
 
@@ -33,7 +32,7 @@ async def save(mode: EditMode) -> bool:
         name = one_line(mode.file.name)
         answers = [("other", "Save under another name"), ("same", f"Replace {name}")]
         question = f"{name} was not made by this game. Replace it?"
-        answer = await mode.ui.ask(Question("Save the level", question, answers))
+        answer = await mode.ui.choose("Save the level", question, answers)
         if answer != "same":
             return answer == "other" and await save_as(mode)
     # Not cancelled, because the game must learn that the file was written.
@@ -87,7 +86,7 @@ async def ask_what_to_keep(mode: EditMode) -> None:
     if mode.file is not None:
         answers.insert(0, ("save", "Save"))
     question = "What should happen to your changes to the level?"
-    answer = await mode.ui.ask(Question("Leave editing", question, answers))
+    answer = await mode.ui.choose("Leave editing", question, answers)
     if answer == "away":
         mode.throw_away()
     elif (answer == "save" and not await save(mode)) or (
@@ -104,7 +103,7 @@ async def ask_to_throw_away(mode: EditMode) -> None:
         return
     answers = [("no", "No, keep them"), ("yes", "Yes, throw them away")]
     question = "Throw all changes away? Undo restores them until you leave the level."
-    if await mode.ui.ask(Question("Throw away", question, answers)) == "yes":
+    if await mode.ui.choose("Throw away", question, answers) == "yes":
         mode.throw_away()
         mode.redraw()
 

@@ -24,8 +24,8 @@ from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 from logical_robots_tui.tui.labyrinth.results import brief
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, World, load_level
 
 LINES_AROUND = 4

@@ -19,11 +19,10 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, list_programs, load_program
 from logical_robots_tui.paths import pasted_path, typed_path
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible_lines
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import clip, count_of, one_line, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

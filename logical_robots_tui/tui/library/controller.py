@@ -1,49 +1,37 @@
-"""Opening levels and programs, saving, and restoring drafts."""
+"""Choosing a level or a program, and saving under another name."""
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable
-from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
-from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, load_program, save_program
-from logical_robots_tui.game.drafts import Draft, Drafts, Key
-from logical_robots_tui.game.source import programs_for
-from logical_robots_tui.tui.recovery.offers import Offers, short_name, when_saved
-from logical_robots_tui.tui.theme.safe_text import one_line
-from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
+from logical_robots_tui.game import Source
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import ProgramText, Ui
+    from logical_robots_tui.player.library import Library
+    from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.session_state import ProgramText
+    from logical_robots_tui.tui.app.ui import Dialogs
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-    from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText
-    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 
 class LibraryController:
-    """Changes the level and program of a session without losing unsaved text."""
-
     def __init__(
         self,
+        library: Library,
         session: Session,
-        ui: Ui,
+        ui: Dialogs,
         recorder: ProgressRecorder,
-        drafts: Drafts,
-        autosave: Autosave[UnsavedText],
         program: ProgramText,
-        data_dir: Path,
+        own_levels: Path,
         *,
         drawing: Callable[[], Drawing],
         make_level: Callable[[], Awaitable[None]],
     ) -> None:
-        self._session, self._ui, self._recorder = session, ui, recorder
-        self._drafts, self._autosave, self._program = drafts, autosave, program
-        self._own, self._own_levels = data_dir / "programs", data_dir / "levels"
+        self._library, self._session, self._ui, self._recorder = library, session, ui, recorder
+        self._program, self._own_levels = program, own_levels
         self._drawing, self._make_level = drawing, make_level
 
     async def choose_level(self) -> None:
@@ -56,203 +44,26 @@ class LibraryController:
         if isinstance(level, NewLevel):
             await self._make_level()
         elif level is not None:
-            await self.open_level(level)
-
-    async def next_level(self) -> None:
-        listed = list_arenas if self._session.level.teams else list_levels
-        names = await asyncio.to_thread(listed)
-        here = self._session.level.name
-        following = names[names.index(here) + 1 :] if here in names else names[:1]
-        if not following:
-            self._ui.tell("This was the last level.")
-            return
-        try:
-            level = await asyncio.to_thread(load_level, following[0])
-        except InputError as error:
-            self._ui.warn(str(error))
-            return
-        await self.open_level(level)
-
-    async def open_daily(self) -> None:
-        from logical_robots_tui.game.continuing import daily_level
-        from logical_robots_tui.tui.layout.dialogs import Question
-        from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES
-
-        today = date.today()
-        answers = [(size, size.capitalize()) for size in DAILY_SIZES]
-        asked = Question("Labyrinth of the day", f"{today.isoformat()}: which size?", answers)
-        if (answer := await self._ui.ask(asked)) is None:
-            return
-        size = cast("DailySize", answer)
-        try:
-            progress = self._recorder.progress
-            level = await asyncio.to_thread(daily_level, progress, today, size)
-        except InputError as error:
-            self._ui.warn(str(error))
-            return
-        await self.open_level(level)
-
-    async def open_level(self, level: Level) -> None:
-        source = self._session.source
-        sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
-        if level.teams or (level.starter and level.starter != source.name):
-            try:
-                sources = await asyncio.to_thread(programs_for, level, (), {}, self._own)
-            except InputError as error:
-                self._ui.warn(str(error))
-        source = next(iter(sources.values()))
-        kept = None
-        if source.name == level.starter:
-            kept = await self._recorder.newest(level)
-        text = self._leave_text_for(source, kept)
-        self._session.open_level(level, sources, text)
-
-    def look_at(self, team: str) -> None:
-        source, applied = self._session.sources.of(team)
-        self._leave_text_for(source, applied, tells=False)
-        self._session.look_at(team)
+            await self._library.open_level(level)
 
     async def choose_program(self) -> None:
         from logical_robots_tui.tui.library.chooser import Chooser, ProgramShelf
 
-        chooser = Chooser[Source](ProgramShelf(self._own), self._session.source.name)
+        chooser = Chooser[Source](ProgramShelf(self._library.programs), self._session.source.name)
         source = await self._ui.ask(chooser)
         if source is not None:
-            self.open_program(source)
-
-    def open_program(self, source: Source, text: str | None = None) -> None:
-        """Edit and apply a program, with a given text or that of its draft."""
-        source = source._replace(team=self._session.sources.team)
-        if text is None:
-            text = self._leave_text_for(source)
-        elif source.draft == self._session.source.draft:
-            self._program.put(text)
-        else:
-            self._autosave.flush()
-            self._program.load(text)
-        self._session.open_program(source, text)
+            self._library.open_program(source)
 
     async def save(self) -> None:
-        source = self._session.source
-        if source.shipped:
+        if self._session.source.shipped:
             await self.save_as()
-            return
-        try:
-            await asyncio.to_thread(save_program, source.path, self._program.text)
-            saved = await asyncio.to_thread(load_program, source.path)
-        except InputError as error:
-            self._ui.warn(str(error))
         else:
-            self._saved(source, saved)
+            await self._library.save()
 
     async def save_as(self) -> None:
         from logical_robots_tui.tui.library.save_dialog import SaveAs
 
         former, text = self._session.source, self._program.text
-        saved = await self._ui.ask(SaveAs(former, text, self._own))
+        saved = await self._ui.ask(SaveAs(former, text, self._library.programs))
         if saved is not None:
-            self._saved(former, saved)
-
-    def _saved(self, former: Source, saved: Source) -> None:
-        """Continue with a saved program, unless another one was opened meanwhile."""
-        if self._session.source.draft == former.draft:
-            self._drafts.drop(("program", former.draft))
-            self._session.saved_as(saved)
-            self._autosave.edited()
-            self._ui.tell(f"Saved as {one_line(saved.name)}.")
-
-    def take_from_disk(self, source: Source) -> None:
-        """Use a program changed on disk, unless the player has typed meanwhile."""
-        session, name = self._session, one_line(source.name)
-        if self._program.text == source.text:
-            session.saved_as(source)  # the game may have just saved it
-            self._autosave.edited()
-        elif self._program.text == session.source.text:
-            self._program.put(source.text)
-            session.open_program(source, source.text)
-            self._ui.tell(f"{name} has changed on disk and is applied.")
-        else:
-            session.saved_as(source)
-            self._ui.warn(f"{name} has changed on disk; your text is kept here.")
-
-    def _leave_text_for(
-        self, source: Source, kept: str | None = None, *, tells: bool = True
-    ) -> str:
-        """Put a program's draft, or else `kept`, into the editor, and return it.
-
-        The old text is kept; `tells` says whether to tell the player.
-        """
-        if source.draft == self._session.source.draft:
-            return self._program.text
-        self._autosave.flush()
-        key: Key = "program", source.draft
-        draft = self._drafts.get(key) or self._drafts.take(key)
-        if draft is not None and draft.text != source.text:
-            name = "program for this level"
-            if draft.text != kept:
-                name = f"unsaved text of {one_line(source.name)}"
-            if tells:
-                self._ui.tell(f"Your {name} has been restored.")
-            self._program.load(draft.text)
-            return draft.text
-        text = source.text if kept is None else kept
-        if text != source.text and tells:
-            self._ui.tell("Your program for this level has been restored.")
-        self._program.load(text)
-        return text
-
-    async def offer(self, offers: Offers) -> None:
-        """Offer unsaved texts of this program; those of others are offered next time."""
-        asked: str | None = None
-        while drafts := await offers.at_hand(self._left_unsaved):
-            here = asked or self._session.source.draft
-            draft = next((draft for draft in drafts if draft.path == here), drafts[0])
-            if asked not in (None, draft.path):
-                return
-            another = "another" if asked else "your"
-            question = (
-                f"Continue with {another} unsaved text of {short_name(draft)} "
-                f"from {when_saved(draft)}?"
-            )
-            answers = [("yes", "Yes, continue"), ("no", "No, set it aside"), ("show", "Show it")]
-            answer = await offers.ask("Unsaved text", question, answers, text=draft.text)
-            if answer == "yes":
-                self._continue_with(draft)
-            elif answer == "no":
-                self._recorder.set_aside(draft)
-                await asyncio.to_thread(self._drafts.put_away, draft)
-            else:
-                return
-            asked = draft.path
-
-    async def _left_unsaved(self) -> list[Draft]:
-        try:
-            drafts = await asyncio.to_thread(self._drafts.adopt, "program")
-        except OSError as error:
-            self._autosave.report(error)
-            return []
-        return [draft for draft in drafts if await self._is_unsaved(draft)]
-
-    def _continue_with(self, draft: Draft) -> None:
-        source, sources = Source.of_draft(draft.path, draft.name), self._session.sources
-        if source.team != sources.team and source.team in sources.teams:
-            self.look_at(source.team)
-        self._autosave.flush()
-        if replaced := self._drafts.get(draft.key):
-            self._recorder.set_aside(replaced)
-        self._drafts.take(draft.key, draft.text)
-        if draft.path == self._session.source.draft:
-            source = self._session.source
-            self._program.put(draft.text)
-        else:
-            self._program.load(draft.text)
-        self._session.open_program(source, draft.text)
-
-    async def _is_unsaved(self, draft: Draft) -> bool:
-        """Return whether a draft is neither in its file nor among the earlier versions."""
-        source = await asyncio.to_thread(Source.of_draft, draft.path, draft.name)
-        kept = await self._recorder.ask(lambda progress: progress.holds(draft.text))
-        if source.text != draft.text and not kept:
-            return True
-        await asyncio.to_thread(self._drafts.put_away, draft)
-        return False
+            self._library.saved(former, saved)

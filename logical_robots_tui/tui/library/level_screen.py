@@ -16,22 +16,21 @@ from textual.widgets import Input, Static
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.paths import is_file, pasted_path, typed_path
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.library.cards import LevelCard, LevelCards, miniature, shipped_level
 from logical_robots_tui.tui.library.chooser import is_path
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, palette_of
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import count_of, one_line
 from logical_robots_tui.world import Level, list_arenas, list_shipped, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
-    from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
+    from logical_robots_tui.player.recorder import ProgressRecorder
 
 _ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
 

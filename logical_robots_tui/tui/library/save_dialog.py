@@ -14,7 +14,7 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Result
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from logical_robots_tui.language.source_text import Prepared, prepare
 from logical_robots_tui.schema import RECORDS
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.program.lexer import KEYWORDS
-from logical_robots_tui.tui.theme.safe_text import clip
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip
 
 
 class Word(NamedTuple):

@@ -20,13 +20,13 @@ from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.program.editor import find_after, is_predicate_name, rename
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Permissions, Ui
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.session_state import Permissions
+    from logical_robots_tui.tui.app.ui import Dialogs
     from logical_robots_tui.tui.program.pane import ProgramPane
 
 _LONGEST = 30
@@ -37,7 +37,7 @@ class ProgramController:
         self,
         pane: ProgramPane,
         session: Session,
-        ui: Ui,
+        ui: Dialogs,
         copies: Path,
         *,
         permissions: Callable[[], Permissions],

@@ -27,8 +27,8 @@ from logical_robots_tui.tui.program.completion import (
 )
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import mark
-from logical_robots_tui.tui.theme.safe_text import visible
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
+from logical_robots_tui.wording import visible
 
 
 def follow_rows(

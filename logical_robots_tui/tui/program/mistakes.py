@@ -12,8 +12,8 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widgets import Static
 
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic

@@ -16,15 +16,14 @@ from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor, follow_rows
 from logical_robots_tui.tui.program.mistakes import MistakeStrip
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import ProgramState
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.session_state import ProgramState
 
 
 _LONGEST = 16

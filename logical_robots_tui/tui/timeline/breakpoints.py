@@ -20,17 +20,17 @@ from logical_robots_tui.game import (
     mistake_in_question,
     subjects,
 )
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing, Prompt
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 
 READING = "Reading the question…"

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.game import MarkKind, NoSuchTickError, Superseded
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import SessionListener, Ui
-from logical_robots_tui.tui.theme.safe_text import one_line
+from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Breakpoint, Game, Hit, SearchResult
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.app.ui import Dialogs
 
 _SOUGHT: tuple[MarkKind, ...] = (
     "victory",
@@ -32,7 +33,7 @@ _NO_PROGRAM = "There is no program yet."
 
 
 class TimelineController(SessionListener):
-    def __init__(self, session: Session, ui: Ui, selected: Callable[[], str | None]) -> None:
+    def __init__(self, session: Session, ui: Dialogs, selected: Callable[[], str | None]) -> None:
         self._session, self._ui, self._selected = session, ui, selected
 
     @property
@@ -159,7 +160,7 @@ _PATIENCE = 0.5  # seconds of a search before a message
 class Search:
     """Goes to the next or previous tick in which a question holds."""
 
-    def __init__(self, session: Session, ui: Ui, go_to: Callable[[int], None]) -> None:
+    def __init__(self, session: Session, ui: Dialogs, go_to: Callable[[int], None]) -> None:
         self._session, self._ui, self._go_to = session, ui, go_to
         self._question = ""
 

@@ -13,13 +13,13 @@ from logical_robots_tui.explain import Node
 from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import BackgroundQuery, progress
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.learning.reader import Reader
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Desire
+from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Difference, Divergence, Game

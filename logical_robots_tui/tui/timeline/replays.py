@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Ui
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.app.ui import Dialogs
 
 
 def level_of(replay: Replay) -> Level:
@@ -59,7 +59,7 @@ def _source_of(name: str, text: str, own: Path) -> Source:
 
 
 class Replays:
-    def __init__(self, session: Session, ui: Ui, folder: Path) -> None:
+    def __init__(self, session: Session, ui: Dialogs, folder: Path) -> None:
         self._session, self._ui, self._folder = session, ui, folder
 
     async def open(self, replay: Replay) -> None:

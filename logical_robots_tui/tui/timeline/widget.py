@@ -15,12 +15,12 @@ from textual.widget import Widget
 from logical_robots_tui.game import MARK_KINDS, Mark, MarkKind
 from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER
 from logical_robots_tui.tui.terminal.diff_app import repaint
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 SIGNS: dict[MarkKind, tuple[str, str, str]] = {
     "victory": ("★", f"bold {INK.key}", "victory"),

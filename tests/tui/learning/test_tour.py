@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.player.recorder import TOUR
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.learning.tour import STOPS, Tour
-from logical_robots_tui.tui.library.progress_recorder import TOUR
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.game.drafts import Draft
 from logical_robots_tui.game.source import Source
+from logical_robots_tui.player.drafts import Draft
+from logical_robots_tui.player.session_state import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from logical_robots_tui.tui.app.session_state import Opening
 from logical_robots_tui.tui.inspector.predicate_list import DECISION
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH

@@ -15,7 +15,7 @@ from logical_robots_tui.tui.inspector.pages.robots import radar_strip
 from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
 from logical_robots_tui.tui.layout.status_line import Status, fit
 from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
-from logical_robots_tui.tui.theme.safe_text import clip, one_line, visible
+from logical_robots_tui.wording import clip, one_line, visible
 
 if TYPE_CHECKING:
     from logical_robots_tui.values import Value

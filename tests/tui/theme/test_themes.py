@@ -9,9 +9,9 @@ from rich.cells import cell_len
 from textual.color import Color
 from textual.theme import BUILTIN_THEMES
 
+from logical_robots_tui.player.recorder import THEME, ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.inspector.predicate_list import PredicateList
-from logical_robots_tui.tui.library.progress_recorder import THEME, ProgressRecorder
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, contrast, palette_of
 from tests.tui.conftest import opened
 

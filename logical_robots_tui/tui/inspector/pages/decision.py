@@ -14,13 +14,13 @@ from logical_robots_tui.mind import Table
 from logical_robots_tui.tui.inspector.page import Page, Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked, radar_plot
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn

@@ -14,15 +14,15 @@ from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Placed, Questions
 from logical_robots_tui.tui.layout.dialogs import Listing
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
+from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 _START = "(start)"
 _EVERY = 10  # ticks between two progress reports

@@ -13,21 +13,20 @@ from logical_robots_tui.game import Frame, Link, Origin, Superseded, origin_in_g
 from logical_robots_tui.game.debugging.origin import is_memory
 from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
 from logical_robots_tui.mind import QueryError
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Cancelled, Page, Placed, Questions, progress
 from logical_robots_tui.tui.inspector.predicate_list import ORIGIN, ROBOTS, WHY
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import count_of, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.inspector.under_cursor import Traced
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."

@@ -13,7 +13,7 @@ from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.schema import VALUE
-from logical_robots_tui.tui.app.frame_scheduler import in_background
+from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import (
     NO_PROGRAM,
     Cancelled,
@@ -26,13 +26,13 @@ from logical_robots_tui.tui.inspector.page import (
 )
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import spell
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.tui.app.session import Session
+    from logical_robots_tui.player.session import Session
 
 _LONGEST_ARGUMENT = 24
 _LONGEST_VALUE = 60

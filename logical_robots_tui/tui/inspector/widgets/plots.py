@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 from textual.content import Content
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value, spell
+from logical_robots_tui.wording import clip, visible
 
 FULL = 20_000
 """Characters after which even the full view of a value ends."""

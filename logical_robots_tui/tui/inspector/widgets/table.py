@@ -22,10 +22,9 @@ from logical_robots_tui.game import MIND, ROBOT_COLUMNS
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value, is_number
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
-from logical_robots_tui.tui.theme.safe_text import clip, visible
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value
-from logical_robots_tui.wording import count_of
+from logical_robots_tui.wording import clip, count_of, visible
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Table

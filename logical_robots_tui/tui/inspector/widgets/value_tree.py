@@ -15,9 +15,9 @@ from textual.widgets import Static, Tree
 from logical_robots_tui.schema import ray_angle
 from logical_robots_tui.tui.inspector.widgets.plots import inked, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.theme.safe_text import one_line
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value
+from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game import Source, level_key
-from logical_robots_tui.game.continuing import keep_if_own, note_level
 from logical_robots_tui.game.victory import Victory, keep_victory, references_for
+from logical_robots_tui.player.continuing import keep_if_own, note_level
+from logical_robots_tui.player.session_state import SessionListener, Ui, nothing
 from logical_robots_tui.progress import NEW, Bests, LevelRecord, Measures, Progress, Version
-from logical_robots_tui.tui.app.session_state import SessionListener, Ui, nothing
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import SecondGoal
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
-    from logical_robots_tui.game.drafts import Draft
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
+    from logical_robots_tui.player.drafts import Draft
 
 THEME, TOUR = "theme", "tour"
 """Facts in the player's record: which theme was chosen, and that the tour is over."""

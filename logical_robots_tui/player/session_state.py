@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.editing.edits import Edits
@@ -13,14 +13,12 @@ from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
-    from textual.screen import Screen
-
     from logical_robots_tui.game import Frame, Hit, Source
-    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
+    from logical_robots_tui.player.open_games import OpenGames
 
 
 class OpenLevel:
@@ -206,8 +204,6 @@ class ProgramText(Protocol):
         """Replace the text of the same program; undo restores the old one."""
 
 
-Result = TypeVar("Result")
-
 Work: TypeAlias = "Callable[[], Coroutine[Any, Any, None]]"
 """A function and not a coroutine, because one that is cancelled early would never be awaited."""
 
@@ -218,7 +214,7 @@ class Spawn(Protocol):
 
 
 class Ui(Protocol):
-    """Messages, dialogs and work for a controller."""
+    """Messages, questions and background work for whoever changes what a player has."""
 
     def tell(self, message: str) -> None:
         """Show a message."""
@@ -229,13 +225,10 @@ class Ui(Protocol):
     def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
         """Start background work; exclusive work cancels the other work of its group."""
 
-    def show(
-        self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
-    ) -> None:
-        """Show a dialog, and call `closed` with its result."""
-
-    async def ask(self, dialog: Screen[Result]) -> Result | None:
-        """Show a dialog and return its result; only for background work."""
+    async def choose(
+        self, title: str, question: str, answers: Sequence[tuple[str, str]]
+    ) -> str | None:
+        """Ask a question and return the name of the answer, or None; only for background work."""
 
 
 class Permissions(NamedTuple):

@@ -19,7 +19,7 @@ from logical_robots_tui.game import (
 from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.tui.app.session_state import (
+from logical_robots_tui.player.session_state import (
     Movement,
     OpenLevel,
     ProgramState,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.tui.app.session_state import SessionListener, Spawn, Work
+    from logical_robots_tui.player.session_state import SessionListener, Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.game.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Kind
+from logical_robots_tui.player.drafts import OLD_DRAFTS_KEPT, Draft, Drafts, Kind
 from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 HOLD = """
 import sys, time
 from pathlib import Path
-from logical_robots_tui.game.drafts import Draft, Drafts
+from logical_robots_tui.player.drafts import Draft, Drafts
 drafts = Drafts(Path(sys.argv[1]))
 drafts.keep(Draft("program", "mine", "/p/mine.l", sys.argv[2]))
 if "fork" in sys.argv:

@@ -1,4 +1,4 @@
-"""Offers to restore what an earlier session left: unsaved texts and levels, and its place."""
+"""Restores what an earlier session left: unsaved levels, and its place; ends other games."""
 
 from __future__ import annotations
 
@@ -12,38 +12,27 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import (
-    Place,
     Source,
     compile_program,
     level_key,
     load_program,
-    place_of,
 )
-from logical_robots_tui.game.drafts import Draft, Drafts
 from logical_robots_tui.paths import is_file
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.player.continuing import Place, place_of
+from logical_robots_tui.player.drafts import Draft, Drafts
+from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
 
 if TYPE_CHECKING:
-    from textual import events
-
     from logical_robots_tui.game import Game
-    from logical_robots_tui.game.open_games import OpenGames
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.app.session import Session
-    from logical_robots_tui.tui.app.session_state import Ui
-    from logical_robots_tui.tui.layout.dialogs import Question
+    from logical_robots_tui.player.open_games import OpenGames
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.session_state import Ui
 
 Found = TypeVar("Found")
-
-_NOTICING = 0.7
-"""Seconds for a player to notice a question; earlier keys were meant for the game.
-
-Seeing something new and stopping a key press takes about half a second.
-"""
-
 
 _LOOK_SECONDS, _LOOKS = 0.25, 40
 """How often, and how many times, to look whether other games have ended."""
@@ -56,48 +45,16 @@ class Offering(Protocol):
         """Offer it, if there is something."""
 
 
-class Offers:
-    """Makes offers when nothing covers the game, and ignores keys meant for the game."""
-
-    def __init__(self, ui: Ui, is_free: Callable[[], bool]) -> None:
-        self._ui, self._is_free = ui, is_free
-        self._resumed = asyncio.Event()
-        self._asked: Question | None = None
-
-    async def make(self, *offerings: Offering) -> None:
-        for each in offerings:
-            await each.offer(self)
-
-    def resumed(self) -> None:
-        self._resumed.set()
+class Offers(Protocol):
+    """Asks the player when nothing else needs attention."""
 
     async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
         """Return what `find` finds while nothing covers the game."""
-        while True:
-            await self._free()
-            found = await find()
-            if self._is_free():
-                return found
 
     async def ask(
         self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
     ) -> str | None:
         """Return the name of the answer, or None; the answer ``show`` shows `text`."""
-        from logical_robots_tui.tui.layout.dialogs import Question
-
-        await self._free()
-        self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
-        return await self._ui.ask(self._asked)
-
-    def ignores(self, event: events.Key | events.Paste) -> bool:
-        """Return whether a key arrived before the player could see the question."""
-        asked = self._asked
-        return asked is not None and asked.is_active and event.time < asked.answered_from
-
-    async def _free(self) -> None:
-        while not self._is_free():
-            self._resumed.clear()
-            await self._resumed.wait()
 
 
 def short_name(draft: Draft) -> str:

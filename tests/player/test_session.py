@@ -8,15 +8,16 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.game import load_program
-from logical_robots_tui.game.drafts import Drafts
 from logical_robots_tui.mind import Program
+from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.recorder import ProgressRecorder
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.progress import FILE_NAME, Progress
-from logical_robots_tui.tui.app.session import Session
-from logical_robots_tui.tui.app.session_state import SessionListener, Ui
+from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.level_editor.controller import LevelEditing
 from logical_robots_tui.tui.level_editor.editor import Tool
 from logical_robots_tui.tui.level_editor.mode import EditView
-from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
@@ -30,14 +31,14 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.tui.app.session_state import Work
+    from logical_robots_tui.player.session_state import Work
     from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.world import Level
 
 FAST = AHEAD.replace("0.5", "0.9")
 
 
-class Background(Ui):
+class Background(Dialogs):
     """Works on the event loop and keeps what is said."""
 
     def __init__(self) -> None:
@@ -59,6 +60,9 @@ class Background(Ui):
 
     def show(self, dialog: object, closed: object = None) -> None:
         raise AssertionError(f"nothing is to be asked, not even {dialog}")
+
+    async def choose(self, title: str, question: str, _answers: object) -> str | None:
+        raise AssertionError(f"nothing is to be asked, not even {title}: {question}")
 
     async def ask(self, dialog: object) -> Any:
         raise AssertionError(f"nothing is to be asked, not even {dialog}")

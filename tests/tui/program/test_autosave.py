@@ -13,7 +13,7 @@ from textual import events
 from textual.widgets import Button, Input
 
 from logical_robots_tui.game import load_program
-from logical_robots_tui.game.drafts import Drafts
+from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.tui.commands.help import Help
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.dialogs import Question
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from logical_robots_tui.game.drafts import Draft, Kind
+    from logical_robots_tui.player.drafts import Draft, Kind
     from tests.tui.conftest import Opened
 
 

@@ -12,19 +12,19 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, rule
 
-from logical_robots_tui.game import drafts as drafts_module
 from logical_robots_tui.game import level_key
-from logical_robots_tui.game.continuing import programs_to_begin_with
-from logical_robots_tui.game.drafts import Drafts
-from logical_robots_tui.tui.library.controller import LibraryController
-from logical_robots_tui.tui.library.progress_recorder import ProgressRecorder
-from logical_robots_tui.tui.recovery.autosave import Autosave, UnsavedText, program_draft
-from logical_robots_tui.tui.recovery.offers import Offers
+from logical_robots_tui.player import drafts as drafts_module
+from logical_robots_tui.player.autosave import Autosave, UnsavedText, program_draft
+from logical_robots_tui.player.continuing import programs_to_begin_with
+from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.library import Library
+from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from logical_robots_tui.game import Source
-    from logical_robots_tui.tui.layout.dialogs import Question
 
 LEVEL = load_level("01-first-steps")
 ANSWERS = st.lists(st.sampled_from(["yes", "no", None]), max_size=4)
@@ -66,9 +66,12 @@ class Player:
     def spawn(self, work: Any, *_: Any, **__: Any) -> None:
         self._tasks.append(asyncio.create_task(work()))
 
-    async def ask(self, question: Question) -> str | None:
+    async def at_hand(self, find: Callable[[], Awaitable[Any]]) -> Any:
+        return await find()
+
+    async def ask(self, *_: object, text: str) -> str | None:
         answer = self._answers.pop() if self._answers else None
-        self.asked.append((question._text, answer))
+        self.asked.append((text, answer))
         return answer
 
     async def done(self) -> None:
@@ -93,7 +96,7 @@ class Session:
             what="What you type",
         )
         screen = cast("Any", self.editor)
-        self.library = LibraryController(
+        self.library = Library(
             screen,
             cast("Any", self.player),
             self.recorder,
@@ -101,8 +104,6 @@ class Session:
             self.autosave,
             screen,
             folder,
-            drawing=lambda: cast("Any", None),
-            make_level=lambda: cast("Any", None),
         )
 
     async def begin(self) -> None:
@@ -110,7 +111,7 @@ class Session:
         self.recorder.attach(cast("Any", self.player), changed=nothing, measured=nothing)
         self.recorder.level_opened(LEVEL)
         self.autosave.flush()
-        await self.library.offer(Offers(cast("Any", self.player), lambda: True))
+        await self.library.offer(cast("Any", self.player))
         self.autosave.flush()
         await self.player.done()
 

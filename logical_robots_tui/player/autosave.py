@@ -7,12 +7,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
-from logical_robots_tui.game.drafts import Draft, Drafts, Key
-from logical_robots_tui.tui.theme.safe_text import clip, one_line
+from logical_robots_tui.player.drafts import Draft, Drafts, Key
+from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Source
-    from logical_robots_tui.tui.app.session_state import Ui
+    from logical_robots_tui.player.session_state import Ui
 
 State = TypeVar("State")
 
@@ -128,12 +128,10 @@ def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *flushes: Callable[[]
 
 
 async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
-    from logical_robots_tui.tui.layout.dialogs import Question
-
     question = (
         f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
         f"kept for next time: {error.strerror or error}."
     )
     answers = [("stay", "Stay"), ("leave", "Leave without it")]
-    if await ui.ask(Question("Not saved", question, answers)) == "leave":
+    if await ui.choose("Not saved", question, answers) == "leave":
         end()

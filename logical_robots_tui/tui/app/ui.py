@@ -1,0 +1,134 @@
+"""What controllers may ask of the screen: messages, dialogs, background work, offers."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from textual.css.query import NoMatches
+
+from logical_robots_tui.player.session_state import Ui, Work
+from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
+from logical_robots_tui.wording import one_line
+
+if TYPE_CHECKING:
+    from textual import events
+    from textual.dom import DOMNode
+    from textual.screen import Screen
+    from textual.worker import Worker
+
+    from logical_robots_tui.player.recovery import Offering
+    from logical_robots_tui.tui.layout.dialogs import Question
+
+Found = TypeVar("Found")
+Result = TypeVar("Result")
+
+
+def in_background(
+    node: DOMNode, work: Work, group: str = "default", *, exclusive: bool = False
+) -> Worker[None]:
+    """Start work for a widget; if exclusive, cancel its group's other work."""
+
+    async def unless_gone() -> None:
+        try:
+            await work()
+        except NoMatches:
+            # A dialog that is closed loses its widgets before its work is cancelled.
+            if not is_being_removed(node):
+                raise
+
+    worker: Worker[None] = node.run_worker(unless_gone, group=group, exclusive=exclusive)
+    return worker
+
+
+class Dialogs(Ui, Protocol):
+    """A `Ui` with dialogs of its own."""
+
+    def show(
+        self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
+    ) -> None:
+        """Show a dialog, and call `closed` with its result."""
+
+    async def ask(self, dialog: Screen[Result]) -> Result | None:
+        """Show a dialog and return its result; only for background work."""
+
+
+class ScreenUi(Dialogs):
+    def __init__(self, screen: Screen[Any]) -> None:
+        self._screen = screen
+
+    def tell(self, message: str) -> None:
+        self._screen.notify(message, markup=False, timeout=4)
+
+    def warn(self, message: str) -> None:
+        self._screen.notify(one_line(message), markup=False, severity="warning", timeout=8)
+
+    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
+        in_background(self._screen, work, group, exclusive=exclusive)
+
+    def show(
+        self, dialog: Screen[Result], closed: Callable[[Result | None], None] | None = None
+    ) -> None:
+        self._screen.app.push_screen(dialog, closed)
+
+    async def ask(self, dialog: Screen[Result]) -> Result | None:
+        return await self._screen.app.push_screen_wait(dialog)
+
+    async def choose(
+        self, title: str, question: str, answers: Sequence[tuple[str, str]]
+    ) -> str | None:
+        from logical_robots_tui.tui.layout.dialogs import Question
+
+        return await self.ask(Question(title, question, answers))
+
+
+_NOTICING = 0.7
+"""Seconds for a player to notice a question; earlier keys were meant for the game.
+
+Seeing something new and stopping a key press takes about half a second.
+"""
+
+
+class ScreenOffers:
+    """Makes offers when nothing covers the game, and ignores keys meant for the game."""
+
+    def __init__(self, ui: ScreenUi, is_free: Callable[[], bool]) -> None:
+        self._ui, self._is_free = ui, is_free
+        self._resumed = asyncio.Event()
+        self._asked: Question | None = None
+
+    async def make(self, *offerings: Offering) -> None:
+        for each in offerings:
+            await each.offer(self)
+
+    def resumed(self) -> None:
+        self._resumed.set()
+
+    async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
+        """Return what `find` finds while nothing covers the game."""
+        while True:
+            await self._free()
+            found = await find()
+            if self._is_free():
+                return found
+
+    async def ask(
+        self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
+    ) -> str | None:
+        """Return the name of the answer, or None; the answer ``show`` shows `text`."""
+        from logical_robots_tui.tui.layout.dialogs import Question
+
+        await self._free()
+        self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
+        return await self._ui.ask(self._asked)
+
+    def ignores(self, event: events.Key | events.Paste) -> bool:
+        """Return whether a key arrived before the player could see the question."""
+        asked = self._asked
+        return asked is not None and asked.is_active and event.time < asked.answered_from
+
+    async def _free(self) -> None:
+        while not self._is_free():
+            self._resumed.clear()
+            await self._resumed.wait()

@@ -1,1 +1,0 @@
-"""Recovery of unsaved work after a session that ended badly."""
