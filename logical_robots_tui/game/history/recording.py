@@ -17,12 +17,13 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
+import orjson
+
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.history.packing import (
     Opened,
     TickState,
     is_moment,
-    is_shallow,
     lay_out,
     memory_in,
     moment_in,
@@ -233,9 +234,9 @@ class _Piece:
             raise DamagedError("the piece can't be unpacked") from error
         if not unpacking.eof or not (self.own or _may_be_opened(text)):
             raise DamagedError("the piece is too large")
-        runs: list[Any] = json.loads(text)
-        if not (self.own or all(is_shallow(run[-1]) for run in runs)):
-            raise DamagedError("its memories are nested too deeply")
+        runs = _parse(text)
+        if not self.own:
+            orjson.dumps(runs)  # raises TypeError for what is nested too deeply
         return weight_of_text(text), runs
 
 
@@ -267,6 +268,13 @@ def _pieces_of(moments: Sequence[TickState]) -> Iterator[_Piece]:
 
 def _may_be_opened(text: str) -> bool:
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
+
+
+def _parse(text: str) -> Any:
+    try:
+        return orjson.loads(text)
+    except ValueError:
+        return json.loads(text)  # infinite numbers, lone surrogates
 
 
 @contextmanager
