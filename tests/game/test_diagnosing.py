@@ -155,6 +155,20 @@ async def test_a_mistake_is_told_with_its_line(
     assert said in words
 
 
+async def test_where_the_values_of_an_engine_that_is_null_came_from_is_told(tmp_path: Path) -> None:
+    text = """Angle(radar, name) = Avg{ray.angle :- ray in radar, ray.label == name};
+    Met(robot_name:, other:) :-
+      Sensor(robot_name:), Memory(robot_name: other);
+    Guide(robot_name:, guide? Max= other) distinct :- Met(robot_name:, other:);
+    Robot(robot_name:, memory: "",
+      desire: {left_engine: Angle(sensor.radar, guide), right_engine: 0}) :-
+      Sensor(robot_name:, sensor:), Guide(robot_name:, guide:);"""
+    finding = the(await diagnosed(tmp_path, text), "bad engine")
+    assert finding.span is not None
+    assert finding.span.line == 6
+    assert {span.line for span in finding.others} >= {1, 3, 7}
+
+
 async def test_a_predicate_without_columns_is_watched_like_others(tmp_path: Path) -> None:
     rules = f"Awake() :- Sensor(robot_name: r);\n{PLAIN[:-1]}, Awake();"
     found = await diagnosed(tmp_path, rules)

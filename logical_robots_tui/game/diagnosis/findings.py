@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
@@ -293,9 +293,10 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     leaves = _leaves(tally, robot)
     nulls = [
-        site.span
+        place
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "value" and tally.sites[number].true is not None
+        for place in (site.span, *site.places)
     ]
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
     quoted = f" `{shorten(span.text)}` was null." if nulls and span else ""
@@ -303,8 +304,13 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
-def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
-    return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
+def _split(places: Iterable[Span]) -> tuple[Span | None, tuple[Span, ...]]:
+    """Return the first place and the others, one for each line."""
+    by_line: dict[int, Span] = {}
+    for place in places:
+        by_line.setdefault(place.line, place)
+    first, *others = by_line.values() or (None,)
+    return first, tuple(others[:_MOST_PLACES])
 
 
 def _of_memory(
@@ -368,13 +374,10 @@ def _of_movement(
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(closer[stretch.robot, stretch.first], stretch.robot)
-        by_distance = [span for each in zip_longest(*leaves) for span in each if span]
-        spans = list({span.line: span for span in by_distance}.values())
-        span = leaves[0][0] if leaves else None
+        span, others = _split(place for each in zip_longest(*leaves) for place in each if place)
         if (stretch.kind, span) in reported:
             continue
         reported.add((stretch.kind, span))
-        others = tuple(each for each in spans if span is None or each.line != span.line)
         is_fixed = stretch.kind == "still" and not observed.is_over  # perhaps where it should be
         is_doubtful = observed.won_at is None and stretch.kind != "unfinished" and not is_fixed
         yield Finding(
@@ -384,7 +387,7 @@ def _of_movement(
             stretch.first,
             _how_far(stretch, span),
             _HINTS[stretch.kind],
-            others[:_MOST_PLACES],
+            others,
             stretch.robot,
         )
 
