@@ -135,6 +135,14 @@ MISTAKES = {
         ("no row", 2),
         "First at tick 4, 6 times in total",
     ),
+    "a value that is never missing": (
+        "Robot(robot_name:, desire: {left_engine: x, right_engine: 0},\n"
+        '  memory: "") :- Sensor(robot_name:, sensor:), far = sensor.forward_distance,\n'
+        "  x = Coalesce(far / 1000, sensor.clock);",
+        ("never null", 3),
+        "`far / 1000` was never null in the 12 cases it was asked, first at tick 1: "
+        "`sensor.clock` was never used.",
+    ),
     "an engine that is null": (
         "Near(radar) = Min{ray.distance :-\n  ray in radar, ray.distance < 0};\n"
         "Robot(robot_name:, desire: {left_engine: Near(sensor.radar), right_engine: 0},\n"
@@ -235,6 +243,23 @@ async def test_what_never_held_is_told_with_the_number_of_cases_in_which_it_was_
     found = await diagnosed(tmp_path, ONCE.replace("ASKED", asked), 60)
     words = [(each.severity, each.message) for each in found.findings if '"left"' in each.message]
     assert words == ([] if said is None else [("note", said)])
+
+
+async def test_causes_come_before_what_follows_from_them(tmp_path: Path) -> None:
+    found = await diagnosed(
+        tmp_path,
+        "Nearer(robot_name:) :- Near(robot_name:);\n"
+        "Near(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :-\n'
+        "  Sensor(robot_name:),\n  ~Nearer(robot_name:);",
+    )
+    assert list(told(found)) == [("no rows", 3), ("no rows", 1), ("never false", 6)]
+
+
+async def test_a_condition_and_its_negation_are_one_finding(tmp_path: Path) -> None:
+    text = f"""Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:, sensor:),
+      !(sensor.clock > 9000);"""
+    assert list(told(await diagnosed(tmp_path, text))) == [("never true", 2)]
 
 
 async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:

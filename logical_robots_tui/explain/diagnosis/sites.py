@@ -15,7 +15,9 @@ from logical_robots_tui.mind.program import Program
 TESTS = ("condition", "denial", "branch", "operand")
 """Sites of these kinds are conditions."""
 
-SiteKind = Literal["part", "condition", "branch", "operand", "text", "denial", "leaf", "value"]
+SiteKind = Literal[
+    "part", "condition", "branch", "operand", "text", "denial", "leaf", "value", "fallback"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,12 +28,13 @@ class Site:
         kind: ``part`` (of a body, with rows: a call, an element of a list, alternatives),
             ``condition`` or ``denial`` (of a body), ``branch`` (the condition of an ``if``),
             ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (passed to a comparing function),
-            ``leaf`` (a value that an ``if`` chooses, or a rule's value) or ``value`` (a part
-            that may be null; true means that it is).
+            ``leaf`` (a value that an ``if`` chooses, or a rule's value), ``value`` (a part
+            that may be null; true means that it is) or ``fallback`` (the same, where
+            ``Coalesce`` takes `other` then).
         rule: Index of its rule.
         literal: The text that `other` is compared with, or None.
         other: The expression compared with that text or with a number; or "".
-        operator: The comparison, ``&&``, ``||`` or "".
+        operator: The comparison, ``&&``, ``||``, ``!`` or "".
         within: The predicate made with ``:=`` whose rules it belongs to, or "".
         places: Where its values come from, the nearest first.
         owner: Of a leaf, the predicate that has its value, or calls the function that has it.

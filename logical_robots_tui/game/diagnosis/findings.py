@@ -222,10 +222,10 @@ def findings_of(
         *_of_memory(tally.checkup, observed, closer),
         *_of_texts(tally.checkup, observed, level),
     ]
-    others = [
-        *rule_findings(tally, is_over=observed.is_over and is_complete, is_complete=is_complete),
-        *_of_movement(observed, closer),
-    ]
+    causes, consequences = rule_findings(
+        tally, is_over=observed.is_over and is_complete, is_complete=is_complete
+    )
+    others = [*causes, *_of_movement(observed, closer), *consequences]
     warnings = [each for each in surely if each.severity == "warning"]
     notes = [each for each in surely if each.severity == "note"]
     return warnings, sorted([*notes, *others], key=lambda each: each.severity == "note")
