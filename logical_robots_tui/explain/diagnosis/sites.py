@@ -145,6 +145,8 @@ class Checkup:
         left_out: The number of probes that could not be made.
         missed_sites, missed_rules: Indices of those that are reached in other ways as well, so
             that nothing can be said never to happen there.
+        unused: Predicates that nothing uses.
+        same: Predicates that are made of the same as others, with these.
     """
 
     rules: tuple[RuleSite, ...]
@@ -159,6 +161,8 @@ class Checkup:
     left_out: int = 0
     missed_sites: tuple[int, ...] = ()
     missed_rules: tuple[int, ...] = ()
+    unused: tuple[Field, ...] = ()
+    same: tuple[tuple[Field, Field], ...] = ()
 
 
 def check_up(

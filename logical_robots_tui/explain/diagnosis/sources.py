@@ -61,11 +61,10 @@ class Sources:
         return tuple((found | {n: s for n, s in copies.items() if n not in found}).values())[:_MOST]
 
     def _copies(self, place: Node) -> bool:
-        """Return whether a call or a rule only passes on what other rules or sensors give."""
-        if isinstance(place, Atom):
-            rules = self._own.get(place.name, ())
-            return place.name == "Sensor" or any(rule.body for rule in rules)
-        return isinstance(place, Rule) and place.value is None
+        """Return whether a place is a call of a sensor or of what other rules give."""
+        return isinstance(place, Atom) and (
+            place.name == "Sensor" or any(rule.body for rule in self._own.get(place.name, ()))
+        )
 
     def of_condition(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
         """Return the place of a condition, and where its values come from."""
@@ -95,7 +94,8 @@ class Sources:
         for rule in self._own.get(name, ()):
             is_function = rule.value is not None and parameters(rule) is not None
             if rule.body or is_function:
-                yield rule, rule.value or rule, rule
+                copies = all(isinstance(each.value, Variable) for each in rule.head.columns)
+                yield (copies and rule.body) or rule, rule.value or rule, rule
             for part in conjuncts(rule.body):
                 if isinstance(part, Atom) and part.name in CONDITIONS:
                     yield part, part, rule

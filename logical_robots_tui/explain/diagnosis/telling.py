@@ -24,6 +24,8 @@ FindingKind = Literal[
     "bad engine",
     "notice",
     "unknown text",
+    "unused",
+    "same copy",
     "memory never written",
     "memory never read",
     "memory lost",

@@ -221,6 +221,7 @@ def findings_of(
         *_of_notices(observed, closer),
         *_of_memory(tally.checkup, observed, closer),
         *_of_texts(tally.checkup, observed, level),
+        *_of_definitions(tally.checkup, observed.first),
     ]
     causes, consequences = rule_findings(
         tally, is_over=observed.is_over and is_complete, is_complete=is_complete
@@ -364,6 +365,17 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         )
         message = f'Nothing in this level is called "{field.name}".'
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
+
+
+def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:
+    for made, other in checkup.same:
+        source = shorten(made.span.text.partition(":=")[2].strip())
+        message = f"{made.name} and {other.name} are the same: both are `{source}`."
+        hint = "Is something else to be put in?"
+        yield Finding("same copy", "note", made.span, first, message, hint, (other.span,))
+    for each in checkup.unused:
+        message = f"Nothing uses {each.name}."
+        yield Finding("unused", "note", each.span, first, message, "Which rule should?")
 
 
 def _of_movement(
