@@ -24,7 +24,17 @@ PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'
 
 
 async def diagnosed(tmp_path: Path, text: str, ticks: int = 6) -> Diagnosis:
-    made = game(tmp_path, text)
+    return await diagnosis_of(game(tmp_path, text), ticks)
+
+
+async def without_door(tmp_path: Path, text: str) -> Diagnosis:
+    """What is said of 300 ticks in a hall without a way out."""
+    return await diagnosis_of(
+        Game(load_level(_without_door(tmp_path)), Program.compile(text)), ticks=300
+    )
+
+
+async def diagnosis_of(made: Game, ticks: int) -> Diagnosis:
     try:
         await made.run_until(tick=ticks)
         return await diagnose(made)
@@ -343,12 +353,7 @@ async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
             "Robot(robot_name:, desire: Go(),\n"
             '  memory: "") :- Sensor(robot_name:);'
         )
-        made = Game(load_level(_without_door(tmp_path)), Program.compile(text))
-        try:
-            await made.run_until(tick=300)
-            finding = the(await diagnose(made), kind)
-        finally:
-            await made.close()
+        finding = the(await without_door(tmp_path, text), kind)
         assert finding.message.startswith(words)
         assert finding.span is not None
         assert finding.span.line == 3
@@ -373,15 +378,32 @@ Robot(robot_name: "Bo", desire:, memory: "") :- Worker(robot_name: "Bo", desire:
 async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not(
     tmp_path: Path,
 ) -> None:
-    made = Game(load_level(_without_door(tmp_path)), Program.compile(COPIES))
-    try:
-        await made.run_until(tick=300)
-        finding = the(await diagnose(made), "still")
-    finally:
-        await made.close()
+    finding = the(await without_door(tmp_path, COPIES), "still")
     assert finding.robot == "Ada"
     assert finding.span is not None
     assert (finding.span.line, finding.span.text) == (8, "Stop()")
+
+
+STATES = """Plan(state: "wait", limit: 9000, next: "go");
+Plan(state: "go", limit: 9000, next: "wait");
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {state:, name:}) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
+  Plan(state: now, limit:, next:), now == Coalesce(memory.state, "wait"),
+  name = Coalesce(memory.name, robot_name),
+  state = (if sensor.clock > limit then next else now);
+"""
+
+
+async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_set(
+    tmp_path: Path,
+) -> None:
+    (finding,) = (
+        each for each in (await without_door(tmp_path, STATES)).findings if each.kind == "unchanged"
+    )
+    assert finding.message == 'Ada\'s memory.state stayed "wait" from tick 1 to 300.'
+    assert finding.span is not None
+    assert finding.span.line == 7
+    assert 5 in {span.line for span in finding.others}
 
 
 async def test_only_the_ticks_of_the_present_program_count(tmp_path: Path) -> None:

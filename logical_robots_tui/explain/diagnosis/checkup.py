@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from logical_robots_tui.explain.clauses.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
-from logical_robots_tui.explain.diagnosis.sources import decisive_columns
+from logical_robots_tui.explain.diagnosis.sources import Sources, decisive_columns
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import (
@@ -157,13 +157,15 @@ def memory_fields(
     """Return the fields of `Robot`'s memory records, and whether there may be others."""
     found: dict[str, Field] = {}
     is_open = False
+    sources = Sources(source, own)
 
     def look(value: Expression, rule: Rule, depth: int) -> None:
         nonlocal is_open
         match value:
             case Record():
                 for each in value.arguments:
-                    field = Field(str(each.field), span_of(each, source))
+                    places = sources.of(each.value, rule)
+                    field = Field(str(each.field), span_of(each, source), places)
                     found.setdefault(field.name, field)
             case Choice():
                 for branch in value.branches:

@@ -128,8 +128,11 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class Field:
+    """A name in a program; for a written memory field also where its value comes from."""
+
     name: str
     span: Span
+    places: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ _DEEPEST = 4
 
 
 class Sources:
-    def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
+    def __init__(self, source: Prepared, own: Mapping[str, Sequence[Rule]]) -> None:
         self._source, self._own = source, own
 
     def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:

@@ -38,6 +38,7 @@ FindingKind = Literal[
     "blocked",
     "still",
     "unfinished",
+    "unchanged",
 ]
 
 Severity = Literal["warning", "note"]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from logical_robots_tui.explain.diagnosis.counting import Tally
@@ -17,7 +18,7 @@ from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import RecordedTick
@@ -59,6 +60,7 @@ class Observations:
     Attributes:
         notices: By kind and robot, the first tick of a notice, their number, and the message.
         fields: The fields that memories had, each with its first tick.
+        since: By robot and field, a text that is remembered, with the tick of its last change.
         is_on_way: Whether a robot was still on its way at the end, or may be where it should be.
     """
 
@@ -67,6 +69,7 @@ class Observations:
     won_at: int | None = None
     notices: dict[tuple[NoticeKind, str], tuple[int, int, str]] = attribute(default_factory=dict)
     fields: dict[str, int] = attribute(default_factory=dict)
+    since: dict[tuple[str, str], tuple[int, str]] = attribute(default_factory=dict)
     texts: set[str] = attribute(default_factory=set)
     losses: dict[tuple[str, str], Loss] = attribute(default_factory=dict)
     stretches: list[Stretch] = attribute(default_factory=list)
@@ -149,9 +152,12 @@ def _remember(found: Observations, tick: int, before: Any, after: Any) -> None:
         if len(found.texts) < _MOST_TEXTS:
             found.texts.update(_texts(memory))
         fields = memory if isinstance(memory, dict) else {}
-        for name in fields:
+        former = old if isinstance(old, dict) else {}
+        for name, value in fields.items():
             found.fields.setdefault(str(name), tick)
-        for name in old if isinstance(old, dict) else ():
+            if isinstance(value, str) and value != former.get(name):
+                found.since[robot, str(name)] = tick, value
+        for name in former:
             if name not in fields and old[name] is not None:
                 found.losses.setdefault((robot, str(name)), Loss(robot, str(name), tick))
 
@@ -226,7 +232,12 @@ def findings_of(
     causes, consequences = rule_findings(
         tally, is_over=observed.is_over and is_complete, is_complete=is_complete
     )
-    others = [*causes, *_of_movement(observed, closer), *consequences]
+    others = [
+        *causes,
+        *_of_movement(observed, closer),
+        *_of_unchanged(tally.checkup, observed),
+        *consequences,
+    ]
     warnings = [each for each in surely if each.severity == "warning"]
     notes = [each for each in surely if each.severity == "note"]
     return warnings, sorted([*notes, *others], key=lambda each: each.severity == "note")
@@ -402,6 +413,25 @@ def _of_movement(
             others,
             stretch.robot,
         )
+
+
+def _of_unchanged(checkup: Checkup, observed: Observations) -> Iterator[Finding]:
+    """Yield the states that robots without progress remain in, such as a phase of a plan."""
+    stuck = {each.robot for each in observed.stretches if each.last == observed.last}
+    remain: dict[str, tuple[int, str, str]] = {}
+    for (robot, name), (tick, value) in sorted(observed.since.items(), key=itemgetter(1)):
+        # A state is a text that the program both sets and asks for.
+        is_state = checkup.program.text.count(spell(value)) > 1
+        if is_state and robot in stuck and observed.last - tick >= _LONG:
+            remain.setdefault(name, (tick, value, robot))
+    for field in checkup.writes if observed.won_at is None else ():
+        if field.name in remain:
+            tick, value, robot = remain[field.name]
+            quoted = f"{robot}'s memory.{field.name} stayed {spell(shorten(value))}"
+            message = f"{quoted} from tick {tick} to {observed.last}."
+            hint = "Which condition should change it, and can that hold?"
+            span, others = _split([*field.places, field.span])
+            yield Finding("unchanged", "note", span, tick, message, hint, others, robot)
 
 
 _ORDER = ("circle", "blocked", "still", "unfinished")
