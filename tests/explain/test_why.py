@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import closing
-
 import pytest
 
-from logical_robots_tui.explain import Explainer
-from logical_robots_tui.mind import Mind, Program, QueryError
+from logical_robots_tui.mind import QueryError
 from tests.explain.asking import REST, below, find, texts, why
 from tests.mind.rows import row
 
@@ -92,23 +89,6 @@ def test_every_rule_is_told() -> None:
     text = f"Big(x) :- x in [1, 2], x > 1; Big(x) :- x in [3], x > 5;{REST}"
     first, second = why(text, "Big").rules
     assert (first.rows, second.rows) == (1, 0)
-
-
-def test_of_several_rows_of_robot_the_last_one_is_explained_because_it_counts() -> None:
-    rules = "".join(
-        f"Robot(robot_name:, desire: {{left_engine: {n}, right_engine: 0}}, memory: {n}) :- "
-        "Sensor(robot_name:);\n"
-        for n in (1, 2)
-    )
-    with closing(Mind(Program.compile(rules))) as mind:
-        explanation = Explainer(mind, "Ada", [row("Ada")], {}).why()
-        (decision,) = mind.think([row("Ada")], {})
-    assert explanation.row is not None
-    assert explanation.row["memory"] == decision.memory == 2
-    assert [rule.node.said for rule in explanation.rules] == [
-        "gives 1 row, but not the last",
-        "gives 1 row; this is the last",
-    ]
 
 
 def test_a_rule_about_another_robot_says_so() -> None:
