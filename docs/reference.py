@@ -1,19 +1,21 @@
-"""Write the tables of functions and fields from their data: ``python -m docs.reference``."""
+"""Write the tables of functions, fields and settings: ``python -m docs.reference``."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.reference import REFERENCE
+from logical_robots_tui.player.settings import rows
 from logical_robots_tui.schema import tables
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 TARGET = Path(__file__).with_name("reference.md")
-PROGRAMS = Path(__file__).with_name("programs.md")
-BEGIN, END = "<!-- fields -->", "<!-- end of fields -->"
+PROGRAMS = TARGET.with_name("programs.md")
+SETTINGS = TARGET.with_name("settings.md")
 HEAD = """\
 # Functions
 
@@ -30,9 +32,30 @@ def page() -> str:
 
 def programs() -> str:
     """The page on programs, with the table of fields as it should be."""
-    before, _, rest = PROGRAMS.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
-    return "\n".join([before + BEGIN, *tables(), end + after])
+    return _filled(PROGRAMS, "fields", tables())
+
+
+def settings() -> str:
+    """The page on settings, with their table as it should be."""
+    return _filled(SETTINGS, "settings", _settings())
+
+
+PAGES = {TARGET: page, PROGRAMS: programs, SETTINGS: settings}
+
+
+def _filled(page: Path, mark: str, lines: Iterable[str]) -> str:
+    begin, end = f"<!-- {mark} -->", f"<!-- end of {mark} -->"
+    before, _, rest = page.read_text(encoding="utf-8").partition(begin)
+    return "\n".join([before + begin, *lines, end + rest.partition(end)[2]])
+
+
+def _settings() -> Iterator[str]:
+    yield "| setting | values | by default | what it does |"
+    yield "|---|---|---|---|"
+    for row in rows():
+        values = ", ".join(row.kind.choices) or row.kind
+        default = "" if row.default is None else f"`{json.dumps(row.default)}`"
+        yield f"| `{row.name}` | {values} | {default} | {row.sentence} |"
 
 
 def _tables() -> Iterator[str]:
@@ -49,5 +72,5 @@ def _tables() -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    TARGET.write_text(page(), encoding="utf-8")
-    PROGRAMS.write_text(programs(), encoding="utf-8")
+    for path, text in PAGES.items():
+        path.write_text(text(), encoding="utf-8")
