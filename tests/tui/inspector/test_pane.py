@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import OptionList
 
 from logical_robots_tui.tui.inspector import pane
-from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS
+from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
@@ -49,9 +49,9 @@ async def test_pages_are_loaded_soon_after_the_start(
 ) -> None:
     monkeypatch.setattr(pane, "_LOADING_DELAY", 0.2)
     async with opened(data_dir) as game:
-        assert game.inspector._pages is None
+        assert not game.inspector.query(PredicatePage)
         await game.later(0.3)
-        assert game.inspector._pages is not None
+        assert game.inspector.query(PredicatePage)
 
 
 async def test_a_predicate_is_inspected_before_the_pages_are_loaded(
@@ -67,7 +67,7 @@ async def test_a_predicate_is_inspected_before_the_pages_are_loaded(
 async def test_the_robots_come_first(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
-        assert game.inspector.inspected == ROBOTS
+        assert game.inspector.inspected == "robots"
         await game.sees("Robots · tick 0")
         for words in ("radar, left to right", "● P", "● Q", "● R"):
             await game.sees(words)
@@ -212,7 +212,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await inspect(game, "Ray")
         await game.sees("31 rows")
         await game.press("enter", "down", "down", "right")
-        table = game.main.query_one(ValueTable)
+        table = game.main.query_one("#rows", ValueTable)
         third = table.pointed
         await game.until(lambda: table.pointed and table.pointed[0] == "d")
         await game.press("end")
@@ -221,7 +221,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.press("home", "n")
         await game.sees("Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
-        await game.click(ValueTable, offset=(1, 3))
+        await game.click("#rows", offset=(1, 3))
         await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
@@ -296,7 +296,7 @@ async def test_the_sql_the_plan_and_the_cost_of_predicates_are_told(data_dir: Pa
 async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
     async with opened(data_dir, text=MORE, size=(120, 60)) as game:
         await game.ready()
-        game.inspector.inspect(DECISION)
+        game.inspector.inspect("decision")
         view = game.main.query_one("#decision", LinesView)
         await game.until(lambda: "Nobody has thought yet." in view.plain)
         await game.press("n")

@@ -15,7 +15,9 @@ from textual.worker import Worker
 from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page, Questions
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, Questions
+from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import Sample, inked, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -26,7 +28,7 @@ from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin, Reading
-    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
@@ -167,9 +169,8 @@ def _window(before: range, width: int, tick: int, last: int) -> range:
 class PinHistory:
     """Reads pins at ticks; caches the values until the program or the run changes."""
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self._session = session
-        self._questions = questions
+    def __init__(self, questions: Questions) -> None:
+        self._session, self._questions = questions.session, questions
         self._about: object = None
         self._ticks: dict[int, dict[Pin, Sample]] = {}
 
@@ -190,7 +191,7 @@ class PinHistory:
     async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
         """Read pins at a frame; raises Superseded without a program or after a newer call."""
         game = self._session.game
-        about = None if game is None else (game, game.program, game.history.turns)
+        about = None if game is None else (self._questions.course, game.program)
         if about != self._about:
             self._about, self._ticks = about, {}
         inquiry, program = self._questions.about()
@@ -212,12 +213,11 @@ def _sample(reading: Reading) -> Sample:
 class WatchPage(Page):
     """Reads the pins at the current tick first, then at nearby ticks."""
 
-    title = "Watch"
     view: WatchView
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self._samples = PinHistory(session, questions)
-        super().__init__(session, questions, WatchView(self._samples))
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+        self._samples = PinHistory(questions)
+        super().__init__(entry, questions, WatchView(self._samples))
         self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
         self._is_reading = False
         self._filler: Worker[None] | None = None
@@ -234,6 +234,15 @@ class WatchPage(Page):
         self._show()
         if self._filler is None or self._filler.is_finished:
             self._filler = in_background(self, self._read_around, "watch")
+
+    def pin_here(self) -> Pin | None:
+        return self.view.pointed if self.view.has_focus else None
+
+    def values_here(self) -> tuple[str, Sequence[Branch]]:
+        return "", ()
+
+    def traced_here(self) -> Traced | None:
+        return traced_pin(self.view.pointed, self.robot, self._session.frame.tick)
 
     async def _read_around(self) -> None:
         shown_at = self._session.clock.now()
