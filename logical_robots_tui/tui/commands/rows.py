@@ -7,16 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.commands.keymap import with_keys
-
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.inspector.widgets.table import ValueTable
-
-
-async def other_values(screen: MainScreen) -> None:
-    if not await screen.inspector.active.change_values_here():
-        screen.tell(with_keys("Put the cursor on a line of a proof; {why} makes one."))
 
 
 async def graph(screen: MainScreen) -> None:

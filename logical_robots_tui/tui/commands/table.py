@@ -254,7 +254,8 @@ inspecting.add("open_value", "Open the value", "X", lambda s: s.inspector.open_v
     "Show the value under the cursor, or the inputs of a decision, as a tree.")
 inspecting.add("origin", "Origin", "less_than_sign", lambda s: s.inspector.origin(),
     "Trace the value under the cursor to the ticks, rules and readings that it comes from.")
-inspecting.add("other_values", "Other values…", "exclamation_mark", rows.other_values,
+inspecting.add("other_values", "Other values…", "exclamation_mark",
+    lambda s: s.inspector.active.change_values_here(),
     "Change a value of the line under the cursor in a proof, and see where its rules stop then.",
     worker="dialog")
 inspecting.add("graph", "Dependency graph", "R", rows.graph,

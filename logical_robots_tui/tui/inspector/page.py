@@ -15,6 +15,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
+from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.questions import (
     NO_PROGRAM,
     BackgroundQuery,
@@ -54,6 +55,10 @@ class PageEntry(NamedTuple):
     scope: Scope
     widget: str
     """The name of its class."""
+
+    @property
+    def is_listed(self) -> bool:
+        return self.scope in ("always", "robot")
 
     def load(self) -> Callable[[PageEntry, Questions], Page]:
         module = import_module(f"logical_robots_tui.tui.inspector.pages.{self.id}")
@@ -237,9 +242,10 @@ class Page(Vertical):
     def breakpoint_here(self) -> Breakpoint | None:
         return None
 
-    async def change_values_here(self) -> bool:
-        """Let the player change values of a proof's line; return whether there is one."""
-        return False
+    async def change_values_here(self) -> None:
+        """Let the player change values of a line of a proof, and ask why again."""
+        words = with_keys("Put the cursor on a line of a proof; {why} makes one.")
+        self.notify(words, markup=False)
 
 
 @dataclass

@@ -40,7 +40,6 @@ _NO_PIN = (
     "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
     "column tells from the rest; then pin it."
 )
-_NO_VALUE = "Put the cursor on a value, or choose Decision."
 _NOT_TRACED = (
     "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
     "that {open_value} opens."
@@ -229,7 +228,7 @@ class InspectorPane(Pane):
             tree = ValueTree(title, branches, self._toggle_pin, self._trace_pin)
             self.app.push_screen(tree)
         else:
-            self.notify(_NO_VALUE, markup=False)
+            self.notify("Put the cursor on a value, or choose Decision.", markup=False)
 
     def _trace_pin(self, pin: Pin) -> bool:
         from logical_robots_tui.tui.inspector.under_cursor import traced_pin

@@ -45,7 +45,7 @@ class PredicateList(Listing):
         self._counted.clear()
         # Functions of the prelude never have rows to show; those of the program have calls.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
-        pages = [page for page in PAGES if page.scope in ("always", "robot")]
+        pages = [page for page in PAGES if page.is_listed]
         names = [*(page.id for page in pages), *(predicate.name for predicate in listed)]
         self.names = names
         self.clear_options()

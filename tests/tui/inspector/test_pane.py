@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import OptionList
 
-from logical_robots_tui.tui.inspector import pane
+from logical_robots_tui.tui.inspector import pages, pane
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
+from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from tests.tui.conftest import Opened
 
 MORE = (
@@ -42,6 +42,12 @@ async def inspect(game: Opened, name: str) -> None:
     options = choice(game)
     await game.until(lambda: any(name in entry for entry in listed(game)))
     options.highlighted = options.get_option_index(name)
+
+
+def test_every_page_is_registered_once_under_the_name_of_its_module() -> None:
+    modules = {path.stem for path in Path(pages.__file__).parent.glob("*.py")} - {"__init__"}
+    assert sorted(entry.id for entry in PAGES) == sorted(modules)
+    assert len({entry.load() for entry in PAGES}) == len(PAGES)
 
 
 async def test_pages_are_loaded_soon_after_the_start(
@@ -116,9 +122,10 @@ async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) 
         await game.ready()
         await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
         entries = listed(game)
-        assert entries[:6] == ["Robots", "Decision", "Why", "Ask", "Watch", "Diagnosis"]
-        assert entries[6].startswith("◂ Sensor")
-        assert entries[7].startswith("◂ Memory")
+        titles = [page.title for page in PAGES if page.is_listed]
+        assert entries[: len(titles)] == titles
+        assert entries[len(titles)].startswith("◂ Sensor")
+        assert entries[len(titles) + 1].startswith("◂ Memory")
         assert "• FreedomMotion ƒ :1" in entries
         assert not [entry for entry in entries if "WeightedAverage" in entry]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -38,14 +38,9 @@ class LinksView(CursorView):
 
     BINDINGS = [("enter", "open"), ("escape,backspace", "leave")]
 
-    def __init__(
-        self,
-        pointed: Callable[[Link], None],
-        opened: Callable[[Link], None],
-        left: Callable[[], None],
-    ) -> None:
+    def __init__(self, page: OriginPage) -> None:
         super().__init__(id="links")
-        self._tell_pointed, self._tell_opened, self.action_leave = pointed, opened, left
+        self._page, self.action_leave = page, page.leave
         self._origin: Origin | None = None
 
     @property
@@ -72,7 +67,7 @@ class LinksView(CursorView):
 
     def cursor_moved(self) -> None:
         if self.pointed is not None:
-            self._tell_pointed(self.pointed)
+            self._page.point_at(self.pointed)
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         del x, line
@@ -81,15 +76,16 @@ class LinksView(CursorView):
 
     def action_open(self) -> None:
         if self.pointed is not None:
-            self._tell_opened(self.pointed)
+            self.post_message(RobotChosen(self.pointed.robot))
+            self.post_message(Timeline.Pointed(self.pointed.tick))
+            self.post_message(CommandChosen("why"))
 
 
 class OriginPage(Page):
     view: LinksView
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        view = LinksView(self._pointed, self._open, self._leave)
-        super().__init__(entry, questions, view)
+        super().__init__(entry, questions, LinksView(self))
         self.asked: Traced | None = None
         self._course: tuple[Game, int] | None = None
         self._at = 0
@@ -142,7 +138,8 @@ class OriginPage(Page):
         self.say(words)
         self.view.show(None)
 
-    def _pointed(self, link: Link) -> None:
+    def point_at(self, link: Link) -> None:
+        """Show in the program what has set a value."""
         source, course = link.source, self._course
         span = (source.span or source.rule) if source is not None else None
         program = course[0].history.program_at(link.tick) if course is not None else None
@@ -150,12 +147,7 @@ class OriginPage(Page):
             part = program.for_team(self._session.level.team_of(link.robot))
             self.post_message(Placed(part.text, (span.start, span.stop)))
 
-    def _open(self, link: Link) -> None:
-        self.post_message(RobotChosen(link.robot))
-        self.post_message(Timeline.Pointed(link.tick))
-        self.post_message(CommandChosen("why"))
-
-    def _leave(self) -> None:
+    def leave(self) -> None:
         if self.pending.is_long:
             self.pending.cancel()
             return
@@ -168,13 +160,8 @@ class OriginPage(Page):
 def lines_of(number: int, link: Link, width: int) -> Iterator[Content]:
     name = one_line(f"{number + 1}. {link.name}")
     text, colour = inked(link.value, width)
-    yield _cut(Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour)), width)
+    value = Content.assemble((name, INK.title), (" = ", INK.dim), (text, colour))
+    yield value.truncate(width, ellipsis=True)
     for line in link_lines(link, partial(format_value, limit=_LONGEST)):
-        is_input = line.startswith(_INPUTS)
-        yield _cut(
-            Content.styled(_INDENT + one_line(line), INK.dim if is_input else INK.text), width
-        )
-
-
-def _cut(line: Content, width: int) -> Content:
-    return line.truncate(width, ellipsis=True)
+        ink = INK.dim if line.startswith(_INPUTS) else INK.text
+        yield Content.styled(_INDENT + one_line(line), ink).truncate(width, ellipsis=True)

@@ -7,9 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from textual import on
 from textual.content import Content
-from textual.message import Message
 from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
@@ -53,13 +51,10 @@ class WatchView(CursorView):
         ("delete,backspace", "remove"),
     ]
 
-    class Changed(Message):
-        """There are other pins, or there is room for other ticks."""
-
-    def __init__(self, samples: PinHistory) -> None:
+    def __init__(self, page: WatchPage) -> None:
         super().__init__(id="watch")
         self.ticks = range(0)
-        self._samples = samples
+        self._page, self._samples = page, page.samples
         self._pins: list[Pin] = []
         self._readings: Mapping[Pin, Reading] = {}
         self._tick = 0
@@ -93,7 +88,8 @@ class WatchView(CursorView):
     def redraw(self) -> None:
         """Draw at the current width, and request as many ticks as fit."""
         super().redraw()
-        self.post_message(self.Changed())
+        if self._page.display:
+            self.post_message(Page.Changed())
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         del again
@@ -216,8 +212,8 @@ class WatchPage(Page):
     view: WatchView
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        self._samples = PinHistory(questions)
-        super().__init__(entry, questions, WatchView(self._samples))
+        self.samples = PinHistory(questions)
+        super().__init__(entry, questions, WatchView(self))
         self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
         self._is_reading = False
         self._filler: Worker[None] | None = None
@@ -226,7 +222,7 @@ class WatchPage(Page):
         self.head(frame.tick)
         self._is_reading = True
         try:
-            self._shown = frame.tick, await self._samples.read(self.view.pins, frame)
+            self._shown = frame.tick, await self.samples.read(self.view.pins, frame)
         except Superseded:
             self._shown = frame.tick, {}
         finally:
@@ -246,11 +242,11 @@ class WatchPage(Page):
 
     async def _read_around(self) -> None:
         shown_at = self._session.clock.now()
-        while self.display and (missing := self._samples.missing(self.view.pins, self.view.ticks)):
+        while self.display and (missing := self.samples.missing(self.view.pins, self.view.ticks)):
             (tick, pins), game = missing, self._session.game
             if game is not None and not self._is_reading:
                 with suppress(Superseded, NoSuchTickError):
-                    await self._samples.read(pins, game.frame_at(tick))
+                    await self.samples.read(pins, game.frame_at(tick))
             if self._session.clock.now() > shown_at + _REDRAW:
                 shown_at = self._session.clock.now()
                 self._show()
@@ -264,9 +260,3 @@ class WatchPage(Page):
         last = tick if game is None else game.history.last
         ticks = _window(self.view.ticks, self.view.room, tick, last)
         self.view.show(ticks, tick, readings, plain)
-
-    @on(WatchView.Changed)
-    def _view_changed(self, event: WatchView.Changed) -> None:
-        event.stop()
-        if self.display:
-            self.post_message(self.Changed())

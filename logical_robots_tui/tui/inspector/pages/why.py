@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isclose
-from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets.input import Selection
@@ -30,9 +29,6 @@ from logical_robots_tui.tui.layout.dialogs import Prompt
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import spell
 from logical_robots_tui.wording import clip, one_line
-
-if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.nearest import Suggestion
 
 _LONGEST_ARGUMENT = 24
 _LONGEST_VALUE = 60
@@ -111,15 +107,15 @@ class WhyPage(Page):
         tick = self._session.frame.tick
         return _traced_in_proof(self.view, self._steps[-1], self.robot, tick)
 
-    async def change_values_here(self) -> bool:
+    async def change_values_here(self) -> None:
         here, program = self._question_here(), self._session.program
         if here is None or program is None:
-            return False
+            await super().change_values_here()
+            return
         program = program.for_team(self._session.level.team_of(self.robot))
         found = await self.app.push_screen_wait(ValuesPrompt(program, *here))
         if found is not None:
             self.ask(found)
-        return True
 
     def _question_here(self) -> tuple[Ask, str] | None:
         """The question that the line under the cursor belongs to, and its column of it, or ""."""
@@ -183,7 +179,10 @@ class WhyPage(Page):
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
-            nodes = (_suggestion(line, each) for line, each in misses)
+            nodes = (
+                Node("note", each.text, f"rule in line {rule}", span=each.span)
+                for rule, each in misses
+            )
             said = "This change" if len(misses) == 1 else "Each of these changes"
             head = Node("note", f"{said} would give a row", children=tuple(nodes))
             self._show_nodes(question, (*self._roots, head), ())
@@ -270,10 +269,6 @@ class WhyPage(Page):
 
 def _is_short(node: Node) -> bool:
     return all(len(spell(value, _LONGEST_VALUE)) <= _LONGEST_VALUE for value in node.values)
-
-
-def _suggestion(rule: int, each: Suggestion) -> Node:
-    return Node("note", each.text, f"rule in line {rule}", span=each.span)
 
 
 def _proving(found: Explanation) -> Sequence[Node]:

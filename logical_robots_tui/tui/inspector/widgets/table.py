@@ -7,6 +7,7 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rich.cells import cell_len, set_cell_size
@@ -265,14 +266,9 @@ class ValueTable(ScrollView, can_focus=True):
 
     def on_click(self, event: events.Click) -> None:
         row = event.y + self.scroll_offset.y - 1
-        x, column = event.x + self.scroll_offset.x, 0
-        for number, width in enumerate(self._widths):
-            if x < width + _GAP:
-                column = number
-                break
-            x -= width + _GAP
-        else:
-            column = len(self._widths) - 1
+        ends = accumulate(width + _GAP for width in self._widths)
+        x = event.x + self.scroll_offset.x
+        column = next((number for number, end in enumerate(ends) if x < end), len(self._widths) - 1)
         self._at = (row, column)
         self.action_go(0, 0)
 
