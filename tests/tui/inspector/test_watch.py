@@ -247,3 +247,13 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
 async def _tree(game: Opened) -> Tree[object]:
     await game.until(lambda: game.app.screen.query(Tree))
     return game.app.screen.query_one(Tree)
+
+
+async def test_a_pin_is_removed_where_it_is_watched_by_the_key_that_made_it(data_dir: Path) -> None:
+    async with opened(data_dir, text=TEXT) as game:
+        await game.ready()
+        await game.press("at", "V")
+        await game.until(lambda: view(game).has_focus and view(game).pins)
+        await game.press("at")
+        await game.sees("No longer pinned: Memory.memory for Solo.")
+        assert not view(game).pins
