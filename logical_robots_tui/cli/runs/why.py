@@ -137,8 +137,8 @@ async def _explain(
         if not options.tree:
             explanation = await inquiry.why(program, robot, frame, asked)
             nearest: list[tuple[int, Suggestion]] = []
-            if not asked.given and any(rule.rows == 0 for rule in explanation.rules):
-                nearest = await inquiry.nearest(program, robot, frame, asked.predicate)
+            if any(rule.rows == 0 for rule in explanation.rules):
+                nearest = await inquiry.nearest(program, robot, frame, asked)
             return explanation, explanation.nodes, True, nearest
         proof = await inquiry.proof(program, robot, frame, asked, depth=options.depth)
         return proof.explanation, proof.nodes, not proof.is_cut, []

@@ -11,10 +11,10 @@ from math import isclose
 from textual.content import Content
 from textual.widgets.input import Selection
 
-from logical_robots_tui.explain import Ask, Explanation, Node
+from logical_robots_tui.explain import Ask, Explanation, Node, Proof
 from logical_robots_tui.explain.why.sources import Subject
 from logical_robots_tui.explain.why.spelling import spell_call
-from logical_robots_tui.game import Frame, Superseded, read_part
+from logical_robots_tui.game import Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
@@ -32,6 +32,8 @@ from logical_robots_tui.wording import clip, one_line
 
 _LONGEST_ARGUMENT = 24
 _LONGEST_VALUE = 60
+_FIRST_DEPTH = 2  # predicates deep; mostly fills the pane
+_DEPTH = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +68,7 @@ class WhyPage(Page):
         self._roots: Sequence[Node] = ()
         self._lacking: list[tuple[_Question, int, Ask]] = []
         self._is_proving = False
+        self._depth = _FIRST_DEPTH
 
     def begin(self, predicate: str) -> None:
         self._steps = [Ask(predicate, {})]
@@ -79,6 +82,8 @@ class WhyPage(Page):
     async def show(self, frame: Frame) -> None:
         """Answer the question at a tick; while the game runs, only with the first level."""
         question = _Question(self.robot, tuple(self._steps), frame)
+        if not question.is_like(self._shown):
+            self._depth = _FIRST_DEPTH
         robot, asked = question.robot, question.asked
         found = await self.answer(
             lambda inquiry, program: inquiry.why(program, robot, frame, asked),
@@ -141,8 +146,10 @@ class WhyPage(Page):
         return replace(asked, given=given), here
 
     async def _prove(self, question: _Question, found: Explanation) -> None:
-        """Show the first level of the proof until the whole proof is computed."""
+        """Show the first level of a proof until it is as deep as there is room for.
 
+        It is as deep as possible after the player has expanded what it ended with.
+        """
         trouble = ""
 
         def say(words: Content | str) -> None:
@@ -154,28 +161,26 @@ class WhyPage(Page):
 
         self._is_proving = True
         try:
-            proof = await self.answer(
-                lambda inquiry, program: inquiry.proof(
-                    program, question.robot, question.frame, question.asked
-                ),
-                lambda: "unfolding",
-                say,
-            )
+            for depth in (self._depth, _DEPTH):
+                work = partial(self._proof, question, question.asked, depth)
+                proof = await self.answer(work, lambda: "unfolding", say)
+                if proof is None:  # calls are then proved one by one, as they are expanded
+                    say(trouble)
+                    return
+                self._show(question, proof.explanation, proof.nodes)
+                if not (proof.is_cut and self.view.has_room_for_proofs):
+                    return
+                self._depth = _DEPTH
         finally:
             self._is_proving = False
-        if proof is not None:
-            self._show(question, proof.explanation, proof.nodes)
-        else:  # calls are then proved one by one, as they are expanded
-            say(trouble)
 
     async def _suggest(self, question: _Question, found: Explanation) -> None:
-        asked = question.asked
-        if found.row is not None or asked.given or asked.within or self._answered is not question:
+        if found.row is not None or self._answered is not question:
             return
         try:
             inquiry, program = self._questions.about()
             robot, frame = question.robot, question.frame
-            misses = await inquiry.nearest(program, robot, frame, asked.predicate)
+            misses = await inquiry.nearest(program, robot, frame, question.asked)
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
@@ -229,6 +234,7 @@ class WhyPage(Page):
             self.post_message(self.Changed())
 
     def _unfold(self, key: int, asked: Ask) -> None:
+        self._depth = _DEPTH
         if self._answered is not None and not self._is_proving:
             self._lacking.append((self._answered, key, asked))
             if len(self._lacking) == 1:
@@ -248,10 +254,14 @@ class WhyPage(Page):
             finally:
                 del self._lacking[:1]
 
+    async def _proof(
+        self, question: _Question, asked: Ask, depth: int, inquiry: Inquiry, program: Program
+    ) -> Proof:
+        return await inquiry.proof(program, question.robot, question.frame, asked, depth=depth)
+
     async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
-        inquiry, program = self._questions.about()
         try:
-            proof = await inquiry.proof(program, question.robot, question.frame, asked)
+            proof = await self._proof(question, asked, _DEPTH, *self._questions.about())
         except QueryError as error:
             return (Node("note", str(error)),)
         return proof.nodes
