@@ -26,7 +26,6 @@ from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
@@ -88,7 +87,7 @@ class MainScreen(Screen[None], SessionListener):
         self._too_small = Static(id="too-small", markup=False)
         self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
         self.program = ProgramPane()
-        self.inspector = InspectorPane(self.session)
+        self.inspector = InspectorPane(self.session, lambda: self.point_at(self.inspector))
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._edit_panel: EditPanel | None = None
         self._make_controllers()
@@ -328,8 +327,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self.select(event.name)
-        if not self.inspector.shows_robot:
-            self.inspector.inspect(ROBOTS)
+        self.inspector.show_robot()
 
     @on(RobotPut)
     def _robot_put(self, event: RobotPut) -> None:
