@@ -10,7 +10,6 @@ from logical_robots_tui.tui.terminal.textual_internals import rendered_lines
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
     from logical_robots_tui.tui.commands.help import Subject
-    from logical_robots_tui.tui.inspector.pane import InspectorPane
     from logical_robots_tui.tui.program.editor import Editor
     from logical_robots_tui.tui.program.pane import ProgramPane
 
@@ -22,11 +21,6 @@ def program(screen: MainScreen) -> ProgramPane:
 
 def editor(screen: MainScreen) -> Editor:
     return program(screen).editor
-
-
-def inspector(screen: MainScreen) -> InspectorPane:
-    screen.go_to(screen.inspector)
-    return screen.inspector
 
 
 def run(screen: MainScreen) -> None:

@@ -200,18 +200,18 @@ view: Group[MainScreen] = Group("View")
 view.add("labyrinth", "Labyrinth", "1", lambda s: s.go_to(s.labyrinth), "Go to the labyrinth.")
 view.add("editor", "Editor", "2 e", general.program,
     "Go to the text of the program.", bar="Edit", spare=2)
-view.add("inspector", "Inspector", "3 i", general.inspector, "Go to the inspector.")
+view.add("inspector", "Inspector", "3 i", lambda s: s.go_to(s.inspector), "Go to the inspector.")
 view.add("next_team", "Program of the next team", "", general.next_team,
     "Show the program of another team, and the mind of its first robot.")
 view.add("hide_teams", "Hide the other teams", "", lambda s: s.team_choice.toggle_others(),
     "Hide what the other teams think, or show it again.")
-view.add("why", "Why", "w", lambda s: general.inspector(s).why(),
+view.add("why", "Why", "w", lambda s: s.inspector.why(),
     "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why")
-view.add("ask", "Ask", "slash", lambda s: general.inspector(s).ask(),
+view.add("ask", "Ask", "slash", lambda s: s.inspector.ask(),
     "Ask any question in Logica about this tick.", bar="Ask", spare=4)
-view.add("watch", "Watch", "V", lambda s: general.inspector(s).go_to_pins(),
+view.add("watch", "Watch", "V", lambda s: s.inspector.go_to("watch"),
     "Show what is pinned: its value at this tick and in the ticks around it.")
-view.add("diagnose", "Diagnosis", "", lambda s: general.inspector(s).diagnose(),
+view.add("diagnose", "Diagnosis", "", lambda s: s.inspector.go_to("diagnosis"),
     "Scan the whole run for likely mistakes.")
 view.add("leave", "Leave the editor", "escape", general.leave,
     "Go from the editor to the labyrinth, where single letters are commands.",

@@ -197,12 +197,6 @@ class InspectorPane(Pane):
         self.go_to("ask")
         self._of(AskPage).put(query)
 
-    def go_to_pins(self) -> None:
-        self.go_to("watch")
-
-    def diagnose(self) -> None:
-        self.go_to("diagnosis")
-
     def pin(self) -> None:
         found = self.active.pin_here()
         if found is None:
