@@ -175,7 +175,7 @@ def _rows_of_rule(scene: Scene, text: str, start: int, stop: int, given: dict[st
     """How many such rows one rule of a program gives; what is removed goes with its comma."""
     arguments = text[text.index("(", start) : stop]
     whole = f"{text}\nThisRule{arguments};"
-    whole = re.sub(r"(?<=[({|]),\s*|(?<=:-)\s*,|,\s*(?=\s*[,)};|])", "", whole)
+    whole = re.sub(r"(?<=[({|])\s*,\s*|(?<=:-)\s*,|,\s*(?=\s*[,)};|])", "", whole)
     whole = re.sub(r"(?<=:-)\s+,|:-\s*(?=;)", "", whole)
     mind = scene.mind
     with closing(Mind(Program.compile(whole), memory=mind.memory, sensor=mind.sensor)) as other:
