@@ -1,19 +1,20 @@
-"""Write the tables of functions and fields from their data: ``python -m docs.reference``."""
+"""Write tables from their data: functions, fields, typed commands: ``python -m docs.reference``."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.cli.plain import table
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.schema import tables
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 TARGET = Path(__file__).with_name("reference.md")
 PROGRAMS = Path(__file__).with_name("programs.md")
-BEGIN, END = "<!-- fields -->", "<!-- end of fields -->"
+COMMANDS = Path(__file__).with_name("commands.md")
 HEAD = """\
 # Functions
 
@@ -30,9 +31,19 @@ def page() -> str:
 
 def programs() -> str:
     """The page on programs, with the table of fields as it should be."""
-    before, _, rest = PROGRAMS.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
-    return "\n".join([before + BEGIN, *tables(), end + after])
+    return _with(PROGRAMS, "fields", tables())
+
+
+def commands() -> str:
+    """The page on the command line, with the table of what is typed in plain text."""
+    return _with(COMMANDS, "typed commands", table())
+
+
+def _with(page: Path, name: str, lines: Iterable[str]) -> str:
+    """A page with new lines between two marks."""
+    before, begin, rest = page.read_text(encoding="utf-8").partition(f"<!-- {name} -->")
+    _, end, after = rest.partition(f"<!-- end of {name} -->")
+    return "\n".join([before + begin, *lines, end + after])
 
 
 def _tables() -> Iterator[str]:
@@ -51,3 +62,4 @@ def _tables() -> Iterator[str]:
 if __name__ == "__main__":
     TARGET.write_text(page(), encoding="utf-8")
     PROGRAMS.write_text(programs(), encoding="utf-8")
+    COMMANDS.write_text(commands(), encoding="utf-8")

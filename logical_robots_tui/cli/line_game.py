@@ -5,12 +5,12 @@ from __future__ import annotations
 import asyncio
 import math
 import signal
-import sys
 from collections.abc import Awaitable, Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.cli.command import columns, say
 from logical_robots_tui.cli.failure import ProgramFileError
+from logical_robots_tui.cli.line_ui import LineUi, Text
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program
 from logical_robots_tui.game.frame import events_between
@@ -21,8 +21,7 @@ from logical_robots_tui.paths import is_there
 from logical_robots_tui.player.background import Background
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.player.player import Player
-from logical_robots_tui.player.recovery import Offers
-from logical_robots_tui.player.session_state import SessionListener, Ui
+from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.player.surroundings import surroundings
 from logical_robots_tui.world import list_shipped, load_level
 
@@ -31,11 +30,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program
     from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.player.session_state import Opening, Work
+    from logical_robots_tui.player.session_state import Opening
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.world import Level
-
-Found = TypeVar("Found")
 
 MOST = 5000
 """The default tick limit of ``run``."""
@@ -54,59 +51,6 @@ class Command(NamedTuple):
     @property
     def typed(self) -> str:
         return f"{self.word} {self.argument}".rstrip()
-
-
-class LineUi(Ui, Offers):
-    """Questions are answered by the next line; any other line is a command, and no answer."""
-
-    def __init__(self, background: Background) -> None:
-        self._background = background
-        self._unread: list[str] = []
-
-    def tell(self, message: str) -> None:
-        say(message)
-
-    def warn(self, message: str) -> None:
-        say(message)
-
-    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        self._background.spawn(work, group, exclusive=exclusive)
-
-    async def read(self) -> str:
-        """Return the next line; "" at the end of the input."""
-        return self._unread.pop() if self._unread else await asyncio.to_thread(sys.stdin.readline)
-
-    async def choose(
-        self, title: str, question: str, answers: Sequence[tuple[str, str]]
-    ) -> str | None:
-        listed = "; ".join(f"{name}: {words}" for name, words in answers)
-        say(f"{title}. {question}", f"Type one of these. {listed}.")
-        line = await self.read()
-        if line.strip().lower() in dict(answers):
-            return line.strip().lower()
-        self._unread.append(line)
-        return None
-
-    async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
-        return await find()
-
-    async def ask(
-        self, title: str, question: str, answers: Sequence[tuple[str, str]], *, text: str = ""
-    ) -> str | None:
-        while (answer := await self.choose(title, question, answers)) == "show":
-            say(text)
-        return answer
-
-
-class Text:
-    """The program's text, which is edited elsewhere."""
-
-    text = ""
-
-    def load(self, text: str) -> None:
-        self.text = text
-
-    put = load
 
 
 class LineGame(SessionListener):
@@ -405,8 +349,29 @@ class LineGame(SessionListener):
         await library.save_as(path)
         say(f"Edit {path}, then type apply.")
 
+    def replace_line(self, argument: str) -> None:
+        number, _, line = argument.partition(" ")
+        self._edit(number, 1, line)
+
+    def insert_line(self, argument: str) -> None:
+        number, _, line = argument.partition(" ")
+        self._edit(number, 0, line)
+
+    def _edit(self, number: str, replaced: int, line: str) -> None:
+        """Put a line in place of as many; an empty one only deletes."""
+        lines = self._text.text.splitlines()
+        at = _number(number) - 1
+        if not 0 <= at <= len(lines) - replaced:
+            raise InputError(f"There is no line {number}; the last one is {len(lines)}.")
+        lines[at : at + replaced] = [line] if line else []
+        self._text.put("\n".join([*lines, ""]))
+        say("Type apply, and the robots will use it.")
+
     def apply(self, _: str) -> None:
         source = self.session.source
+        if self._text.text != self.session.state.tried:
+            self.session.apply(self._text.text)
+            return
         if source.shipped:
             raise InputError("This program is not in a file of yours. Type save and a name first.")
         source = load_program(source.path)
@@ -487,5 +452,5 @@ def _number(text: str, usual: int | None = None) -> int:
     if text.isdecimal() and len(text) < 10:
         return int(text)
     if text or usual is None:
-        raise InputError(f"{text or 'Nothing'} is not a number of ticks.")
+        raise InputError(f"{text or 'Nothing'} is not a number.")
     return usual
