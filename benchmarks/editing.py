@@ -59,7 +59,7 @@ async def _in_the_app(level: Level) -> list[float]:
             while main.session.game is None:
                 await pilot.pause(0.02)
             main.editing.open()
-            main.editing.do("brush")
+            main.editing.take("brush")
             view, found = main.labyrinth.view, []
             assert view.overlay is not None
             view.overlay.press(1000, 1000)

@@ -25,7 +25,7 @@ import numpy as np
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.advancing import is_thought_alike
 from logical_robots_tui.game.frame import Frame, Superseded
-from logical_robots_tui.game.history.packing import is_state
+from logical_robots_tui.game.history.packing import is_shallow, is_state
 from logical_robots_tui.mind import Decision
 from logical_robots_tui.mind.limits import weight_of_text
 from logical_robots_tui.paths import read_ordinary
@@ -212,7 +212,8 @@ class Replay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, dict=True)
             if sizes or len(stage.desires) != len(level.robots):
                 raise ValueError("its robots don't act in every tick")
             fits = previous is not None and is_thought_alike(previous, level)
-            if not is_state(state, memories, state.tick, level) or stage.is_decided > fits:
+            is_valid = is_shallow(memories) and is_state(state, memories, state.tick, level)
+            if not is_valid or stage.is_decided > fits:
                 raise ValueError(f"its state at tick {state.tick} does not fit the level")
             previous = level
 

@@ -85,6 +85,10 @@ def change(at: list[int], value: object) -> Callable[[list[Any]], object]:
     return put
 
 
+def nested(depth: int) -> list[Any]:
+    return [nested(depth - 1)] if depth else []
+
+
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     "change",
@@ -108,7 +112,11 @@ def change(at: list[int], value: object) -> Callable[[list[Any]], object]:
         change([0, 6, 0, 5, 1], [1]),
         change([0, 6, 0, 5, 2], [["no kind", "x"]]),
         change([0, 6, 0, 5, 2], 7),
+        change([0, 6, 0, 5, 0], 10**6),
+        change([0, 6, 0, 5, 0], {"a": "b"}),
         change([0, 6], {}),
+        change([0, 7], []),
+        change([0, 7, 0], nested(300)),
         change([0], None),
     ],
 )
@@ -173,3 +181,17 @@ async def test_heavy_ticks_are_kept_in_small_pieces(level: Level, folder: Path) 
     assert (len(pieces), moments) == (3, 21)
     assert await known(level, HEAVY) == 20
     assert await frames(level, 20, HEAVY) == expected
+
+
+ENDLESS = """
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1},
+      memory: {far: [1e308 * 10, sensor.clock, 1, 1.0, true], name: "a"}) :-
+  Sensor(robot_name:, sensor:);
+"""
+
+
+async def test_an_endless_number_is_kept(level: Level, folder: Path) -> None:
+    expected = await frames(level, text=ENDLESS)
+    assert await known(level, ENDLESS) == TICKS
+    assert repr(await frames(level, text=ENDLESS)) == repr(expected)
+    assert "inf" in repr(expected[-1].memories)

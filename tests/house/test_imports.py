@@ -49,7 +49,6 @@ MUST_NOT_LOAD = {
             "library.controller",
             "labyrinth.victory",
             "level_editor.controller",
-            "level_editor.mode",
             "timeline.controller",
         )
     },

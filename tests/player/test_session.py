@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import Program
 from logical_robots_tui.player.background import Background
@@ -16,9 +17,7 @@ from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.ui import Dialogs
-from logical_robots_tui.tui.level_editor.controller import LevelEditing
-from logical_robots_tui.tui.level_editor.editor import Tool
-from logical_robots_tui.tui.level_editor.mode import EditView
+from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
@@ -29,10 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
     from pathlib import Path
 
+    from logical_robots_tui.editing.editor import LevelEditor
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
     from logical_robots_tui.world import Level
 
 FAST = AHEAD.replace("0.5", "0.9")
@@ -58,27 +57,6 @@ class Screen(Background, Dialogs):
 
     async def ask(self, dialog: object) -> Any:
         raise AssertionError(f"nothing is to be asked, not even {dialog}")
-
-
-class Unseen(EditView):
-    """Shows a level to nobody."""
-
-    def enter(self) -> None: ...
-
-    def leave(self, *, is_testing: bool) -> None: ...
-
-    def remove(self) -> None: ...
-
-    def redraw(self) -> None: ...
-
-    def handles(self, key: str) -> bool:
-        return False
-
-    def do(self, command_id: str) -> None: ...
-
-    def use(self) -> None: ...
-
-    def go_to(self, point: Point) -> None: ...
 
 
 @dataclass
@@ -118,7 +96,7 @@ class Table:
 
     session: Session
     recorder: ProgressRecorder
-    editing: LevelEditing
+    editing: LevelController
     chronicle: Chronicle
     ui: Screen
     drafts: Drafts
@@ -126,8 +104,7 @@ class Table:
 
     @property
     def editor(self) -> LevelEditor:
-        assert self.editing.mode is not None
-        return self.editing.mode.editor
+        return self.editing.editor
 
     async def until(self, condition: Callable[[], object]) -> None:
         await until(condition, lambda: repr((self.ui.said, self.chronicle)))
@@ -169,7 +146,7 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     async def open_level(level: Level) -> None:
         session.open_level(level, {"": session.source}, text)
 
-    editing = LevelEditing(session, ui, data_dir / "levels", drafts, open_level, lambda _: Unseen())
+    editing = LevelController(session, ui, data_dir / "levels", drafts, open_level, lambda: None)
     recorder.attach(ui, changed=lambda: None, measured=lambda level, found, is_here: None)
     session.listeners += [editing, recorder, chronicle]
     session.pace.speed = None
@@ -213,15 +190,12 @@ async def test_a_whole_game_is_played_without_a_screen(tmp_path: Path) -> None:
         t.editor.undo()
         await t.until(lambda: levels.shown.walls[12, 30])
         assert levels.has_changes
-        assert t.editing.mode is not None
-        t.editing.mode.leave()
+        t.editing.leave()
         assert t.editing.level is levels.shown
 
-        mode = t.editing.mode
         await t.editing._open_level(load_level("01-first-steps"))
-        assert t.editing.mode is None
+        assert not t.editing.has_begun
         assert session.levels is not levels
-        assert mode.levels is levels
         assert session.frame.tick == 0
         await virtual_loop().settled()
         assert (t.recorder.record.state, t.recorder.record.versions) == ("in work", 1)
@@ -282,14 +256,13 @@ async def test_what_is_looked_at_does_not_change(tmp_path: Path) -> None:
 async def test_saving_says_so_once_and_the_record_goes_with_the_file(tmp_path: Path) -> None:
     async with table(tmp_path) as t:
         t.editing.open()
-        mode = t.editing.mode
-        assert mode is not None
         t.paint((10, 8), (20, 8))
-        assert not mode.levels.is_saved
-        await t.until(lambda: t.session.levels.shown is t.session.levels.edited)
-        other = replace(t.session.levels.edited, name="other", source=str(tmp_path / "other.toml"))
-        mode.saved(t.session.levels.edited, other)
-        assert mode.levels.is_saved
+        levels = t.session.levels
+        assert not levels.is_saved
+        await t.until(lambda: levels.shown is levels.edited)
+        other = replace(levels.edited, name="other", source=str(tmp_path / "other.toml"))
+        t.editing.saved(levels, str(tmp_path / "short.toml"), levels.edited, other)
+        assert levels.is_saved
         assert t.session.opened is other
         assert t.chronicle.events.count("saved other") == 1
         await t.win()

@@ -96,10 +96,11 @@ class Tally:
             for place, column in enumerate(probe.columns):
                 truth = self._truth(column, place, row)
                 truths.append(truth)
-                is_reached = all((truths[c] is True) is holds for c, holds in column.guard)
                 count = self.sites[column.site]
                 is_settled = count.true is not None and count.false is not None
-                if is_reached and column.kind != "skip" and not is_settled:
+                if is_settled or column.kind == "skip":
+                    continue
+                if all((truths[c] is True) is holds for c, holds in column.guard):
                     self._see(tick, column, place, row, truth, ways)
             passed += ways
             if all(truths[c] is True for c in probe.filters):

@@ -146,25 +146,29 @@ def _remember(found: Observations, tick: int, before: Any, after: Any) -> None:
         old = before.get(robot)
         if memory == old:
             continue
-        if len(found.texts) < _MOST_TEXTS:
-            found.texts.update(_texts(memory))
         fields = memory if isinstance(memory, dict) else {}
+        former = old if isinstance(old, dict) else {}
         for name in fields:
             found.fields.setdefault(str(name), tick)
-        for name in old if isinstance(old, dict) else ():
-            if name not in fields and old[name] is not None:
+        if len(found.texts) < _MOST_TEXTS:
+            # Most fields stay the same, as the objects that they are.
+            changed = [each for name, each in fields.items() if each is not former.get(name)]
+            found.texts.update(_texts(changed if fields else memory))
+        for name in former:
+            if name not in fields and former[name] is not None:
                 found.losses.setdefault((robot, str(name)), Loss(robot, str(name), tick))
 
 
 def _texts(value: Any) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        for inner in value.values():
-            yield from _texts(inner)
-    elif isinstance(value, list):
-        for inner in value:
-            yield from _texts(inner)
+    left = [value]
+    while left:
+        value = left.pop()
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, dict):
+            left += value.values()
+        elif isinstance(value, list):
+            left += value
 
 
 def _stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, Protocol, get_args
 
 from logical_robots_tui.mind import Decision, Notice, NoticeKind
 from logical_robots_tui.values import Desire, Value
@@ -20,11 +20,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
 
 _QUICKEST = 1  # zlib level; so little changes from tick to tick that more is not needed
-_KEPT_OPEN = 4  # for stepping through them
 _BODY_BYTES = 1_000  # of a robot's state and decision
-_DEEPEST = 200  # that a memory read from a file may be nested
-_BYTES_PER_BYTE = 6  # of objects, for each that they take when written
-_HEAVIEST_OPEN = 24_000_000  # bytes of objects in all of these
+_DEEPEST = 200  # that a value read from a file may be nested
+_HEAVIEST_OPEN = 24_000_000  # bytes of objects in all packs that are kept open
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
 _body_of = attrgetter(*_BODY)
@@ -84,23 +82,44 @@ class Packed:
         return len(self._bytes)
 
     def moment(self, at: int) -> TickState:
-        return moment_in(_open(self), at)
+        return moment_in(_opened.runs(self), at)
 
     def memory(self, at: int, robot: str) -> Value:
         """Return a robot's memory in one moment; raise LookupError if it is not there."""
-        for _, names, _, facts, _, _, thoughts in _open(self):
-            if at < len(facts) and robot in names:
-                memory: Value = thoughts[names.index(robot)][at][0]
-                return memory
-            at -= len(facts)
-        raise LookupError(robot)
+        return memory_in(_opened.runs(self), at, robot)
 
-    def opened(self) -> list[tuple[Any, ...]]:
-        runs: list[tuple[Any, ...]] = marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
-        return runs
+    def opened(self) -> tuple[int, list[Any]]:
+        """Return its runs, and the approximate bytes of their objects."""
+        return self.weight, marshal.loads(zlib.decompress(self._bytes))  # noqa: S302 - our own bytes
+
+
+class Openable(Protocol):
+    """Packed moments."""
+
+    def opened(self) -> tuple[int, list[Any]]: ...
+
+
+class Opened:
+    """The packs that were opened last, up to so many bytes of objects."""
+
+    def __init__(self, most_bytes: int) -> None:
+        self._most_bytes = most_bytes
+        self._kept: OrderedDict[Openable, tuple[int, list[Any]]] = OrderedDict()
+
+    def runs(self, pack: Openable) -> list[Any]:
+        """Return what a pack holds, in the layout of `lay_out`."""
+        is_new = pack not in self._kept
+        self._kept[pack] = found = self._kept.pop(pack, None) or pack.opened()
+        while is_new and sum(weight for weight, _ in self._kept.values()) > self._most_bytes:
+            self._kept.popitem(last=False)
+        return found[1]
+
+
+_opened = Opened(_HEAVIEST_OPEN)
 
 
 def lay_out(moments: Sequence[TickState]) -> list[Any]:
+    """Return moments as lists; equal parts of memories are there only once."""
     # Robots and areas may come and go when the level is edited.
     return [_run_of(list(run)) for _, run in groupby(moments, _names_of)]
 
@@ -108,10 +127,10 @@ def lay_out(moments: Sequence[TickState]) -> list[Any]:
 def moment_in(runs: Sequence[Any], at: int) -> TickState:
     """Return one moment of this layout, which may have been through JSON."""
     rest = iter(runs)
-    begin, names, area_names, facts, areas, bodies, thoughts = next(rest)
+    begin, names, area_names, facts, areas, bodies, thoughts, values = next(rest)
     while at >= len(facts):
         at -= len(facts)
-        begin, names, area_names, facts, areas, bodies, thoughts = next(rest)
+        begin, names, area_names, facts, areas, bodies, thoughts, values = next(rest)
     won_at, tallies, milliseconds, driven, weight, has_decided = facts[at]
     after = WorldState(
         begin + at,
@@ -125,7 +144,10 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
         won_at,
         tuple(map(tuple, tallies)),
     )
-    mine = [(name, *thought[at]) for name, thought in zip(names, thoughts, strict=True)]
+    mine = []
+    for name, thought in zip(names, thoughts, strict=True):
+        memory, desire, notices = thought[at]
+        mine.append((name, _memory(memory, values), desire, notices))
     return TickState(
         after,
         {name: memory for name, memory, _, _ in mine},
@@ -136,43 +158,20 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
     )
 
 
-def memories_in(runs: Sequence[Any], robot: str) -> tuple[int, list[Value]]:
-    """Return a robot's memories in all moments of this layout, and the bytes of their objects.
-
-    Parts that stay the same are one object. Raises ValueError if the robot is not there.
-    """
-    weight, found = 0, list[Value]()
-    for _, names, _, _, _, _, thoughts in runs:
-        for memory, _, _ in thoughts[names.index(robot)]:
-            shared, more = _shared(memory, found[-1] if found else None)
-            found.append(shared)
-            weight += more
-    return weight, found
+def memory_in(runs: Sequence[Any], at: int, robot: str) -> Value:
+    """Return a robot's memory in one moment of this layout; raise LookupError if there is none."""
+    for _, names, _, facts, _, _, thoughts, values in runs:
+        if at < len(facts) and robot in names:
+            return _memory(thoughts[names.index(robot)][at][0], values)
+        at -= len(facts)
+    raise LookupError(robot)
 
 
-def _shared(memory: Any, before: Any) -> tuple[Any, int]:
-    """Return a memory that shares with the one before what stayed the same, and what it adds."""
-    if memory == before and marshal.dumps(memory, 2) == marshal.dumps(before, 2):
-        return before, 8
-    if isinstance(memory, dict) and isinstance(before, dict):
-        parts = {name: _shared(value, before.get(name)) for name, value in memory.items()}
-        added = 64 + sum(weight for _, weight in parts.values())
-        return {name: value for name, (value, _) in parts.items()}, added
-    return memory, _BYTES_PER_BYTE * len(marshal.dumps(memory, 2))
-
-
-_opened: OrderedDict[Packed, list[tuple[Any, ...]]] = OrderedDict()
-"""The packs that were unpacked last, except large ones."""
-
-
-def _open(pack: Packed) -> list[tuple[Any, ...]]:
-    runs = _opened.pop(pack, None)
-    if runs is None:
-        runs = pack.opened()
-    _opened[pack] = runs
-    while len(_opened) > _KEPT_OPEN or sum(each.weight for each in _opened) > _HEAVIEST_OPEN:
-        _opened.popitem(last=False)
-    return runs
+def _memory(places: Any, values: Sequence[Value]) -> Value:
+    if isinstance(places, dict):
+        return {name: values[place] for name, place in places.items()}
+    memory: Value = values[places]
+    return memory
 
 
 def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
@@ -182,6 +181,7 @@ def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
 
 def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
     first = moments[0].after
+    values = _Values()
     return (
         first.tick,
         *_names_of(moments[0]),
@@ -194,17 +194,41 @@ def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
         ],
         [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
         [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
-        [[_thought_of(m, i, robot.name) for m in moments] for i, robot in enumerate(first.robots)],
+        [
+            [_thought_of(m, i, robot.name, values) for m in moments]
+            for i, robot in enumerate(first.robots)
+        ],
+        values.all,
     )
 
 
-def _thought_of(moment: TickState, at: int, name: str) -> tuple[object, ...]:
+class _Values:
+    """The parts of memories, each different one once."""
+
+    def __init__(self) -> None:
+        self.all: list[Value] = []
+        self._places: dict[bytes, int] = {}  # by what is written, because 1, 1.0 and true are equal
+
+    def places(self, memory: Value) -> object:
+        """Return the places of a memory's fields, or that of another memory."""
+        if isinstance(memory, dict):
+            return {name: self._place(value) for name, value in memory.items()}
+        return self._place(memory)
+
+    def _place(self, value: Any) -> int:
+        place = self._places.setdefault(marshal.dumps(value, 2), len(self.all))
+        if place == len(self.all):
+            self.all.append(value)
+        return place
+
+
+def _thought_of(moment: TickState, at: int, name: str, values: _Values) -> tuple[object, ...]:
     if not moment.decisions:
-        return moment.memories[name], None, ()
+        return values.places(moment.memories[name]), None, ()
     decision = moment.decisions[at]
     desire = decision.desire
     return (
-        decision.memory,
+        values.places(decision.memory),
         None if desire is None else (desire.left_engine, desire.right_engine),
         tuple([(notice.kind, notice.message) for notice in decision.notices]),
     )
@@ -220,7 +244,10 @@ def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
 
 
 def is_moment(moment: TickState, tick: int, level: Level) -> bool:
-    """Return whether a moment from a file is valid; raises TypeError for a list as a name."""
+    """Return whether a moment from a file is valid, but for the depth of its memories.
+
+    Raises TypeError for a list as a name.
+    """
     names = [robot.name for robot in level.robots]
     return (
         is_state(moment.after, moment.memories, tick, level)
@@ -233,7 +260,7 @@ def is_moment(moment: TickState, tick: int, level: Level) -> bool:
 
 
 def is_state(after: WorldState, memories: Any, tick: int, level: Level) -> bool:
-    """Return whether a state from a file is valid; raises TypeError for a list as a name."""
+    """Return whether a state from a file is valid, as `is_moment` does."""
     names = [robot.name for robot in level.robots]
     return (
         type(after.tick) is int
@@ -249,7 +276,6 @@ def is_state(after: WorldState, memories: Any, tick: int, level: Level) -> bool:
         and all(type(n) is int and 0 <= n < 1 << 63 for each in after.tallies for n in each)
         and type(memories) is dict
         and list(memories) == names
-        and all(_is_value(memory, _DEEPEST) for memory in memories.values())
     )
 
 
@@ -274,8 +300,9 @@ def _are_numbers(*values: Any) -> bool:
     return all(type(value) in (int, float) and math.isfinite(value) for value in values)
 
 
-def _is_value(value: Any, depth: int) -> bool:
+def is_shallow(value: Any, depth: int = _DEEPEST) -> bool:
+    """Return whether a value from a file is not nested too deeply."""
     if type(value) not in (list, dict):
         return True
     inside = value.values() if type(value) is dict else value
-    return depth > 0 and all(_is_value(each, depth - 1) for each in inside)
+    return depth > 0 and all(is_shallow(each, depth - 1) for each in inside)

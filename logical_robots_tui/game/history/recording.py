@@ -11,20 +11,21 @@ import json
 import math
 import zlib
 from bisect import bisect_right
-from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from operator import attrgetter
 from typing import Any
 
+import orjson
+
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.history.packing import (
+    Opened,
     TickState,
     is_moment,
     lay_out,
-    memories_in,
+    memory_in,
     moment_in,
 )
 from logical_robots_tui.mind.limits import weight_of_text
@@ -44,9 +45,7 @@ SUFFIX = ".run"
 _TOGETHER = 32  # moments in a piece, unless they are large
 _HEAVY = 12_000_000  # bytes of unpacked objects, unless a single moment has more
 _HEAVIEST = 48_000_000  # most bytes of the objects of a piece, unless it is a single moment
-_HEAVIEST_REMEMBERED = 48_000_000  # the same of memories that are held to be compared
 _QUICK = 2  # zlib level
-_KEPT_OPEN = 2  # pieces, for sequential access
 
 
 class DamagedError(ValueError):
@@ -66,9 +65,7 @@ class Recording:
         self._start = start
         self._pieces: list[_Piece] = []
         self._loose = [start]
-        # Memories of a robot in the pieces that were asked for last, with their weight.
-        self._remembered: OrderedDict[tuple[_Piece, str], tuple[int, Sequence[Value]]]
-        self._remembered = OrderedDict()
+        self._opened = Opened(_HEAVIEST)
         self._is_new = False
         self._lasting: float = math.inf
         self._read()
@@ -107,8 +104,8 @@ class Recording:
             return self._loose[tick - self._packed]
         piece = self._piece(tick)
         with _damage_told():
-            moment = moment_in(_unpack(piece), tick - piece.first)
-            if not is_moment(moment, tick, self._level):
+            moment = moment_in(self._opened.runs(piece), tick - piece.first)
+            if not (piece.own or is_moment(moment, tick, self._level)):
                 raise DamagedError(f"this is not tick {tick}")
         return moment
 
@@ -118,7 +115,7 @@ class Recording:
             return self._loose[tick - self._packed].memories[robot]
         piece = self._piece(tick)
         with _damage_told():
-            return self._memories(piece, robot)[tick - piece.first]
+            return memory_in(self._opened.runs(piece), tick - piece.first, robot)
 
     def add(self, moment: TickState) -> None:
         """Store the state after the next tick; not on disk once the clock has cut off a thought."""
@@ -160,14 +157,6 @@ class Recording:
     @property
     def _packed(self) -> int:
         return self._pieces[-1].ticks.stop if self._pieces else 0
-
-    def _memories(self, piece: _Piece, robot: str) -> Sequence[Value]:
-        known = self._remembered
-        found = known.pop((piece, robot), None) or memories_in(_unpack(piece), robot)
-        known[piece, robot] = found
-        while len(known) > 1 and sum(each for each, _ in known.values()) > _HEAVIEST_REMEMBERED:
-            known.popitem(last=False)
-        return found[1]
 
     def _piece(self, tick: int) -> _Piece:
         return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
@@ -219,7 +208,7 @@ class Recording:
             self.forget()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Piece:
     """Some moments as compressed JSON; `own` pieces are known to unpack within limits."""
 
@@ -233,6 +222,22 @@ class _Piece:
     @property
     def ticks(self) -> range:
         return range(self.first, self.first + self.count)
+
+    def opened(self) -> tuple[int, list[Any]]:
+        """Return its runs, and the approximate bytes of their objects, or raise DamagedError."""
+        if _digest(self.content) != self.digest:
+            raise DamagedError("the piece is damaged")
+        unpacking = zlib.decompressobj()
+        try:
+            text = unpacking.decompress(self.content, 0 if self.own else _HEAVIEST).decode()
+        except zlib.error as error:
+            raise DamagedError("the piece can't be unpacked") from error
+        if not unpacking.eof or not (self.own or _may_be_opened(text)):
+            raise DamagedError("the piece is too large")
+        runs = _parse(text)
+        if not self.own:
+            orjson.dumps(runs)  # raises TypeError for what is nested too deeply
+        return weight_of_text(text), runs
 
 
 _first_of = attrgetter("first")
@@ -265,18 +270,11 @@ def _may_be_opened(text: str) -> bool:
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
 
 
-@lru_cache(maxsize=_KEPT_OPEN)
-def _unpack(piece: _Piece) -> Any:
-    if _digest(piece.content) != piece.digest:
-        raise DamagedError("the piece is damaged")
-    unpacking = zlib.decompressobj()
+def _parse(text: str) -> Any:
     try:
-        text = unpacking.decompress(piece.content, 0 if piece.own else _HEAVIEST).decode()
-    except zlib.error as error:
-        raise DamagedError("the piece can't be unpacked") from error
-    if not unpacking.eof or not (piece.own or _may_be_opened(text)):
-        raise DamagedError("the piece is too large")
-    return json.loads(text)
+        return orjson.loads(text)
+    except ValueError:
+        return json.loads(text)  # infinite numbers, lone surrogates
 
 
 @contextmanager

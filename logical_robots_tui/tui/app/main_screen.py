@@ -43,7 +43,7 @@ from logical_robots_tui.tui.layout.command_bar import (
 from logical_robots_tui.tui.layout.status_line import StatusLine, status_of
 from logical_robots_tui.tui.learning.controller import LearningController
 from logical_robots_tui.tui.learning.tour import TourController
-from logical_robots_tui.tui.level_editor.controller import LevelEditing
+from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
@@ -55,7 +55,6 @@ from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.tui.level_editor.mode import EditMode
     from logical_robots_tui.tui.level_editor.panel import EditPanel
 
 _HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
@@ -86,6 +85,7 @@ class MainScreen(Screen[None], SessionListener):
         self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
         self.inspector = InspectorPane(self.session)
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
+        self._edit_panel: EditPanel | None = None
         self._make_controllers()
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
@@ -95,8 +95,8 @@ class MainScreen(Screen[None], SessionListener):
         session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
         program, view = self.program, self.labyrinth.view
         library, drafts = self.library, self.player.drafts
-        self.editing = LevelEditing(
-            session, ui, data_dir / "levels", drafts, library.open_level, self._panel
+        self.editing = LevelController(
+            session, ui, data_dir / "levels", drafts, library.open_level, self._show_editing
         )
         self.library_controller = LibraryController(
             library,
@@ -130,16 +130,19 @@ class MainScreen(Screen[None], SessionListener):
         heard = [self.editing, recorder, self.announcer, self.timeline_controller, self]
         session.listeners += heard
 
-    def _panel(self, mode: EditMode) -> EditPanel:
-        from logical_robots_tui.tui.level_editor.panel import EditPanel
+    def _show_editing(self) -> None:
+        if self._edit_panel is None:
+            from logical_robots_tui.tui.level_editor.panel import EditPanel
 
-        return EditPanel(
-            mode,
-            self.labyrinth,
-            enter=lambda: self.go_to(self.labyrinth),
-            switched=self.announcer.hold,
-            changed=self.redraw_lines,
-        )
+            self._edit_panel = EditPanel(
+                self.editing,
+                self.labyrinth,
+                run=self.action_command,
+                enter=lambda: self.go_to(self.labyrinth),
+                switched=self.announcer.hold,
+                changed=self.redraw_lines,
+            )
+        self._edit_panel.follow()
 
     def compose(self) -> ComposeResult:
         self._fit(self.app.size)
@@ -259,7 +262,7 @@ class MainScreen(Screen[None], SessionListener):
         """
         if isinstance(self.focused, TextArea | Input):
             return False
-        if self.editing.handles(key):
+        if self._edit_panel is not None and self._edit_panel.handles(key):
             return True
         for pane in self.arrangement.panes:
             if key in command(pane.command_id).keys:
@@ -329,7 +332,8 @@ class MainScreen(Screen[None], SessionListener):
 
     def action_command(self, command_id: str) -> None:
         entry = command(command_id)
-        if entry.scope == "level":
-            self.editing.do(command_id)
-        else:
+        if entry.scope != "level":
             entry.run(self, self.spawn)
+        elif self.editing.is_on:
+            entry.run(self.editing, self.spawn)
+            self.editing.changed()

@@ -1,19 +1,19 @@
 """Every command of the game, in the order of the help. To import it loads no widgets and no game.
 
 A row is the command's id, title, keys, what it does, and its sentence in the help. `s` is the
-main screen, `m` the mode of the level editor. It takes as few lines as it needs.
+main screen, `e` the controller of the level editor. It takes as few lines as it needs.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.commands import general, levels, rows
+from logical_robots_tui.tui.commands import general, rows
 from logical_robots_tui.tui.commands.command import Group
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
-    from logical_robots_tui.tui.level_editor.mode import EditMode
+    from logical_robots_tui.tui.level_editor.controller import LevelController
 
 # fmt: off
 
@@ -132,66 +132,68 @@ making.add("edit_level", "Edit the level", "M", lambda s: s.editing.open(),
 making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
     "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog")
 
-editing: Group[EditMode] = Group("In the level editor", "level")
-editing.add("hand", "Hand", "h", levels.take("hand"),
+editing: Group[LevelController] = Group("In the level editor", "level")
+editing.add("hand", "Hand", "h", lambda e: e.take("hand"),
     "Select and drag objects; turn and resize them by their ◆.")
-editing.add("brush", "Brush", "b", levels.take("brush"), "Paint walls.")
-editing.add("line", "Line", "l", levels.take("line"),
+editing.add("brush", "Brush", "b", lambda e: e.take("brush"), "Paint walls.")
+editing.add("line", "Line", "l", lambda e: e.take("line"),
     "Draw a straight wall from one point to another.")
-editing.add("rectangle", "Rectangle", "r", levels.take("rectangle"),
+editing.add("rectangle", "Rectangle", "r", lambda e: e.take("rectangle"),
     "Draw a rectangle, filled or with a border.")
-editing.add("fill", "Fill", "f", levels.take("fill"),
+editing.add("fill", "Fill", "f", lambda e: e.take("fill"),
     "Fill a region with wall, or clear connected walls.")
-editing.add("eraser", "Eraser", "e", levels.take("eraser"), "Erase walls.")
-editing.add("robot", "Robot", "o", levels.take("robot"), "Place a robot.")
-editing.add("beacon", "Beacon", "c", levels.take("beacon"), "Place a beacon.")
-editing.add("area", "Area", "a", levels.take("area"), "Place an area; drag to size it.")
-editing.add("use", "Use the tool", "enter", lambda m: m.view.use(),
+editing.add("eraser", "Eraser", "e", lambda e: e.take("eraser"), "Erase walls.")
+editing.add("robot", "Robot", "o", lambda e: e.take("robot"), "Place a robot.")
+editing.add("beacon", "Beacon", "c", lambda e: e.take("beacon"), "Place a beacon.")
+editing.add("area", "Area", "a", lambda e: e.take("area"), "Place an area; drag to size it.")
+editing.add("use", "Use the tool", "enter", lambda e: e.use(),
     "Act as the mouse button at the cursor: begin or end a stroke, take or drop an object.",
     bar="Use")
-editing.add("undo", "Undo", "u", levels.undo, "Undo the last change.", bar="Undo")
-editing.add("redo", "Redo", "U", levels.redo, "Redo the change undone last.", bar="Redo", spare=5)
+editing.add("undo", "Undo", "u", lambda e: e.undo(), "Undo the last change.", bar="Undo")
+editing.add("redo", "Redo", "U", lambda e: e.redo(), "Redo the change undone last.",
+    bar="Redo", spare=5)
 editing.add("narrower_brush", "Narrower brush", "left_square_bracket",
-    levels.set_tools(lambda now: now.wider(-1)), "Make brush and border narrower.")
+    lambda e: e.editor.widen(-1), "Make brush and border narrower.")
 editing.add("wider_brush", "Wider brush", "right_square_bracket",
-    levels.set_tools(lambda now: now.wider(1)), "Make brush and border wider.")
+    lambda e: e.editor.widen(1), "Make brush and border wider.")
 editing.add("ink", "Wall or floor", "k",
-    lambda m: m.editor.configure(is_wall=not m.editor.settings.is_wall),
+    lambda e: e.editor.configure(is_wall=not e.editor.settings.is_wall),
     "Draw and fill with wall or with floor.")
 editing.add("outline", "Filled or border", "v",
-    lambda m: m.editor.configure(is_filled=not m.editor.settings.is_filled),
+    lambda e: e.editor.configure(is_filled=not e.editor.settings.is_filled),
     "Draw rectangles filled, or only their border.")
-editing.add("grid", "Grid", "g", levels.toggle_grid, "Show or hide the grid.", bar="Grid", spare=6)
-editing.add("grid_size", "Grid size", "G", levels.set_tools(lambda now: now.next_grid()),
+editing.add("grid", "Grid", "g", lambda e: e.editor.toggle_grid(), "Show or hide the grid.",
+    bar="Grid", spare=6)
+editing.add("grid_size", "Grid size", "G", lambda e: e.editor.choose_next_grid(),
     "Choose the next size of the grid.")
-editing.add("next_object", "Next object", "tab", lambda m: levels.select(m, 1),
+editing.add("next_object", "Next object", "tab", lambda e: e.editor.select_next(1),
     "Select the next robot, beacon or area.")
-editing.add("previous_object", "Previous object", "shift+tab", lambda m: levels.select(m, -1),
+editing.add("previous_object", "Previous object", "shift+tab", lambda e: e.editor.select_next(-1),
     "Select the previous robot, beacon or area.")
-editing.add("turn_left", "Turn left", "comma", lambda m: m.editor.turn(-1),
+editing.add("turn_left", "Turn left", "comma", lambda e: e.editor.turn(-1),
     "Turn the selected robot to its left.")
-editing.add("turn_right", "Turn right", "full_stop", lambda m: m.editor.turn(1),
+editing.add("turn_right", "Turn right", "full_stop", lambda e: e.editor.turn(1),
     "Turn the selected robot to its right.")
-editing.add("properties", "Properties…", "i", levels.properties,
+editing.add("properties", "Properties…", "i", lambda e: e.edit_thing(),
     "Edit name, colour, battery, switches and the like of the selected object.",
     bar="Properties", spare=1)
-editing.add("duplicate", "Duplicate", "d", lambda m: m.editor.duplicate(),
+editing.add("duplicate", "Duplicate", "d", lambda e: e.editor.duplicate(),
     "Place a copy of the selected object.")
-editing.add("delete", "Delete", "x delete backspace", lambda m: m.editor.delete(),
+editing.add("delete", "Delete", "x delete backspace", lambda e: e.editor.delete(),
     "Delete the selected object.", bar="Delete", spare=4)
-editing.add("level_properties", "Level properties…", "m", levels.level_properties,
+editing.add("level_properties", "Level properties…", "m", lambda e: e.edit_level(),
     "Edit the level's size, its texts, and what programs may see.", bar="Level", spare=3)
-editing.add("findings", "Findings", "j", levels.findings,
+editing.add("findings", "Findings", "j", lambda e: e.list_findings(),
     "List likely mistakes in the level, and go to one.", bar="Findings", spare=2, worker="dialog")
-editing.add("test", "Test the level", "t", lambda m: m.test(),
+editing.add("test", "Test the level", "t", lambda e: e.test(),
     "Play the level from its start; the same key returns to the editor.", bar="Test")
-editing.add("save_level", "Save the level", "s", levels.save_level,
+editing.add("save_level", "Save the level", "s", lambda e: e.save(),
     "Save the level in its file.", bar="Save", worker="dialog")
-editing.add("save_level_as", "Save the level as…", "S", levels.save_level_as,
+editing.add("save_level_as", "Save the level as…", "S", lambda e: e.save_as(),
     "Save the level under another name, as one of your own.", worker="dialog")
-editing.add("discard_changes", "Discard changes", "X", levels.discard_changes,
+editing.add("discard_changes", "Discard changes", "X", lambda e: e.discard(),
     "Go back to the level as it is in its file.", worker="dialog")
-editing.add("stop_editing", "Leave the level editor", "escape", levels.stop_editing,
+editing.add("stop_editing", "Leave the level editor", "escape", lambda e: e.stop(),
     "Cancel the stroke under way, or return to playing.", bar="Leave")
 
 view: Group[MainScreen] = Group("View")

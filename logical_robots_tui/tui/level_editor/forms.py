@@ -42,7 +42,7 @@ from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
+    from logical_robots_tui.editing.editor import LevelEditor
 
 
 class Text(Input):

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
-from logical_robots_tui.tui.level_editor.editor import (
+from logical_robots_tui.editing.editor import (
     PAINTING,
     LevelEditor,
     Tool,
     handle_of,
     reach_of,
 )
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 from textual.widget import Widget
 
+from logical_robots_tui.editing.editor import PAINTING, Tool
 from logical_robots_tui.editing.level_text import Thing
 from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.tui.commands.keymap import command, commands
@@ -16,8 +17,6 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.layout.command_bar import Labels
-from logical_robots_tui.tui.level_editor.editor import PAINTING, LevelEditor, Tool
-from logical_robots_tui.tui.level_editor.mode import EditMode, EditView
 from logical_robots_tui.tui.level_editor.overlay import mark
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
@@ -25,6 +24,7 @@ from logical_robots_tui.world import Area, Beacon, Robot
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
+    from logical_robots_tui.tui.level_editor.controller import LevelController
 
 
 _CHOSEN = "$here-ink on $here"
@@ -37,13 +37,14 @@ class ToolLine(Labels):
     ToolLine { dock: top; height: auto; background: $panel; text-wrap: nowrap; layer: picture; }
     """
 
-    def __init__(self, editor: LevelEditor) -> None:
+    def __init__(self, controller: LevelController) -> None:
         super().__init__()
-        self._editor = editor
+        self._controller = controller
         self._shown: object = None
 
     def follow(self) -> None:
-        now = self._editor.settings, self._editor.edits.can_undo, self._editor.edits.can_redo
+        editor = self._controller.editor
+        now = editor.settings, editor.edits.can_undo, editor.edits.can_redo
         if now != self._shown:
             self._shown = now
             self.refresh(layout=True)
@@ -68,7 +69,7 @@ class ToolLine(Labels):
         return lines
 
     def _labels(self) -> list[tuple[str, Content]]:
-        settings = self._editor.settings
+        settings = self._controller.editor.settings
         found = [(tool.value, self._tool(tool)) for tool in Tool]
         if settings.tool in PAINTING:
             width = settings.width * settings.grid
@@ -83,7 +84,7 @@ class ToolLine(Labels):
 
     def _tool(self, tool: Tool) -> Content:
         entry = command(tool.value)
-        if tool is self._editor.settings.tool:
+        if tool is self._controller.editor.settings.tool:
             return Content.styled(f"{_key(tool.value)} {entry.title}", f"bold {_CHOSEN}")
         return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
 
@@ -96,23 +97,24 @@ class InfoLine(Widget):
     """
     ALLOW_SELECT = False
 
-    def __init__(self, editor: LevelEditor) -> None:
+    def __init__(self, controller: LevelController) -> None:
         super().__init__()
-        self._editor = editor
+        self._controller = controller
         self._line = Content("")
 
-    def show(self, *, findings: int | None, forbidden: bool, saved: bool) -> None:
-        """Show findings, None while sought; a `forbidden` level can't be loaded."""
-        editor = self._editor
+    def follow(self) -> None:
+        editor, levels = self._controller.editor, self._controller.levels
+        findings = self._controller.findings
         x, y = editor.cursor
         thing = editor.thing
         told = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
-        if not saved:
+        if not levels.saved.source or levels.edits.changed:
             told.append(Content.styled("● not saved", INK.title))
         if findings:
-            style = f"bold {INK.bad}" if forbidden else INK.warn
-            told.append(Content.styled(f"! {count_of(findings, 'finding')}", style))
-        elif findings == 0:
+            forbids = any(finding.forbids for finding in findings)
+            style = f"bold {INK.bad}" if forbids else INK.warn
+            told.append(Content.styled(f"! {count_of(len(findings), 'finding')}", style))
+        elif findings is not None:
             told.append(Content.styled("✓ no problems", INK.good))
         told.append(Content.styled(describe(thing), INK.text if thing else INK.dim))
         line = Content(" ").append(Content("   ").join(told))
@@ -150,88 +152,88 @@ _FAR = 8  # cursor steps with shift
 _WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 
 
-class EditPanel(EditView):
-    """Shows an edited level, and handles keys and mouse.
+class EditPanel:
+    """Shows an edited level in the labyrinth pane, and handles keys and mouse.
 
-    `switched` is called with whether keys edit now, `changed` when the lines around the panes
-    may have changed.
+    `run` runs a command, `enter` focuses the pane, `switched` is called with whether keys edit
+    now, and `changed` when the lines around the panes may have changed.
     """
 
     def __init__(
         self,
-        mode: EditMode,
+        controller: LevelController,
         pane: LabyrinthPane,
         *,
+        run: Callable[[str], None],
         enter: Callable[[], None],
         switched: Callable[[bool], None],
         changed: Callable[[], None],
     ) -> None:
-        self._mode, self._pane = mode, pane
+        self._controller, self._pane, self._run = controller, pane, run
         self._enter, self._switched, self._changed = enter, switched, changed
-        self._tools = ToolLine(mode.editor)
-        self._info = InfoLine(mode.editor)
+        self._tools, self._info = ToolLine(controller), InfoLine(controller)
+        self._shown = False, False
+        self._cursor: Point = (0.0, 0.0)
         self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
         self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
 
-    def enter(self) -> None:
-        pane = self._pane
-        pane.view.overlay = self
-        pane.select(None)
-        pane.close_overlays()
-        pane.note("editing")
-        if not self._tools.is_attached:
-            pane.mount(self._tools, self._info)
-        self._tools.display = self._info.display = True
-        self._switched(True)
-        self._enter()
+    def follow(self) -> None:
+        """Show what the controller has now."""
+        is_on, pane = self._controller.is_on, self._pane
+        if (now := (is_on, self._controller.is_testing)) != self._shown:
+            if not self._tools.is_attached:
+                pane.mount(self._tools, self._info)
+            self._tools.display = self._info.display = is_on
+            self._shown = now
+            self._switch()
+        if is_on:
+            session, editor = self._controller.session, self._controller.editor
+            pane.view.show(editor.level, session.frame, hurried=session.running)
+            self._controller.units = self._units
+            if editor.cursor != self._cursor:
+                self._cursor = editor.cursor
+                self._keep_in_sight(*editor.cursor)
+            self._tools.follow()
+            self._info.follow()
+            self._changed()
 
-    def leave(self, *, is_testing: bool) -> None:
-        self._tools.display = self._info.display = False
-        self._pane.view.overlay = None
-        key = command("test").key_name
-        self._pane.note(f"test: {key} ends it" if is_testing else "")
-        self._pane.view.redraw()
-        self._switched(False)
-        self._changed()
-
-    def remove(self) -> None:
-        for line in (self._tools, self._info):
-            if line.is_attached:
-                line.remove()
+    def _switch(self) -> None:
+        pane, (is_on, is_testing) = self._pane, self._shown
+        if is_on:
+            pane.view.overlay = self
+            pane.select(None)
+            pane.close_overlays()
+            pane.note("editing")
+        else:
+            pane.view.overlay = None
+            key = command("test").key_name
+            pane.note(f"test: {key} ends it" if is_testing else "")
+            pane.view.redraw()
+        self._switched(is_on)
+        if is_on:
+            self._enter()
+        else:
+            self._changed()
 
     def handles(self, key: str) -> bool:
-        if self._mode.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
-            self._mode.end_test()
+        """Act on a key; return whether it means something here."""
+        controller = self._controller
+        if controller.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
+            controller.end_test()
             return True
-        if not self._mode.is_on or not self._pane.has_focus:
+        if not controller.is_on or not self._pane.has_focus:
             return False
         if key.removeprefix("shift+") in _WAYS:
             self._move(key)
         elif key in self._ids:
-            self.do(self._ids[key])
+            controller.units = self._units
+            self._run(self._ids[key])
         else:
             return False
         return True
 
-    def do(self, command_id: str) -> None:
-        if self._mode.is_on:
-            command(command_id).run(self._mode, self._mode.ui.spawn)
-            self._mode.redraw()
-
-    def use(self) -> None:
-        editor = self._mode.editor
-        if editor.stroke is None:
-            editor.press(*editor.cursor, self._units)
-        else:
-            editor.release()
-            self._mode.change_game()
-
-    def go_to(self, point: Point) -> None:
-        self._mode.editor.cursor = point
-        self._keep_in_sight(point)
-
     def _move(self, key: str) -> None:
-        editor, view = self._mode.editor, self._pane.view.view
+        editor, view = self._controller.editor, self._pane.view.view
         if view is None:
             return
         across, down = _WAYS[key.removeprefix("shift+")]
@@ -242,66 +244,51 @@ class EditPanel(EditView):
         level = editor.level
         x = min(max(editor.cursor[0] + across * times * wide, 0.0), level.width - 1.0)
         y = min(max(editor.cursor[1] + down * times * high, 0.0), level.height - 1.0)
-        editor.drag(x, y)
-        self.go_to((x, y))
-        self._mode.redraw()
+        self.hover(x, y, is_held=True)
 
     @property
     def _units(self) -> float:
         view = self._pane.view.view
         return view.units if view else 1.0
 
-    def _keep_in_sight(self, point: Point) -> None:
+    def _keep_in_sight(self, x: float, y: float) -> None:
         view = self._pane.view.view
         if view is None:
             return
-        columns = _beyond((point[0] - view.left) / view.units, view.columns)
-        rows = _beyond((point[1] - view.top) / (view.units * CELL_ASPECT), view.rows)
+        columns = _beyond((x - view.left) / view.units, view.columns)
+        rows = _beyond((y - view.top) / (view.units * CELL_ASPECT), view.rows)
         if columns or rows:
             self._pane.view.pan(columns, rows)
 
     def press(self, x: float, y: float) -> None:
-        editor = self._mode.editor
+        editor = self._controller.editor
         editor.finish()
         editor.cursor = (x, y)
         editor.press(x, y, self._units)
-        self._mode.redraw()
+        self.follow()
 
     def hover(self, x: float, y: float, *, is_held: bool) -> None:
-        self._mode.editor.cursor = (x, y)
+        self._controller.editor.cursor = (x, y)
         if is_held:
-            self._mode.editor.drag(x, y)
-        self._mode.redraw()
+            self._controller.editor.drag(x, y)
+        self.follow()
 
     def release(self) -> None:
-        self._mode.editor.release()
-        self._mode.change_game()
-        self._mode.redraw()
+        self._controller.editor.release()
+        self._controller.change_game()
+        self.follow()
 
     def open(self) -> None:
-        editor = self._mode.editor
+        editor = self._controller.editor
         if editor.settings.tool is Tool.HAND and editor.thing is not None:
-            self.do("properties")
+            self._run("properties")
 
     @property
-    def cursor(self) -> tuple[float, float]:
-        return self._mode.editor.cursor
+    def cursor(self) -> Point:
+        return self._controller.editor.cursor
 
     def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
-        mark(cells, view, self._mode.editor, self._mode.findings or (), look)
-
-    def redraw(self) -> None:
-        mode, session = self._mode, self._mode.session
-        level = mode.levels.edited
-        self._pane.view.show(level, session.frame, hurried=session.running)
-        self._tools.follow()
-        findings = mode.findings
-        self._info.show(
-            findings=None if findings is None else len(findings),
-            forbidden=any(finding.forbids for finding in findings or ()),
-            saved=bool(mode.levels.saved.source) and not mode.levels.edits.changed,
-        )
-        self._changed()
+        mark(cells, view, self._controller.editor, self._controller.findings or (), look)
 
 
 def _beyond(place: float, length: int) -> float:

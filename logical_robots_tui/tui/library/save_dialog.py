@@ -1,4 +1,4 @@
-"""Saving under a name, such as the editor's text as a program of the player's own."""
+"""Saving a program or a level under a name, as one of the player's own."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual import on
-from textual.widgets import Input
+from textual.widgets import Input, Static
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
@@ -16,6 +16,8 @@ from logical_robots_tui.game.source import target
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Result
+from logical_robots_tui.world import Level
+from logical_robots_tui.world.levels.load import NATIVE, SUFFIXES
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -114,3 +116,37 @@ def _proposal(source: Source, own: Path) -> str:
     if source.shipped:
         return f"my-{source.name}"
     return source.name if source.path.parent == own else str(source.path)
+
+
+class SaveLevel(SaveDialog[Level]):
+    """Saves a level with a title, keeping its file's formatting as far as possible."""
+
+    DEFAULT_CSS = """
+    SaveLevel .label { color: $ink-dim; height: 1; }
+    """
+
+    heading = "Save the level as"
+    keys = "enter save   tab title   esc close"
+
+    def __init__(self, level: Level, name: str, own: Path, file: Path | None) -> None:
+        super().__init__(name)
+        self._level = level
+        self._own = own
+        self._file = file
+
+    def content_widgets(self) -> ComposeResult:
+        yield Static("File name", classes="label", markup=False)
+        yield from super().content_widgets()
+        yield Static("Title", classes="label", markup=False)
+        yield Input(self._level.title, id="title", select_on_focus=False)
+
+    def file(self, name: str) -> Path:
+        return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)
+
+    async def save(self, path: Path) -> Level:
+        title = self.query_one("#title", Input).value.strip()
+        from logical_robots_tui.editing.files import save_level
+        from logical_robots_tui.editing.things import set_words
+
+        level = set_words(self._level, title=title or self._level.title)
+        return await asyncio.to_thread(save_level, level, path, anew=path != self._file)

@@ -75,12 +75,12 @@ async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
     prove, asked_for = Inquiry.proof, list[str]()
 
     async def never_of_robot(
-        inquiry: Inquiry, program: Program, robot: str, frame: Frame, asked: Ask
+        inquiry: Inquiry, program: Program, robot: str, frame: Frame, asked: Ask, depth: int
     ) -> Proof:
         asked_for.append(asked.predicate)
         if asked.predicate == "Robot":
             await asyncio.Event().wait()
-        return await prove(inquiry, program, robot, frame, asked)
+        return await prove(inquiry, program, robot, frame, asked, depth=depth)
 
     monkeypatch.setattr(Inquiry, "proof", never_of_robot)
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:

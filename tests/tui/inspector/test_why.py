@@ -80,6 +80,39 @@ async def test_the_proof_goes_down_to_what_a_function_gave(data_dir: Path) -> No
         assert view(game).lines[call].depth < view(game).lines[call + 1].depth
 
 
+def chain(depth: int, conditions: int) -> str:
+    """A program whose calls go deep, each with some conditions beside it."""
+    many = "".join(f", c > {-n}" for n in range(1, conditions + 1))
+    return "\n".join(
+        [
+            *(f"Deep{n}(c) :- Deep{n + 1}(c){many};" for n in range(1, depth)),
+            f"Deep{depth}(c) :- c >= 0;",
+            "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: 1) :-",
+            f"  Sensor(robot_name:, sensor:), c == sensor.clock, Deep1(c){many};",
+        ]
+    )
+
+
+async def test_a_proof_goes_as_deep_as_there_is_room(data_dir: Path) -> None:
+    async with opened(data_dir, text=chain(3, conditions=0), size=TALL) as game:
+        await asked_why(game)
+        await game.until(lambda: "Deep3(c) :- c >= 0" in told(game))
+
+
+async def test_what_is_expanded_deep_down_stays_so_in_another_tick(data_dir: Path) -> None:
+    async with opened(data_dir, text=chain(4, conditions=25), size=TALL) as game:
+        await asked_why(game)
+        lines = [line for n in range(1, 4) for line in (f"Deep{n}(c)", f"Deep{n}(c) :-")]
+        for text in ("Robot(", *lines, "Deep4(c)"):
+            await go_to(game, text)
+            await game.press("right")
+        await game.until(lambda: "Deep4(c) :- c >= 0" in told(game))
+        before = told(game)
+        await game.press("n")
+        await game.sees("Why · tick 2")
+        await game.until(lambda: told(game) == before)
+
+
 async def test_a_rule_that_did_not_give_the_row_is_folded_below(data_dir: Path) -> None:
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)

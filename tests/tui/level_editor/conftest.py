@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from logical_robots_tui.tui.level_editor.editor import LevelEditor
-    from logical_robots_tui.tui.level_editor.mode import EditMode
+    from logical_robots_tui.editing.editor import LevelEditor
+    from logical_robots_tui.tui.level_editor.controller import LevelController
     from logical_robots_tui.world import Level
     from tests.tui.conftest import Opened
 
@@ -66,14 +66,12 @@ class Studio:
     file: Path
 
     @property
-    def mode(self) -> EditMode:
-        mode = self.game.main.editing.mode
-        assert mode is not None
-        return mode
+    def controller(self) -> LevelController:
+        return self.game.main.editing
 
     @property
     def editor(self) -> LevelEditor:
-        return self.mode.editor
+        return self.controller.editor
 
     @property
     def level(self) -> Level:

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.checks import refusals
+from logical_robots_tui.editing.editor import GRIDS, WIDTHS, LevelEditor, Tool
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
-from logical_robots_tui.tui.level_editor.editor import GRIDS, WIDTHS, LevelEditor, Tool
 from logical_robots_tui.world import Beacon, World, load_level
 from logical_robots_tui.world.changing import change_state
 from logical_robots_tui.world.level import alike

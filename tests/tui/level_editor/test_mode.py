@@ -85,7 +85,7 @@ async def test_a_robot_is_stopped_by_a_wall_and_taken_elsewhere_under_way(
         await game.sees("What should happen to your changes")
         await s.press("t")
         await game.until(lambda: not game.main.editing.is_on)
-        assert np.array_equal(session.level.walls, s.mode.levels.saved.walls)
+        assert np.array_equal(session.level.walls, s.controller.levels.saved.walls)
 
 
 async def test_undoing_brings_a_robot_back_to_where_it_was_taken(
@@ -142,10 +142,10 @@ async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afte
 async def test_findings_are_listed_and_lead_to_their_place(data_dir: Path, room_file: Path) -> None:
     async with studio(data_dir, room_file) as s:
         game = s.game
-        await game.until(lambda: s.mode.findings == [])
+        await game.until(lambda: s.controller.findings == [])
         await s.press("b", "right_square_bracket", "right_square_bracket")
         await s.drag((200, 30))
-        await game.until(lambda: s.mode.findings)
+        await game.until(lambda: s.controller.findings)
         await s.press("j")
         await game.until(lambda: isinstance(game.app.screen, FindingList))
         await game.sees("is inside a wall")
@@ -166,7 +166,7 @@ async def test_a_save_changes_little_and_one_without_a_change_nothing(
         await game.sees("Saved as room")
         x = s.level.beacons[0].x
         assert said(room_file) == ROOM.replace("x = 200", f"x = {x:g}")
-        assert s.mode.levels.is_saved
+        assert s.controller.levels.is_saved
         say(room_file, ROOM.replace("A room", "Another room", 1))
         await s.press("b")
         await s.drag((100, 50))
@@ -181,10 +181,10 @@ async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
     data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     saving = SlowSaving()
-    monkeypatch.setattr("logical_robots_tui.tui.level_editor.saving.save_level", saving)
+    monkeypatch.setattr("logical_robots_tui.editing.files.save_level", saving)
     async with studio(data_dir, room_file) as s:
         game = s.game
-        await game.until(lambda: s.mode.findings == [])
+        await game.until(lambda: s.controller.findings == [])
         await s.drag((200, 30), (180, 30))
         await s.press("s")
         await game.until(lambda: saving.hold.has_begun)
@@ -194,7 +194,7 @@ async def test_a_save_is_finished_whatever_is_asked_for_meanwhile(
         saving.hold.release()
         await game.until(lambda: not game.main.editing.is_on)
         assert game.app.screen is game.main
-        assert s.mode.levels.is_saved
+        assert s.controller.levels.is_saved
         assert load_level(room_file).beacons == s.level.beacons
 
 
@@ -202,7 +202,7 @@ async def test_a_save_under_way_when_the_level_is_left_keeps_what_was_done_since
     data_dir: Path, room_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     saving = SlowSaving()
-    monkeypatch.setattr("logical_robots_tui.tui.level_editor.saving.save_level", saving)
+    monkeypatch.setattr("logical_robots_tui.editing.files.save_level", saving)
     async with studio(data_dir, room_file) as s:
         game = s.game
         await s.drag((200, 30), (180, 30))
@@ -283,10 +283,10 @@ async def test_a_file_of_the_platform_is_replaced_only_if_the_player_says_so(
         await s.press("r")
         await game.sees("Saved as garden.json")
         assert load_level(web_file).beacons[0].x == s.level.beacons[0].x
-        assert s.mode.levels.is_saved
+        assert s.controller.levels.is_saved
         await s.drag((180, 30), (120, 30))
         await s.press("s")  # by now it was made here
-        await game.until(lambda: s.mode.levels.is_saved)
+        await game.until(lambda: s.controller.levels.is_saved)
         assert load_level(web_file).beacons[0].x == s.level.beacons[0].x
 
 
@@ -362,13 +362,13 @@ async def test_what_was_placed_with_keys_stays_when_something_else_is_begun(
     async with studio(data_dir, room_file) as s:
         game, areas, beacons = s.game, len(s.level.areas), len(s.level.beacons)
         await s.press("c", "enter", "a", "enter", "s")
-        await game.until(lambda: s.mode.levels.is_saved)
+        await game.until(lambda: s.controller.levels.is_saved)
         await s.press("t")
         await game.until(lambda: game.tick > 1)
         await s.press("t")
         await game.until(lambda: game.main.editing.is_on and game.tick == 0)
         assert (len(s.level.areas), len(s.level.beacons)) == (areas + 1, beacons + 1)
-        assert s.mode.levels.is_saved
+        assert s.controller.levels.is_saved
         await s.press("a", "enter", "escape")
         await s.settled()
         assert len(s.level.areas) == areas + 1
@@ -379,7 +379,7 @@ async def test_all_that_can_become_of_the_changes_is_in_sight(
 ) -> None:
     async with studio(data_dir, room_file, size=(80, 24)) as s:
         await s.press("a", "enter", "s")
-        await s.game.until(lambda: s.mode.levels.is_saved)
+        await s.game.until(lambda: s.controller.levels.is_saved)
         await s.press("c", "enter", "h", "M")
         await s.game.sees("What should happen to your changes")
         answers = ("Save", "Keep as a level", "Just for this game", "Throw away")

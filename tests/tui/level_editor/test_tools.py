@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.editing.things import Ref
 from logical_robots_tui.tui.layout.command_bar import CommandBar
-from logical_robots_tui.tui.level_editor.editor import Tool
 from logical_robots_tui.tui.level_editor.panel import InfoLine, ToolLine
 from tests.tui.level_editor.conftest import studio
 
@@ -76,7 +76,7 @@ async def test_walls_are_painted_with_keys_alone(data_dir: Path, room_file: Path
         await s.press("l", "enter", "right", "escape")
         await s.settled()
         assert s.editor.stroke is None
-        assert s.mode.is_on
+        assert s.controller.is_on
         await s.press("U")
         await s.settled()
         assert s.level.walls.sum() > before
@@ -150,8 +150,8 @@ async def test_things_are_placed_dragged_turned_and_deleted(
             await s.press("u")
             await s.settled()
         assert (s.level.robots, s.level.beacons) == (
-            s.mode.levels.saved.robots,
-            s.mode.levels.saved.beacons,
+            s.controller.levels.saved.robots,
+            s.controller.levels.saved.beacons,
         )
         assert s.game.session.frame.after.robots[0].x == 40
 

@@ -17,7 +17,7 @@ from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.tui.commands.help import Help
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.dialogs import Question
-from logical_robots_tui.tui.level_editor.controller import LevelEditing
+from logical_robots_tui.tui.level_editor.controller import LevelController
 from logical_robots_tui.tui.library.save_dialog import SaveAs
 from logical_robots_tui.tui.terminal.crash_report import BugReport
 from tests.terminal import Terminal
@@ -149,7 +149,7 @@ async def test_text_that_has_come_back_under_a_dialog_is_not_offered(
         finally:
             hold.release()
         offered = asyncio.Event()
-        monkeypatch.setattr(LevelEditing, "offer", lambda door, offers: _now(offered))
+        monkeypatch.setattr(LevelController, "offer", lambda door, offers: _now(offered))
         await game.ready()
         await game.press("escape")
         await game.until(offered.is_set)

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 _LONGEST_ARGUMENT = 24
 _LONGEST_VALUE = 60
+_FIRST_DEPTH = 2  # predicates deep; mostly fills the pane
+_DEPTH = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +81,7 @@ class WhyPage(Page):
         self._roots: Sequence[Node] = ()
         self._lacking: list[tuple[_Question, int, Ask]] = []
         self._is_proving = False
+        self._depth = _FIRST_DEPTH
 
     @property
     def asked(self) -> Ask:
@@ -120,6 +123,8 @@ class WhyPage(Page):
     async def show(self, frame: Frame) -> None:
         """Answer the question at a tick; while the game runs, only with the first level."""
         question = _Question(self.robot, tuple(self._steps), frame)
+        if not question.is_like(self._shown):
+            self._depth = _FIRST_DEPTH
 
         def report() -> None:
             what = f"taking the rules of {question.asked.predicate} apart"
@@ -146,7 +151,10 @@ class WhyPage(Page):
             self._say_instead(question, str(error))
 
     async def _prove(self, question: _Question, found: Explanation) -> None:
-        """Show the first level of the proof until the whole proof is computed."""
+        """Show the first level of a proof until it is as deep as there is room for.
+
+        It is as deep as possible after the player has expanded what it ended with.
+        """
 
         def report() -> None:
             if self._answered is not question:
@@ -157,8 +165,13 @@ class WhyPage(Page):
         trouble = ""
         self._is_proving = True
         try:
-            proof = await self.pending.run(self._proof(robot, frame, asked), report)
-            self._show(question, proof.explanation, proof.nodes)
+            for depth in (self._depth, _DEPTH):
+                work = self._proof(robot, frame, asked, depth)
+                proof = await self.pending.run(work, report)
+                self._show(question, proof.explanation, proof.nodes)
+                if not (proof.is_cut and self.view.has_room_for_proofs):
+                    break
+                self._depth = _DEPTH
         except Cancelled:
             trouble = f"stopped after {self.pending.seconds:.1f} s"
         except QueryError as error:
@@ -228,6 +241,7 @@ class WhyPage(Page):
             self.post_message(self.Changed())
 
     def _unfold(self, key: int, asked: Ask) -> None:
+        self._depth = _DEPTH
         if self._answered is not None and not self._is_proving:
             self._lacking.append((self._answered, key, asked))
             if len(self._lacking) == 1:
@@ -247,9 +261,9 @@ class WhyPage(Page):
             finally:
                 del self._lacking[:1]
 
-    async def _proof(self, robot: str, frame: Frame, asked: Ask) -> Proof:
+    async def _proof(self, robot: str, frame: Frame, asked: Ask, depth: int = _DEPTH) -> Proof:
         inquiry, program = self._questions.about()
-        return await inquiry.proof(program, robot, frame, asked)
+        return await inquiry.proof(program, robot, frame, asked, depth=depth)
 
     async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
         try:

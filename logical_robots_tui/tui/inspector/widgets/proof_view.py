@@ -81,6 +81,11 @@ class WhyView(CursorView):
         return found
 
     @property
+    def has_room_for_proofs(self) -> bool:
+        """Whether there is room below lines whose proofs are not known yet."""
+        return len(self.lines) < self.size.height and any(line.lacks for line in self.lines)
+
+    @property
     def height(self) -> int:
         return len(self.lines)
 

@@ -61,14 +61,6 @@ class Settings:
     def paints_wall(self) -> bool:
         return self.is_wall and self.tool is not Tool.ERASER
 
-    def wider(self, steps: int) -> Settings:
-        at = min(range(len(WIDTHS)), key=lambda place: abs(WIDTHS[place] - self.width))
-        return replace(self, width=WIDTHS[min(max(at + steps, 0), len(WIDTHS) - 1)])
-
-    def next_grid(self) -> Settings:
-        later = [grid for grid in GRIDS if grid > self.grid]
-        return replace(self, grid=later[0] if later else GRIDS[0])
-
 
 TURN = math.radians(15)
 _NEW_RADIUS = 30.0  # map units, of an area that is placed without dragging
@@ -131,6 +123,19 @@ class LevelEditor:
     def configure(self, **values: Any) -> None:
         self.finish()
         self.settings = replace(self.settings, **values)
+
+    def widen(self, steps: int) -> None:
+        width = self.settings.width
+        at = min(range(len(WIDTHS)), key=lambda place: abs(WIDTHS[place] - width))
+        wider = WIDTHS[min(max(at + steps, 0), len(WIDTHS) - 1)]
+        self.settings = replace(self.settings, width=wider)
+
+    def choose_next_grid(self) -> None:
+        later = [grid for grid in GRIDS if grid > self.settings.grid]
+        self.settings = replace(self.settings, grid=later[0] if later else GRIDS[0])
+
+    def toggle_grid(self) -> None:
+        self.settings = replace(self.settings, is_grid_shown=not self.settings.is_grid_shown)
 
     def press(self, x: float, y: float, units: float) -> None:
         """Start a stroke with the current tool, at map units.
