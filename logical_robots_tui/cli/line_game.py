@@ -12,13 +12,13 @@ from logical_robots_tui.cli.command import columns, say
 from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.cli.line_ui import LineUi, Text
 from logical_robots_tui.errors import InputError, LogicalRobotsError
-from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program
+from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program, mistake_in_question
 from logical_robots_tui.game.frame import events_between
+from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.source import target
 from logical_robots_tui.game.victory import brief, result_line, robustness_line
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
-from logical_robots_tui.player.background import Background
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.player.player import Player
 from logical_robots_tui.player.session_state import SessionListener
@@ -60,8 +60,7 @@ class LineGame(SessionListener):
         self, opening: Opening, recorder: ProgressRecorder, commands: Sequence[Command]
     ) -> None:
         self._commands = {each.word: each for each in commands}
-        self._background = Background()
-        self._ui, self._text = LineUi(self._background), Text()
+        self._ui, self._text = LineUi(), Text()
         self._has_own_text = opening.text is not None
         self.player = Player(opening, recorder, self._ui, self._text, lambda: None)
         self.session, self._recorder = self.player.session, recorder
@@ -81,7 +80,7 @@ class LineGame(SessionListener):
             while self._goes_on and (line := await self._ui.read()):
                 await self._execute(line)
         finally:
-            await self._background.close()
+            await self._ui.close()
             await self._forget_inquiry()
             await self.player.close()
         return 0
@@ -91,7 +90,7 @@ class LineGame(SessionListener):
             say("Loaded your last program for this level.")
         self.level_opened(self.session.level)
         self.player.start()
-        await self._background.done(but="measure")
+        await self._ui.done(but="measure")
         state = self.session.state
         if state.phase == "mistake" and not self._has_own_text:
             raise ProgramFileError(self.session.source.name, ProgramError(state.mistakes))
@@ -109,8 +108,9 @@ class LineGame(SessionListener):
                 say(f"Unknown command {word}. Type help for a list.")
             return
         try:
-            if not command.argument and argument:
-                raise InputError(f"{word} stands alone.")
+            is_needed = command.argument and not command.argument.startswith("[")
+            if (not argument and is_needed) or (argument and not command.argument):
+                raise InputError(f"Type {command.typed}.")
             if (work := command.do(self, argument.strip())) is not None:
                 await work
         except (ProgramError, ProgramFileError) as error:
@@ -121,7 +121,7 @@ class LineGame(SessionListener):
 
     async def _settled(self) -> None:
         """Wait for what the last command began, and say how it ended."""
-        await self._background.done(but="measure")
+        await self._ui.done(but="measure")
         self.player.autosave.flush()
         state = self.session.state
         if state.phase == "mistake" and state.mistakes is not self._told:
@@ -152,7 +152,7 @@ class LineGame(SessionListener):
 
     def level_opened(self, level: Level) -> None:
         self._past, self._robot = self.session.frame, ""
-        self._background.spawn(self._forget_inquiry, "close", exclusive=False)
+        self._ui.spawn(self._forget_inquiry, "close", exclusive=False)
         say(level.title)
         self.brief("")
         self.where("")
@@ -166,6 +166,8 @@ class LineGame(SessionListener):
         if frame.tick == self._past.tick + 1:
             for event in events_between(self.session.level, self._past, frame):
                 say(f"Tick {frame.tick}: {event}")
+            marks = self._game.history.marks.at(frame.tick)
+            say(*(f"Tick {frame.tick}: {words}" for mark in marks if (words := trouble(mark))))
         self._past = frame
 
     def won(self, victory: Victory) -> None:
@@ -184,7 +186,7 @@ class LineGame(SessionListener):
         await self._go_on(_number(ticks, MOST))
 
     async def step(self, ticks: str) -> None:
-        await self._go_on(_number(ticks, 1))
+        await self._go_on(_number(ticks))
 
     async def _go_on(self, ticks: int) -> None:
         """Run for some ticks; ^C ends it sooner."""
@@ -198,7 +200,7 @@ class LineGame(SessionListener):
         self._tell_tick()
 
     def back(self, ticks: str) -> None:
-        self.session.back(_number(ticks, 1))
+        self.session.back(_number(ticks))
         self._tell_tick()
 
     def go_to(self, tick: str) -> None:
@@ -216,16 +218,18 @@ class LineGame(SessionListener):
     def _tell_tick(self) -> None:
         say(f"Tick {self.session.frame.tick}.")
 
-    def stop_at(self, question: str) -> None:
+    async def stop_at(self, question: str) -> None:
         wanted, breakpoints = Breakpoint("rows", question), self.session.breakpoints
         if wanted in breakpoints:
             breakpoints.remove(wanted)
             say(f"Runs no longer stop when {wanted.words}.")
-        elif problem := self.session.problem_with(wanted):
-            say(problem)
-        else:
+            return
+        problem = self.session.problem_with(wanted)
+        if not (problem or wanted.is_named):
+            problem = await mistake_in_question(self._game.program, question)
+        if not problem:
             breakpoints.add(wanted)
-            say(f"Runs will stop when {wanted.words}.")
+        say(problem or f"Runs will stop when {wanted.words}.")
 
     # -- looking -------------------------------------------------------------------------------
 
@@ -403,18 +407,7 @@ class LineGame(SessionListener):
             say("There are no more.", *learning.revealed)
 
     async def solution(self, _: str) -> None:
-        learning = self.player.learning
-        if not await learning.may_read_references():
-            return
-        if not learning.has_won:
-            answers = [("no", "I'll keep trying"), ("yes", "show them")]
-            question = (
-                "Do you want to see winning programs before you have won? "
-                "A hint may be all you need."
-            )
-            if await self._ui.choose("Reference programs", question, answers) != "yes":
-                return
-        say(await learning.references())
+        say(await self.player.learning.solution())
 
     async def versions(self, number: str) -> None:
         learning = self.player.learning
@@ -429,8 +422,7 @@ class LineGame(SessionListener):
         raise InputError(f"There is no version {number}. Type versions for a list.")
 
     async def reset(self, _: str) -> None:
-        if starter := await self.player.learning.starter():
-            self.player.learning.reset(starter)
+        await self.player.learning.reset()
 
     def lesson(self, _: str) -> None:
         say(self.player.learning.lesson())
@@ -448,9 +440,7 @@ class LineGame(SessionListener):
         self._goes_on = False
 
 
-def _number(text: str, usual: int | None = None) -> int:
-    if text.isdecimal() and len(text) < 10:
-        return int(text)
-    if text or usual is None:
-        raise InputError(f"{text or 'Nothing'} is not a number.")
-    return usual
+def _number(text: str, usual: int = 1) -> int:
+    if text and not (text.isdecimal() and len(text) < 10):
+        raise InputError(f"{text} is not a number.")
+    return int(text or usual)

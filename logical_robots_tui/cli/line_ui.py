@@ -5,34 +5,27 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Awaitable, Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from logical_robots_tui.cli.command import say
+from logical_robots_tui.player.background import Background
 from logical_robots_tui.player.recovery import Offers
 from logical_robots_tui.player.session_state import Ui
-
-if TYPE_CHECKING:
-    from logical_robots_tui.player.background import Background
-    from logical_robots_tui.player.session_state import Work
 
 Found = TypeVar("Found")
 
 
-class LineUi(Ui, Offers):
+class LineUi(Background, Ui, Offers):
     """Questions are answered by the next line; any other line is a command, and no answer."""
 
-    def __init__(self, background: Background) -> None:
-        self._background = background
+    def __init__(self) -> None:
+        super().__init__()
         self._unread: list[str] = []
 
     def tell(self, message: str) -> None:
         say(message)
 
-    def warn(self, message: str) -> None:
-        say(message)
-
-    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        self._background.spawn(work, group, exclusive=exclusive)
+    warn = tell
 
     async def read(self) -> str:
         """Return the next line; "" at the end of the input."""

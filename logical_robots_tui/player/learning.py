@@ -46,7 +46,7 @@ class Learning:
         self._program, self._open_program = program, open_program
 
     @property
-    def has_won(self) -> bool:
+    def _has_won(self) -> bool:
         return self._recorder.record.state == "won"
 
     @property
@@ -67,25 +67,29 @@ class Learning:
     def lesson(self) -> str:
         """Return the lesson as Markdown, after a victory with what to try next, or ""."""
         level = self._session.level
-        further = f"## Further\n\n{level.further}" if level.further and self.has_won else ""
+        further = f"## Further\n\n{level.further}" if level.further and self._has_won else ""
         text = "\n\n".join(filter(None, (level.lesson, further)))
         if not text:
             self._ui.tell("This level has no lesson.")
         return text
 
-    async def may_read_references(self) -> bool:
+    async def solution(self) -> str:
+        """Return the texts of the reference programs, the solution first, or ""; may ask first."""
         solution = self._session.level.solution
         if not solution:
             self._ui.tell("This level has no reference program.")
-        elif await asyncio.to_thread(is_hidden, solution):
+            return ""
+        if await asyncio.to_thread(is_hidden, solution):
             self._ui.tell("You can read the reference programs when you have won this level.")
-        else:
-            return True
-        return False
-
-    async def references(self) -> str:
-        """Return the texts of the reference programs, the solution first, or ""."""
-        names = await asyncio.to_thread(reference_names, self._session.level.solution)
+            return ""
+        answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]
+        question = (
+            "Do you want to see winning programs before you have won? A hint may be all you need."
+        )
+        asked = self._ui.choose
+        if not self._has_won and await asked("Reference programs", question, answers) != "yes":
+            return ""
+        names = await asyncio.to_thread(reference_names, solution)
         try:
             sources = [await asyncio.to_thread(load_program, name) for name in names]
         except InputError as error:
@@ -108,24 +112,23 @@ class Learning:
             self._session.apply(version.text)
             self._ui.tell("The earlier version is back.")
 
-    async def starter(self) -> Source | None:
-        """Return the starter program, or None where the player can't go back to it."""
+    async def reset(self) -> None:
+        """Ask, and put the starter program back; the present text becomes an earlier version."""
         level = self._session.level
         if not level.starter:
             self._ui.tell("This level has no starter program.")
-            return None
+            return
         try:
             starter = await asyncio.to_thread(load_program, level.starter)
         except InputError as error:
             self._ui.warn(str(error))
-            return None
+            return
         if starter.text == self._program.text:
             self._ui.tell("This is the starter program.")
-            return None
-        return starter
-
-    def reset(self, starter: Source) -> None:
-        """Put the starter program back; the present text becomes an earlier version."""
-        self._recorder.keep(self._program.text, starter.text)
-        self._open_program(starter, starter.text)
-        self._ui.tell("The starter program is back.")
+            return
+        answers = [("yes", "Yes, start over"), ("no", "No, keep mine")]
+        question = "Put the starter program back? Yours is kept among the earlier versions."
+        if await self._ui.choose("Reset to the starter", question, answers) == "yes":
+            self._recorder.keep(self._program.text, starter.text)
+            self._open_program(starter, starter.text)
+            self._ui.tell("The starter program is back.")

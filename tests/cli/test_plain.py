@@ -85,7 +85,10 @@ def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
 
 def test_what_can_not_be_done_is_said(typed: TypedCommand, ahead: Path) -> None:
     typed.program = ahead
-    told = typed("jump", "step many", "back 3", "stop Nobody", "", "quit", "step").out
+    words = ("jump", "step many", "back 3", "stop Nobody", "stop (", "goto", "where 3", "", "quit")
+    told = typed(*words, "step").out
+    assert "Type goto N.\nType where.\n" in told
+    assert "Runs will stop" not in told
     assert "Unknown command jump. Type help for a list." in told
     assert "many is not a number." in told
     assert "Tick 0." in told
@@ -280,7 +283,7 @@ def test_earlier_versions_and_the_starter_come_back(
 ) -> None:
     typed.program = ahead
     starter = load_program("first-steps-starter").text.splitlines()[0]
-    told = typed("reset", "program", "versions", "versions 1", "program", "versions 77").out
+    told = typed("reset", "yes", "program", "versions", "versions 1", "program", "versions 77").out
     assert "The starter program is back." in told
     assert f"1: {starter}\n" in told
     assert " #1: 3 lines\n" in told

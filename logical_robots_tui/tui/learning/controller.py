@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.progress import Version
-from logical_robots_tui.tui.commands.keymap import with_keys
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.learning import Learning
@@ -36,18 +35,7 @@ class LearningController:
     async def solution(self) -> None:
         from logical_robots_tui.tui.learning.reader import Reader, colour_code
 
-        learning = self._learning
-        if not await learning.may_read_references():
-            return
-        if not learning.has_won:
-            answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]
-            question = with_keys(
-                "Do you want to see winning programs before you have won? "
-                "A hint ({hint}) may be all you need."
-            )
-            if await self._ui.choose("Reference programs", question, answers) != "yes":
-                return
-        if text := await learning.references():
+        if text := await self._learning.solution():
             self._ui.show(Reader(f"References · {self._session.level.title}", colour_code(text)))
 
     async def choose_version(self) -> None:
@@ -62,13 +50,3 @@ class LearningController:
         version = await self._ui.ask(Chooser[Version](shelf, name))
         if version is not None:
             self._learning.restore(version)
-
-    async def reset(self) -> None:
-        starter = await self._learning.starter()
-        answers = [("yes", "Yes, start over"), ("no", "No, keep mine")]
-        question = with_keys(
-            "Put the starter program back? Yours is kept among the earlier versions ({versions})."
-        )
-        asked = self._ui.choose
-        if starter and await asked("Reset to the starter", question, answers) == "yes":
-            self._learning.reset(starter)
