@@ -3,21 +3,45 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+from hypothesis import Phase, given, settings
 
 from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from hypothesis.strategies import SearchStrategy
 
     from logical_robots_tui.explain import Ask, Node
     from logical_robots_tui.values import Value
 
-__all__ = ["false_in", "false_of"]
+__all__ = ["false_in", "false_of", "judge_until"]
+
+T = TypeVar("T")
+
+_SEARCH = (Phase.explicit, Phase.reuse, Phase.generate)  # to shrink takes far longer than to find
 
 _VALUED = re.compile(r"^(\w+)\([^()]*\) = ", re.MULTILINE)
 _DECIDED = ("Min", "Max", "ArgMin", "ArgMax")
+
+
+def judge_until(
+    number: int, made: SearchStrategy[T], programs_at_once: int, judge: Callable[[T], int]
+) -> None:
+    """Judge generated programs until so many things were judged, as told for each."""
+    total = 0
+
+    @given(made)
+    @settings(max_examples=programs_at_once, phases=_SEARCH, deadline=None)
+    def ask(program: T) -> None:
+        nonlocal total
+        total += judge(program)
+
+    while total < number:
+        ask()
 
 
 def false_in(
@@ -73,7 +97,7 @@ class _Judge:
         written = parts(node.text)
         wanted = {column: value for column, value in given.items() if column in written.columns}
         known = [equal(written.columns[column], value) for column, value in wanted.items()]
-        if node.holds and not node.said.endswith("not the first"):
+        if node.holds and "but not the " not in node.said:
             self.giving.append(node)
             fixed = (*_holding(node), *known)
             if any(fixed):

@@ -150,22 +150,29 @@ def missed(scene: Scene) -> Asked:
     for name in scene.names:
         if name in scene.copies:
             continue
-        for rule, suggestion in scene.explainer().nearest(name):
+        columns = scene.mind.query(name, scene.rows, scene.memories).columns
+        missed = [
+            (given, *each)
+            for given in ({}, *_wanted(scene.there(name), columns))
+            for each in scene.explainer().nearest(Ask(name, given))
+        ]
+        for given, rule, suggestion in missed:
             number += 1
             span, change = suggestion.span, suggestion.change
-            before = _rows_of_rule(scene, program.text, rule.start, rule.stop)
+            before = _rows_of_rule(scene, program.text, rule.start, rule.stop, given)
             changed = f"{program.text[: span.start]}{change}{program.text[span.stop :]}"
             moved = len(change) - (span.stop - span.start)
             start = rule.start + (moved if span.start < rule.start else 0)
             stop = rule.stop + (moved if span.start < rule.stop else 0)
-            after = _rows_of_rule(scene, changed, start, stop)
+            after = _rows_of_rule(scene, changed, start, stop, given)
             if before or not after:
-                false.append(f"{name}: {suggestion.text} {before} rows before, {after} after")
+                said = f"{name} {given}: {suggestion.text}"
+                false.append(f"{said} {before} rows before, {after} after")
     return Asked(number, false)
 
 
-def _rows_of_rule(scene: Scene, text: str, start: int, stop: int) -> int:
-    """How many rows one rule of a program gives; what is removed goes with its comma."""
+def _rows_of_rule(scene: Scene, text: str, start: int, stop: int, given: dict[str, Any]) -> int:
+    """How many such rows one rule of a program gives; what is removed goes with its comma."""
     arguments = text[text.index("(", start) : stop]
     whole = f"{text}\nThisRule{arguments};"
     whole = re.sub(r"(?<=[({|]),\s*|(?<=:-)\s*,|,\s*(?=\s*[,)};|])", "", whole)
@@ -173,4 +180,5 @@ def _rows_of_rule(scene: Scene, text: str, start: int, stop: int) -> int:
     mind = scene.mind
     with closing(Mind(Program.compile(whole), memory=mind.memory, sensor=mind.sensor)) as other:
         table = other.query("ThisRule", scene.rows, scene.memories).in_mind_of(scene.robot)
-    return len(table.rows)
+    rows = (dict(zip(table.columns, row, strict=True)) for row in table.rows)
+    return sum(_matches(row, given) for row in rows)

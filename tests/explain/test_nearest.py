@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.explain import Explainer
+from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.explain.why.nearest import MOST, Suggestion
 from logical_robots_tui.mind import Mind, Program
 from tests.mind.rows import row
@@ -170,10 +170,10 @@ ALL_THAT_IS_SENSIBLE = {
 }
 
 
-def ask(rules: str, robot: str = "Ada") -> tuple[str, tuple[Suggestion, ...]]:
+def ask(rules: str, robot: str = "Ada", **given: Value) -> tuple[str, tuple[Suggestion, ...]]:
     text = f"{rules}{ROBOT}"
     with closing(Mind(Program.compile(text))) as mind:
-        found = Explainer(mind, robot, ROWS, MEMORIES).nearest("Near")
+        found = Explainer(mind, robot, ROWS, MEMORIES).nearest(Ask("Near", given))
     return text, tuple(each for _, each in found)
 
 
@@ -222,6 +222,21 @@ def test_the_smallest_change_comes_first() -> None:
 
 def test_a_rule_that_gave_a_row_misses_nothing() -> None:
     assert ask("Near(robot_name:) :- Sensor(robot_name:);")[1] == ()
+
+
+def test_of_a_row_with_certain_values_the_changes_are_told_that_give_that_row() -> None:
+    rules = (
+        'Post(name: "Mine", far: 30); Post(name: "Well", far: 90);\n'
+        "Near(robot_name:, name:) :- Sensor(robot_name:), Post(name:, far:), far < 50;"
+    )
+    assert ask(rules)[1] == ()
+    assert [each.change for each in ask(rules, name="Well")[1]] == ["91"]
+    assert ask(rules, name="Mine")[1] == ()
+
+
+def test_a_rule_misses_nothing_if_the_shortest_of_its_alternatives_holds() -> None:
+    rules = "Near(robot_name:) :- Sensor(robot_name:), (x == 1 | x == 2, x > 1, x > 9);"
+    assert ask(rules)[1] == ()
 
 
 def test_what_no_single_change_would_have_helped_gets_no_suggestion() -> None:

@@ -7,14 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.explain import Ask
 from tests.explain.asking import REST
 from tests.explain.checking import Checker
 from tests.explain.generated import programs
-from tests.explain.judging import false_in
+from tests.explain.judging import false_in, judge_until
 from tests.explain.questions import Asked, Scene, alone, asked, missed, together
 from tests.explain.teams import team
 
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from logical_robots_tui.explain import Node
-
-SEARCH = (Phase.explicit, Phase.reuse, Phase.generate)  # to shrink takes far longer than to find
 
 SCENES: dict[str, st.SearchStrategy[AbstractContextManager[Scene]]] = {
     "one robot": programs().map(alone),
@@ -35,19 +32,14 @@ def find_nothing_false(
     ask_of: Callable[[Scene], Asked], kind: str, number: int, programs_at_once: int
 ) -> None:
     """Ask of generated programs until so many answers are judged."""
-    total = 0
 
-    @given(SCENES[kind])
-    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
-    def ask(scene: AbstractContextManager[Scene]) -> None:
-        nonlocal total
+    def ask(scene: AbstractContextManager[Scene]) -> int:
         with scene as entered:
             answers = ask_of(entered)
         assert not answers.false, (entered.mind.program.text, answers.false)
-        total += answers.number
+        return answers.number
 
-    while total < number:
-        ask()
+    judge_until(number, SCENES[kind], programs_at_once, ask)
 
 
 @pytest.mark.parametrize("kind", SCENES)

@@ -10,7 +10,6 @@ import pytest
 from logical_robots_tui.game import Game, Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program
-from logical_robots_tui.world import load_level
 from tests.game.playing import game
 
 if TYPE_CHECKING:
@@ -24,7 +23,10 @@ PLAIN = f'Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:);'
 
 
 async def diagnosed(tmp_path: Path, text: str, ticks: int = 6) -> Diagnosis:
-    made = game(tmp_path, text)
+    return await diagnosis_of(game(tmp_path, text), ticks)
+
+
+async def diagnosis_of(made: Game, ticks: int) -> Diagnosis:
     try:
         await made.run_until(tick=ticks)
         return await diagnose(made)
@@ -135,6 +137,25 @@ MISTAKES = {
         ("no row", 2),
         "First at tick 4, 6 times in total",
     ),
+    "a predicate that nothing uses": (
+        f"{PLAIN}\nFar(ray) :- ray.distance > 90;",
+        ("unused", 2),
+        "Nothing uses Far.",
+    ),
+    "two copies that are the same": (
+        "Num(1); One(1); Two(2);\nBig(x) :- Num(x); Made := Big(Num: One);\n"
+        f"Other := Big(Num: One);\n{PLAIN[:-1]}, Made(x), Other(x);",
+        ("same copy", 3),
+        "Other and Made are the same: both are `Big(Num: One)`.",
+    ),
+    "a value that is never missing": (
+        "Robot(robot_name:, desire: {left_engine: x, right_engine: 0},\n"
+        '  memory: "") :- Sensor(robot_name:, sensor:), far = sensor.forward_distance,\n'
+        "  x = Coalesce(far / 1000, sensor.clock);",
+        ("never null", 3),
+        "`far / 1000` was never null in the 12 cases it was asked, first at tick 1: "
+        "`sensor.clock` was never used.",
+    ),
     "an engine that is null": (
         "Near(radar) = Min{ray.distance :-\n  ray in radar, ray.distance < 0};\n"
         "Robot(robot_name:, desire: {left_engine: Near(sensor.radar), right_engine: 0},\n"
@@ -153,6 +174,20 @@ async def test_a_mistake_is_told_with_its_line(
     assert place in list(told(found))
     words = " ".join(each.message for each in found.findings)
     assert said in words
+
+
+async def test_where_the_values_of_an_engine_that_is_null_came_from_is_told(tmp_path: Path) -> None:
+    text = """Angle(radar, name) = Avg{ray.angle :- ray in radar, ray.label == name};
+    Met(robot_name:, other:) :-
+      Sensor(robot_name:), Memory(robot_name: other);
+    Guide(robot_name:, guide? Max= other) distinct :- Met(robot_name:, other:);
+    Robot(robot_name:, memory: "",
+      desire: {left_engine: Angle(sensor.radar, guide), right_engine: 0}) :-
+      Sensor(robot_name:, sensor:), Guide(robot_name:, guide:);"""
+    finding = the(await diagnosed(tmp_path, text), "bad engine")
+    assert finding.span is not None
+    assert finding.span.line == 6
+    assert {span.line for span in finding.others} == {1, 3, 4, 7}
 
 
 async def test_a_predicate_without_columns_is_watched_like_others(tmp_path: Path) -> None:
@@ -223,6 +258,23 @@ async def test_what_never_held_is_told_with_the_number_of_cases_in_which_it_was_
     assert words == ([] if said is None else [("note", said)])
 
 
+async def test_causes_come_before_what_follows_from_them(tmp_path: Path) -> None:
+    found = await diagnosed(
+        tmp_path,
+        "Nearer(robot_name:) :- Near(robot_name:);\n"
+        "Near(robot_name:) :- Sensor(robot_name:, sensor:),\n  sensor.clock > 9000;\n"
+        f'Robot(robot_name:, {ENGINES}, memory: "") :-\n'
+        "  Sensor(robot_name:),\n  ~Nearer(robot_name:);",
+    )
+    assert list(told(found)) == [("no rows", 3), ("no rows", 1), ("never false", 6)]
+
+
+async def test_a_condition_and_its_negation_are_one_finding(tmp_path: Path) -> None:
+    text = f"""Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:, sensor:),
+      !(sensor.clock > 9000);"""
+    assert list(told(await diagnosed(tmp_path, text))) == [("never true", 2)]
+
+
 async def test_a_text_that_is_no_name_is_no_mistake(tmp_path: Path) -> None:
     text = PLAIN.replace(
         '""', '(if StartsWith(robot_name, "A") then robot_name ++ "!" else "nobody")'
@@ -279,61 +331,6 @@ async def test_another_future_ends_it(tmp_path: Path) -> None:
         await made.close()
 
 
-async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
-    tmp_path: Path,
-) -> None:
-    for left, right, kind, words in (
-        (0, 0, "still", "Ada stood still from tick 1 to 300"),
-        (1, -1, "circle", "Ada goes round in a circle of"),
-        (1, 1, "blocked", "Ada was blocked from tick"),
-    ):
-        text = (
-            "Go() =\n"
-            f"  {{left_engine: {left}, right_engine: {right}}};\n"
-            "Robot(robot_name:, desire: Go(),\n"
-            '  memory: "") :- Sensor(robot_name:);'
-        )
-        made = Game(load_level(_without_door(tmp_path)), Program.compile(text))
-        try:
-            await made.run_until(tick=300)
-            finding = the(await diagnose(made), kind)
-        finally:
-            await made.close()
-        assert finding.message.startswith(words)
-        assert finding.span is not None
-        assert finding.span.line == 3
-        assert {span.line for span in finding.others} <= {1, 2}
-
-
-COPIES = """Near(ray) :- ray.distance < 0;
-Far(ray) :- ray.distance > 0;
-Stop() = {left_engine: 0, right_engine: 0};
-Go() = {left_engine: 0.1, right_engine: 0.1};
-Worker(robot_name:, desire:) :-
-  Sensor(robot_name:, sensor:), seen = Max{1 :- ray in sensor.radar, Near(ray)},
-  desire = (if seen is not null
-    then Stop()
-    else Go());
-Sleeper := Worker(Near: Far);
-Robot(robot_name: "Ada", desire:, memory: "") :- Sleeper(robot_name: "Ada", desire:);
-Robot(robot_name: "Bo", desire:, memory: "") :- Worker(robot_name: "Bo", desire:);
-"""
-
-
-async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not(
-    tmp_path: Path,
-) -> None:
-    made = Game(load_level(_without_door(tmp_path)), Program.compile(COPIES))
-    try:
-        await made.run_until(tick=300)
-        finding = the(await diagnose(made), "still")
-    finally:
-        await made.close()
-    assert finding.robot == "Ada"
-    assert finding.span is not None
-    assert (finding.span.line, finding.span.text) == (8, "Stop()")
-
-
 async def test_only_the_ticks_of_the_present_program_count(tmp_path: Path) -> None:
     made = game(tmp_path, f"{PLAIN}\n{PLAIN.replace('0.1', '0.2')}")
     try:
@@ -377,11 +374,3 @@ async def test_it_can_be_stopped_and_tells_how_far_it_is(tmp_path: Path) -> None
         assert all(done <= of_all for done, of_all in steps)
     finally:
         await made.close()
-
-
-def _without_door(tmp_path: Path) -> Path:
-    from tests.game.playing import HALL
-
-    path = tmp_path / "no-door.toml"
-    path.write_text(HALL.split("[[areas]]")[0], encoding="utf-8")
-    return path

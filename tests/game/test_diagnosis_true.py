@@ -8,13 +8,13 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose
 from logical_robots_tui.mind import Mind, Program, ProgramError
 from logical_robots_tui.world import World
+from tests.explain.judging import judge_until
 from tests.explain.rules import names, parts, split
 from tests.explain.teams import team
 from tests.game.playing import hall
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
     from tests.explain.teams import Team
 
-SEARCH = (Phase.explicit, Phase.reuse, Phase.generate)  # to shrink takes far longer than to find
 TICKS = 4
 CASES = re.compile(
     r"(?:in (?P<copy>\w+) )?in (?:the|all) (?P<number>one|[\d,]+) cases? it was asked"
@@ -141,12 +140,8 @@ def test_what_is_said_never_to_hold_never_does(
     tmp_path: Path, findings: int, programs_at_once: int
 ) -> None:
     level = hall(tmp_path)
-    total = 0
 
-    @given(st.integers(0, 10**9))
-    @settings(max_examples=programs_at_once, phases=SEARCH, deadline=None)
-    def ask(seed: int) -> None:
-        nonlocal total
+    def ask(seed: int) -> int:
         made = team(seed)
         text = needed(made)
         found = asyncio.run(diagnosis(level, text))
@@ -154,7 +149,6 @@ def test_what_is_said_never_to_hold_never_does(
         with closing(run.mind):
             number, false = false_findings(found.findings, run)
         assert not false, (text, false)
-        total += number
+        return number
 
-    while total < findings:
-        ask()
+    judge_until(findings, st.integers(0, 10**9), programs_at_once, ask)

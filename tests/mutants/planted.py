@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.explain import Explainer
+from logical_robots_tui.explain import Ask, Explainer
 from logical_robots_tui.game import Game, load_program
 from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 from logical_robots_tui.mind import Mind, Program
@@ -191,5 +191,5 @@ def suggestions(mutant: Mutant, there: Difference) -> list[Suggestion]:
     with closing(Mind(program, **visibility)) as mind:
         explainer = Explainer(mind, there.robot, there.rows, there.memories)
         for predicate in program.needed:
-            found += [each for _, each in explainer.nearest(predicate)]
+            found += [each for _, each in explainer.nearest(Ask(predicate))]
     return found

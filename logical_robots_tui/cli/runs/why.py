@@ -161,8 +161,8 @@ async def answer(
         return Answer(proof.explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
     explanation = await inquiry.why(program, robot, frame, asked)
     nearest: Sequence[tuple[int, Suggestion]] = ()
-    if not asked.given and any(rule.rows == 0 for rule in explanation.rules):
-        nearest = await inquiry.nearest(program, robot, frame, asked.predicate)
+    if any(rule.rows == 0 for rule in explanation.rules):
+        nearest = await inquiry.nearest(program, robot, frame, asked)
     return Answer(explanation, explanation.nodes, nearest=nearest)
 
 

@@ -8,19 +8,27 @@ from dataclasses import replace
 
 from logical_robots_tui.explain.clauses.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
-from logical_robots_tui.explain.diagnosis.sources import decisive_columns
+from logical_robots_tui.explain.diagnosis.sources import Sources, decisive_columns
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import MAIN, is_constant, rules_of
+from logical_robots_tui.language.definitions import (
+    MAIN,
+    definitions,
+    is_constant,
+    names_used,
+    rules_of,
+)
 from logical_robots_tui.language.functors import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     COMPARISONS,
+    Argument,
     Atom,
     Call,
     Choice,
     Equation,
     Expression,
+    Functor,
     Head,
     List,
     Literal,
@@ -29,6 +37,7 @@ from logical_robots_tui.language.tree import (
     PredicateName,
     Record,
     Rule,
+    Statement,
     Text,
     Variable,
     conjuncts,
@@ -92,7 +101,30 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         tracer.left_out + len(tracer.probes) - len(probes),
         tuple(sorted(tracer.missed_sites())),
         tuple(sorted(tracer.missed_rules)),
+        tuple(unused(program, source)),
+        tuple(copies_twice(program, source)),
     )
+
+
+def unused(program: Sequence[Statement], source: Prepared) -> Iterator[Field]:
+    """Yield the predicates that nothing else in a program mentions."""
+    own = definitions(program)
+    users = ((user, name) for user, mine in own.items() for name in {*names_used(mine)})
+    used = {name for user, name in users if user != name} | {MAIN}
+    for name, (first, *_) in own.items():
+        if name not in used:
+            yield Field(name, span_of(first, source))
+
+
+def copies_twice(program: Iterable[Statement], source: Prepared) -> Iterator[tuple[Field, Field]]:
+    """Yield the predicates that ``:=`` makes of the same as others, with these."""
+    made: dict[tuple[str, frozenset[Argument]], Field] = {}
+    for each in program:
+        if isinstance(each, Functor):
+            field = Field(each.name, span_of(each, source))
+            first = made.setdefault((each.base, frozenset(each.arguments)), field)
+            if first != field:
+                yield field, first
 
 
 def _site(
@@ -125,13 +157,15 @@ def memory_fields(
     """Return the fields of `Robot`'s memory records, and whether there may be others."""
     found: dict[str, Field] = {}
     is_open = False
+    sources = Sources(source, own)
 
     def look(value: Expression, rule: Rule, depth: int) -> None:
         nonlocal is_open
         match value:
             case Record():
                 for each in value.arguments:
-                    field = Field(str(each.field), span_of(each, source))
+                    places = sources.of(each.value, rule)
+                    field = Field(str(each.field), span_of(each, source), places)
                     found.setdefault(field.name, field)
             case Choice():
                 for branch in value.branches:

@@ -209,13 +209,15 @@ class Tally:
 
 def is_telling(site: Site) -> bool:
     """Return whether it is told of a site by itself that nothing held there."""
-    # What is negated is told of where it is negated.
+    # What is negated is told of where it is negated, or instead of its negation by `!`.
+    if site.operator == "!":
+        return False
     return site.kind != "part" or not (site.predicate in ("", *INPUTS) or site.stands == "denied")
 
 
 def is_always_true(site: Site, count: Count) -> bool:
     seen = count.true is not None and count.false is None and count.null is None
-    return site.kind in TESTS and seen
+    return site.kind in TESTS and site.operator != "!" and seen
 
 
 def is_true(value: Value) -> bool | None:

@@ -15,7 +15,9 @@ from logical_robots_tui.mind.program import Program
 TESTS = ("condition", "denial", "branch", "operand")
 """Sites of these kinds are conditions."""
 
-SiteKind = Literal["part", "condition", "branch", "operand", "text", "denial", "leaf", "value"]
+SiteKind = Literal[
+    "part", "condition", "branch", "operand", "text", "denial", "leaf", "value", "fallback"
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,12 +28,13 @@ class Site:
         kind: ``part`` (of a body, with rows: a call, an element of a list, alternatives),
             ``condition`` or ``denial`` (of a body), ``branch`` (the condition of an ``if``),
             ``operand`` (of ``&&``, ``||`` or ``!``), ``text`` (passed to a comparing function),
-            ``leaf`` (a value that an ``if`` chooses, or a rule's value) or ``value`` (a part
-            that may be null; true means that it is).
+            ``leaf`` (a value that an ``if`` chooses, or a rule's value), ``value`` (a part
+            that may be null; true means that it is) or ``fallback`` (the same, where
+            ``Coalesce`` takes `other` then).
         rule: Index of its rule.
         literal: The text that `other` is compared with, or None.
         other: The expression compared with that text or with a number; or "".
-        operator: The comparison, ``&&``, ``||`` or "".
+        operator: The comparison, ``&&``, ``||``, ``!`` or "".
         within: The predicate made with ``:=`` whose rules it belongs to, or "".
         places: Where its values come from, the nearest first.
         owner: Of a leaf, the predicate that has its value, or calls the function that has it.
@@ -125,8 +128,11 @@ class Probe:
 
 @dataclass(frozen=True, slots=True)
 class Field:
+    """A name in a program; for a written memory field also where its value comes from."""
+
     name: str
     span: Span
+    places: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +148,8 @@ class Checkup:
         left_out: The number of probes that could not be made.
         missed_sites, missed_rules: Indices of those that are reached in other ways as well, so
             that nothing can be said never to happen there.
+        unused: Predicates that nothing uses.
+        same: Predicates that are made of the same as others, with these.
     """
 
     rules: tuple[RuleSite, ...]
@@ -156,6 +164,8 @@ class Checkup:
     left_out: int = 0
     missed_sites: tuple[int, ...] = ()
     missed_rules: tuple[int, ...] = ()
+    unused: tuple[Field, ...] = ()
+    same: tuple[tuple[Field, Field], ...] = ()
 
 
 def check_up(

@@ -20,7 +20,6 @@ from logical_robots_tui.language.tree import (
     Expression,
     Literal,
     Node,
-    Proposition,
     Rule,
     Tree,
     Variable,
@@ -38,12 +37,16 @@ _DEEPEST = 4
 
 
 class Sources:
-    def __init__(self, source: Prepared, own: Mapping[str, list[Rule]]) -> None:
+    def __init__(self, source: Prepared, own: Mapping[str, Sequence[Rule]]) -> None:
         self._source, self._own = source, own
 
     def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
-        """Return where an expression's values come from, recursively, the nearest places first."""
+        """Return where an expression's values come from, recursively.
+
+        The nearest places come first, and those that only copy a value last.
+        """
         found: dict[int, Span] = {}
+        copies: dict[int, Span] = {}
         seen: set[tuple[int, str]] = set()
         waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
         own_line = span_of(node, self._source).line
@@ -52,10 +55,16 @@ class Sources:
             for place, inner, where in self._next(node, rule, seen):
                 span = span_of(place, self._source)
                 if span.text and span.line != own_line:
-                    found.setdefault(span.line, span)
+                    (copies if self._copies(place) else found).setdefault(span.line, span)
                 if depth + 1 < _DEEPEST:
                     waiting.append((inner, where, depth + 1))
-        return tuple(found.values())[:_MOST]
+        return tuple((found | {n: s for n, s in copies.items() if n not in found}).values())[:_MOST]
+
+    def _copies(self, place: Node) -> bool:
+        """Return whether a place is a call of a sensor or of what other rules give."""
+        return isinstance(place, Atom) and (
+            place.name == "Sensor" or any(rule.body for rule in self._own.get(place.name, ()))
+        )
 
     def of_condition(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
         """Return the place of a condition, and where its values come from."""
@@ -70,16 +79,12 @@ class Sources:
             if (id(rule), variable) in seen:
                 continue
             seen.add((id(rule), variable))
-            for part in walk(rule.body) if rule.body else ():
-                pair = equation_sides(part)
-                if pair is not None:
-                    for side, value in (pair, pair[::-1]):
-                        if variable_of(side) == variable:
-                            yield from ((place, value, rule) for place in _places(part, value))
-                            break
-                elif isinstance(part, Atom) and variable in variables(part):
+            for part, value in _bindings(variable, rule):
+                if isinstance(part, Atom) and value is None:
                     yield part, (), rule
                     yield from self._rules(part.name, seen)
+                elif value is not None:
+                    yield from ((place, value, rule) for place in _places(part, value))
 
     def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
         """Yield the rules of a predicate except facts."""
@@ -89,10 +94,22 @@ class Sources:
         for rule in self._own.get(name, ()):
             is_function = rule.value is not None and parameters(rule) is not None
             if rule.body or is_function:
-                yield rule, rule.value or rule, rule
+                copies = all(isinstance(each.value, Variable) for each in rule.head.columns)
+                yield (copies and rule.body) or rule, rule.value or rule, rule
             for part in conjuncts(rule.body):
                 if isinstance(part, Atom) and part.name in CONDITIONS:
                     yield part, part, rule
+
+
+def _bindings(variable: str, rule: Rule) -> Iterator[tuple[Node, Expression | None]]:
+    """Yield equations of a variable with its value, and calls that mention it with None."""
+    for part in walk(rule):
+        if (pair := equation_sides(part)) is not None:
+            for side, value in (pair, pair[::-1]):
+                if variable_of(side) == variable:
+                    yield part, value
+        elif isinstance(part, Atom) and variable in variables(part):
+            yield part, None
 
 
 def _places(part: Node, value: Tree) -> Sequence[Node]:
@@ -140,12 +157,10 @@ def decisive_columns(rule: Rule, own: Mapping[str, Sequence[Rule]]) -> set[tuple
             case Call():
                 add(value.name, VALUE)
             case Variable():
-                for part in walk(rule):
-                    pair = equation_sides(part) if isinstance(part, Proposition) else None
-                    for side, other in (pair, pair[::-1]) if pair else ():
-                        if side == value:
-                            waiting.append((rule, other))
-                    if isinstance(part, Atom):
+                for part, other in _bindings(value.name, rule):
+                    if other is not None:
+                        waiting.append((rule, other))
+                    elif isinstance(part, Atom):
                         for argument in part.arguments:
                             if argument.expression == value:
                                 add(part.name, argument.column)

@@ -24,6 +24,8 @@ FindingKind = Literal[
     "bad engine",
     "notice",
     "unknown text",
+    "unused",
+    "same copy",
     "memory never written",
     "memory never read",
     "memory lost",
@@ -31,10 +33,12 @@ FindingKind = Literal[
     "always null",
     "never true",
     "never false",
+    "never null",
     "circle",
     "blocked",
     "still",
     "unfinished",
+    "unchanged",
 ]
 
 Severity = Literal["warning", "note"]
@@ -62,8 +66,10 @@ _RARE = 20
 """Ticks; what was asked in fewer of a longer run is no reason for a warning."""
 
 
-def rule_findings(tally: Tally, *, is_over: bool, is_complete: bool = True) -> list[Finding]:
-    """Return findings, the most significant first.
+def rule_findings(
+    tally: Tally, *, is_over: bool, is_complete: bool = True
+) -> tuple[list[Finding], list[Finding]]:
+    """Return findings, and those that follow from others, the most significant first.
 
     Args:
         tally: The counts.
@@ -72,7 +78,8 @@ def rule_findings(tally: Tally, *, is_over: bool, is_complete: bool = True) -> l
     """
     found = list(_Reporter(tally, is_over=is_over, is_complete=is_complete).findings())
     lines = {each.span.line for each in found if each.span is not None}
-    return sorted(found, key=lambda each: _follows(each, lines))
+    consequences = [each for each in found if _follows(each, lines)]
+    return [each for each in found if each not in consequences], consequences
 
 
 def _follows(finding: Finding, lines: Collection[int]) -> bool:
@@ -100,7 +107,7 @@ class _Reporter:
             found = self._of_rule(number, silent)
             if found is not None:
                 yield found
-        for tell in (self._of_text, self._of_site, self._of_truth):
+        for tell in (self._of_text, self._of_site, self._of_truth, self._of_fallback):
             for number, site in enumerate(self._checkup.sites):
                 found = None if number in self._said else tell(number, site)
                 if found is not None and (found.severity == "warning" or self._is_often(number)):
@@ -134,6 +141,8 @@ class _Reporter:
         site, count = self._checkup.sites[stop], self._tally.sites[stop]
         self._said.add(stop)
         if self._is_consequence(number, silent):
+            rules = [n for n in silent if self._checkup.rules[n].predicate == site.predicate]
+            stops = [self._checkup.sites[stop] for n in rules if (stop := silent[n]) is not None]
             return Finding(
                 "no rows",
                 "note",
@@ -141,7 +150,7 @@ class _Reporter:
                 self._first,
                 f"This rule of {rule.predicate} never had a row; {site.predicate} had none.",
                 f"Look at {site.predicate} first.",
-                (site.span,),
+                tuple(each.span for each in stops),
             )
         reason = self._why_not(site, count)
         return Finding(
@@ -174,10 +183,9 @@ class _Reporter:
         if (
             count.reached is None
             or count.true is not None
-            or site.kind in ("leaf", "text", "value")
+            or site.kind in ("leaf", "text", "value", "fallback")
+            or not is_telling(site)
         ):
-            return None
-        if not is_telling(site):
             return None
         self._said.add(number)
         if self._is_explained(site):
@@ -197,6 +205,15 @@ class _Reporter:
         message = f"{_quote(site)} held{self._asked(site, count, every='all ')}."
         hint = "It never excluded anything; is it the right comparison?"
         return self._finding("never false", "note", site, count, message, hint)
+
+    def _of_fallback(self, number: int, site: Site) -> Finding | None:
+        count = self._tally.sites[number]
+        if site.kind != "fallback" or count.reached is None or count.true is not None:
+            return None
+        never = f"{_quote(site)} was never null{self._asked(site, count)}"
+        message = f"{never}: `{shorten(site.other)}` was never used."
+        hint = "Can it have no value, and is it to come first?"
+        return self._finding("never null", "note", site, count, message, hint)
 
     def _is_explained(self, whole: Site) -> bool:
         if whole.operator != "&&":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from logical_robots_tui.explain.clauses.bodies import (
@@ -84,6 +85,8 @@ class Tracer(Watching):
                 given = operands(node.arguments)
                 for value in given[:1] if name in _NOT_VALUES else given:
                     self._value(value, at)
+                for value, default in pairwise(given) if name == "Coalesce" else ():
+                    self._fallback(value, default, at)
                 if name in self._functions:
                     self._function(node, at, is_leaf=is_leaf)
             case Aggregate():
@@ -112,6 +115,13 @@ class Tracer(Watching):
             ):
                 waiting += operands(node.arguments)
 
+    def _fallback(self, value: Expression, default: Expression, at: At) -> None:
+        """Watch whether a value is ever null, so that a computed default is used."""
+        if not isinstance(default, Literal) and not self._relations(value):
+            lacks = call("IsNull", substitute(value, at.given))
+            site = self._site("fallback", value, at, other=self._span(default).text)
+            self._add(at, site, (lacks,), "truth", lacks)
+
     def _truth(self, condition: Expression, at: At, kind: Any) -> int:
         """Watch a condition; return its column, or -1 if there are too many."""
         name = condition.name if isinstance(condition, Call) else ""
@@ -137,7 +147,7 @@ class Tracer(Watching):
                     how, literal, asked = "truth", None, [whole]
             elif sign == "==" and kind == "condition":
                 how, asked = "pair", asked_sides
-        operator = found[0] if found else name if name in JUNCTIONS else ""
+        operator = found[0] if found else name if name in (*JUNCTIONS, "!") else ""
         details = {"literal": literal, "other": other, "operator": operator}
         site = self._site(kind, condition, at, **details)
         column = self._add(at, site, asked, how, whole)

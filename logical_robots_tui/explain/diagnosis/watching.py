@@ -34,7 +34,7 @@ PROBE = "DiagnosisProbe"
 
 _MOST_COLUMNS = 90  # of a probe; SQLite allows 100
 
-_EXPLAINED = (*TESTS, "leaf")
+_EXPLAINED = (*TESTS, "leaf", "value")
 """Kinds of sites that record where their values come from."""
 
 Stands: TypeAlias = Literal["body", "aggregate", "denied"]

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, value_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation
 from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
+from logical_robots_tui.language.definitions import MAIN
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
@@ -175,8 +176,9 @@ class Stages:
         self._stages: dict[tuple[str, str], int] | None = None
 
     def first(self, probing: Probing, rows: Sequence[Row]) -> Row:
+        """Return the row to explain; of several of `Robot`, the last one counts."""
         if not self._members:
-            return rows[0]
+            return rows[-1 if probing.name == MAIN else 0]
         return min(rows, key=lambda row: self._stage(probing.name, row))
 
     def before(self, name: str, probing: Probing, row: Row, rows: Sequence[Row]) -> Sequence[Row]:

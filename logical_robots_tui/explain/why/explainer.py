@@ -91,11 +91,16 @@ class Explainer:
         """
         return prove(self._derivations, self._about(asked), depth=depth, nodes=nodes)
 
-    def nearest(self, predicate: str = "Robot") -> list[tuple[Span, Suggestion]]:
-        """Return changes that would give rules a row, smallest first; raise QueryError."""
-        given = self._about(Ask(predicate)).given
+    def nearest(self, asked: Ask = _ROBOT) -> list[tuple[Span, Suggestion]]:
+        """Return changes that would give rules the row, smallest first; raise QueryError.
+
+        What is asked for within a predicate made with ``:=`` has none.
+        """
+        if asked.within:
+            return []
+        given = self._about(asked).given
         nearest = Nearest(self._program, self._derivations, given, self._limits)
-        probing = self._decompose(predicate, "")
+        probing = self._decompose(asked.predicate, "")
         return [(rule.span, each) for rule in probing.rules for each in nearest.of(probing, rule)]
 
     def calls(self, function: str) -> Table:

@@ -19,6 +19,7 @@ from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, P
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.explain.why.spelling import spell_call
+from logical_robots_tui.language.definitions import MAIN
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same
@@ -77,6 +78,12 @@ class _Proving:
         wanted = {c: v for c, v in given.items() if c not in probing.given}
         self._refuting = Refuting(derivations, probing, self._arguments, wanted)
         self._telling = self._refuting.telling
+        self._which = "last" if probing.name == MAIN else "first"
+
+    def _gives(self, number: int) -> str:
+        if len(self._rows) <= 1:
+            return "gives this row"
+        return f"gives {_number_of_rows(number)}; this is the {self._which}"
 
     def rule(self, rule: RuleParts) -> RuleFound:
         row = self._row
@@ -88,10 +95,10 @@ class _Proving:
                 self._derivations.prepare(self._probing)
             number = 1 if nodes is not None and len(self._rows) == 1 else self._number(rule)
             if nodes is not None:
-                heading = _heading(rule, _gives(number, len(self._rows)), True, nodes)
+                heading = _heading(rule, self._gives(number), True, nodes)
                 return RuleFound(rule.span, number, row, None, heading)
             if number:
-                said = f"gives {_number_of_rows(number)}, but not the first"
+                said = f"gives {_number_of_rows(number)}, but not the {self._which}"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
             is_else, stopped, children = self._refuting.rule(rule)
             if row is None and stopped is None and is_aggregated(rule):
@@ -177,12 +184,6 @@ def _heading(
 
 def _number_of_rows(number: int) -> str:
     return number_of(number, "row", is_all=number < MOST_ROWS)
-
-
-def _gives(number: int, of: int) -> str:
-    if of <= 1:
-        return "gives this row"
-    return f"gives {_number_of_rows(number)}; this is the first"
 
 
 def _is_over_nothing(probing: Probing, row: Row) -> bool:

@@ -101,7 +101,7 @@ class Refuting:
         reached = [(clause, self._reached(clause)) for clause in rule.clauses]
         clause, found = max(reached, key=lambda each: each[1].steps)
         sql = self._queries.get(found.query)
-        if found.steps == len(clause.steps) or sql is None:
+        if sql is None or any(each.steps == len(of.steps) for of, each in reached):
             return None
         ways = self._relations.ways(sql, self._given, found.wanted, most=_MOST_WAYS)
         return Stop(clause, clause.steps[found.steps], ways)

@@ -93,12 +93,12 @@ class Inquiry:
         )
 
     async def nearest(
-        self, program: Program, robot: str, frame: Frame, predicate: str
+        self, program: Program, robot: str, frame: Frame, asked: Ask
     ) -> list[tuple[int, Suggestion]]:
         """Return lines with changes that would give a row, smallest first, or raise QueryError."""
 
         def work(explainer: Explainer) -> list[tuple[int, Suggestion]]:
-            return [(rule.line, found) for rule, found in explainer.nearest(predicate)]
+            return [(rule.line, found) for rule, found in explainer.nearest(asked)]
 
         return await self._explain(self._explainer, program, robot, frame, work)
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from itertools import zip_longest
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from logical_robots_tui.explain.diagnosis.counting import Tally
@@ -17,7 +18,7 @@ from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.schema import NO_LABEL, OBJECTS
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import RecordedTick
@@ -59,6 +60,7 @@ class Observations:
     Attributes:
         notices: By kind and robot, the first tick of a notice, their number, and the message.
         fields: The fields that memories had, each with its first tick.
+        since: By robot and field, a text that is remembered, with the tick of its last change.
         is_on_way: Whether a robot was still on its way at the end, or may be where it should be.
     """
 
@@ -67,6 +69,7 @@ class Observations:
     won_at: int | None = None
     notices: dict[tuple[NoticeKind, str], tuple[int, int, str]] = attribute(default_factory=dict)
     fields: dict[str, int] = attribute(default_factory=dict)
+    since: dict[tuple[str, str], tuple[int, str]] = attribute(default_factory=dict)
     texts: set[str] = attribute(default_factory=set)
     losses: dict[tuple[str, str], Loss] = attribute(default_factory=dict)
     stretches: list[Stretch] = attribute(default_factory=list)
@@ -148,8 +151,10 @@ def _remember(found: Observations, tick: int, before: Any, after: Any) -> None:
             continue
         fields = memory if isinstance(memory, dict) else {}
         former = old if isinstance(old, dict) else {}
-        for name in fields:
+        for name, value in fields.items():
             found.fields.setdefault(str(name), tick)
+            if isinstance(value, str) and value != former.get(name):
+                found.since[robot, str(name)] = tick, value
         if len(found.texts) < _MOST_TEXTS:
             # Most fields stay the same, as the objects that they are.
             changed = [each for name, each in fields.items() if each is not former.get(name)]
@@ -225,10 +230,16 @@ def findings_of(
         *_of_notices(observed, closer),
         *_of_memory(tally.checkup, observed, closer),
         *_of_texts(tally.checkup, observed, level),
+        *_of_definitions(tally.checkup, observed.first),
     ]
+    causes, consequences = rule_findings(
+        tally, is_over=observed.is_over and is_complete, is_complete=is_complete
+    )
     others = [
-        *rule_findings(tally, is_over=observed.is_over and is_complete, is_complete=is_complete),
+        *causes,
         *_of_movement(observed, closer),
+        *_of_unchanged(tally.checkup, observed),
+        *consequences,
     ]
     warnings = [each for each in surely if each.severity == "warning"]
     notes = [each for each in surely if each.severity == "note"]
@@ -297,9 +308,10 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     leaves = _leaves(tally, robot)
     nulls = [
-        site.span
+        place
         for number, site in enumerate(tally.checkup.sites)
         if site.kind == "value" and tally.sites[number].true is not None
+        for place in (site.span, *site.places)
     ]
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
     quoted = f" `{shorten(span.text)}` was null." if nulls and span else ""
@@ -307,8 +319,13 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
-def _split(places: list[Span]) -> tuple[Span | None, tuple[Span, ...]]:
-    return (places[0] if places else None), tuple(places[1 : _MOST_PLACES + 1])
+def _split(places: Iterable[Span]) -> tuple[Span | None, tuple[Span, ...]]:
+    """Return the first place and the others, one for each line."""
+    by_line: dict[int, Span] = {}
+    for place in places:
+        by_line.setdefault(place.line, place)
+    first, *others = by_line.values() or (None,)
+    return first, tuple(others[:_MOST_PLACES])
 
 
 def _of_memory(
@@ -364,6 +381,17 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
 
 
+def _of_definitions(checkup: Checkup, first: int) -> Iterator[Finding]:
+    for made, other in checkup.same:
+        source = shorten(made.span.text.partition(":=")[2].strip())
+        message = f"{made.name} and {other.name} are the same: both are `{source}`."
+        hint = "Is something else to be put in?"
+        yield Finding("same copy", "note", made.span, first, message, hint, (other.span,))
+    for each in checkup.unused:
+        message = f"Nothing uses {each.name}."
+        yield Finding("unused", "note", each.span, first, message, "Which rule should?")
+
+
 def _of_movement(
     observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
@@ -372,13 +400,10 @@ def _of_movement(
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(closer[stretch.robot, stretch.first], stretch.robot)
-        by_distance = [span for each in zip_longest(*leaves) for span in each if span]
-        spans = list({span.line: span for span in by_distance}.values())
-        span = leaves[0][0] if leaves else None
+        span, others = _split(place for each in zip_longest(*leaves) for place in each if place)
         if (stretch.kind, span) in reported:
             continue
         reported.add((stretch.kind, span))
-        others = tuple(each for each in spans if span is None or each.line != span.line)
         is_fixed = stretch.kind == "still" and not observed.is_over  # perhaps where it should be
         is_doubtful = observed.won_at is None and stretch.kind != "unfinished" and not is_fixed
         yield Finding(
@@ -388,9 +413,28 @@ def _of_movement(
             stretch.first,
             _how_far(stretch, span),
             _HINTS[stretch.kind],
-            others[:_MOST_PLACES],
+            others,
             stretch.robot,
         )
+
+
+def _of_unchanged(checkup: Checkup, observed: Observations) -> Iterator[Finding]:
+    """Yield the states that robots without progress remain in, such as a phase of a plan."""
+    stuck = {each.robot for each in observed.stretches if each.last == observed.last}
+    remain: dict[str, tuple[int, str, str]] = {}
+    for (robot, name), (tick, value) in sorted(observed.since.items(), key=itemgetter(1)):
+        # A state is a text that the program both sets and asks for.
+        is_state = checkup.program.text.count(spell(value)) > 1
+        if is_state and robot in stuck and observed.last - tick >= _LONG:
+            remain.setdefault(name, (tick, value, robot))
+    for field in checkup.writes if observed.won_at is None else ():
+        if field.name in remain:
+            tick, value, robot = remain[field.name]
+            quoted = f"{robot}'s memory.{field.name} stayed {spell(shorten(value))}"
+            message = f"{quoted} from tick {tick} to {observed.last}."
+            hint = "Which condition should change it, and can that hold?"
+            span, others = _split([*field.places, field.span])
+            yield Finding("unchanged", "note", span, tick, message, hint, others, robot)
 
 
 _ORDER = ("circle", "blocked", "still", "unfinished")

@@ -185,13 +185,12 @@ class WhyPage(Page):
         self._name_way(question, Content.styled(one_line(trouble), INK.warn))
 
     async def _suggest(self, question: _Question, found: Explanation) -> None:
-        asked = question.asked
-        if found.row is not None or asked.given or asked.within or self._answered is not question:
+        if found.row is not None or self._answered is not question:
             return
         try:
             inquiry, program = self._questions.about()
             robot, frame = question.robot, question.frame
-            misses = await inquiry.nearest(program, robot, frame, asked.predicate)
+            misses = await inquiry.nearest(program, robot, frame, question.asked)
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:

@@ -1,0 +1,97 @@
+"""Diagnosis of robots that make no progress: what they did, and which lines made them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.game import Game
+from logical_robots_tui.mind import Program
+from logical_robots_tui.world import load_level
+from tests.game.test_diagnosing import diagnosis_of, the
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
+
+
+async def without_door(tmp_path: Path, text: str) -> Diagnosis:
+    """What is said of 300 ticks in a hall without a way out."""
+    return await diagnosis_of(
+        Game(load_level(_without_door(tmp_path)), Program.compile(text)), ticks=300
+    )
+
+
+async def test_who_stands_still_goes_round_or_pushes_against_a_wall_is_told_of(
+    tmp_path: Path,
+) -> None:
+    for left, right, kind, words in (
+        (0, 0, "still", "Ada stood still from tick 1 to 300"),
+        (1, -1, "circle", "Ada goes round in a circle of"),
+        (1, 1, "blocked", "Ada was blocked from tick"),
+    ):
+        text = (
+            "Go() =\n"
+            f"  {{left_engine: {left}, right_engine: {right}}};\n"
+            "Robot(robot_name:, desire: Go(),\n"
+            '  memory: "") :- Sensor(robot_name:);'
+        )
+        finding = the(await without_door(tmp_path, text), kind)
+        assert finding.message.startswith(words)
+        assert finding.span is not None
+        assert finding.span.line == 3
+        assert {span.line for span in finding.others} <= {1, 2}
+
+
+COPIES = """Near(ray) :- ray.distance < 0;
+Far(ray) :- ray.distance > 0;
+Stop() = {left_engine: 0, right_engine: 0};
+Go() = {left_engine: 0.1, right_engine: 0.1};
+Worker(robot_name:, desire:) :-
+  Sensor(robot_name:, sensor:), seen = Max{1 :- ray in sensor.radar, Near(ray)},
+  desire = (if seen is not null
+    then Stop()
+    else Go());
+Sleeper := Worker(Near: Far);
+Robot(robot_name: "Ada", desire:, memory: "") :- Sleeper(robot_name: "Ada", desire:);
+Robot(robot_name: "Bo", desire:, memory: "") :- Worker(robot_name: "Bo", desire:);
+"""
+
+
+async def test_who_stands_still_does_so_by_the_rule_that_gave_its_row_copied_or_not(
+    tmp_path: Path,
+) -> None:
+    finding = the(await without_door(tmp_path, COPIES), "still")
+    assert finding.robot == "Ada"
+    assert finding.span is not None
+    assert (finding.span.line, finding.span.text) == (8, "Stop()")
+
+
+STATES = """Plan(state: "wait", limit: 9000, next: "go");
+Plan(state: "go", limit: 9000, next: "wait");
+Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: {state:, name:}) :-
+  Sensor(robot_name:, sensor:), Memory(robot_name:, memory:),
+  Plan(state: now, limit:, next:), now == Coalesce(memory.state, "wait"),
+  name = Coalesce(memory.name, robot_name),
+  state = (if sensor.clock > limit then next else now);
+"""
+
+
+async def test_who_makes_no_progress_in_a_state_is_told_of_where_the_state_is_set(
+    tmp_path: Path,
+) -> None:
+    (finding,) = (
+        each for each in (await without_door(tmp_path, STATES)).findings if each.kind == "unchanged"
+    )
+    assert finding.message == 'Ada\'s memory.state stayed "wait" from tick 1 to 300.'
+    assert finding.span is not None
+    assert finding.span.line == 7
+    assert 5 in {span.line for span in finding.others}
+
+
+def _without_door(tmp_path: Path) -> Path:
+    from tests.game.playing import HALL
+
+    path = tmp_path / "no-door.toml"
+    path.write_text(HALL.split("[[areas]]")[0], encoding="utf-8")
+    return path
