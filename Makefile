@@ -59,7 +59,7 @@ screenshot: $(VENV)/.dev ## Draw docs/screenshot.svg and docs/levels.svg anew
 	$(BIN)/python -m docs.screenshot 04-everybody-home everybody-home 330
 	$(BIN)/python -m docs.screenshot levels
 
-reference: $(VENV)/.dev ## Regenerate the tables of functions and fields in docs
+reference: $(VENV)/.dev ## Regenerate the tables of functions, fields and settings in docs
 	$(BIN)/python -m docs.reference
 
 learn: $(VENV)/.dev ## Regenerate docs/learn.md, docs/solutions.md and their pictures

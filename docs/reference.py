@@ -1,20 +1,23 @@
-"""Write tables from their data: functions, fields, typed commands: ``python -m docs.reference``."""
+"""Write the tables of functions, fields, settings and commands: ``python -m docs.reference``."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli.plain import table
 from logical_robots_tui.language.reference import REFERENCE
+from logical_robots_tui.player.settings import rows
 from logical_robots_tui.schema import tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 TARGET = Path(__file__).with_name("reference.md")
-PROGRAMS = Path(__file__).with_name("programs.md")
-COMMANDS = Path(__file__).with_name("commands.md")
+PROGRAMS = TARGET.with_name("programs.md")
+SETTINGS = TARGET.with_name("settings.md")
+COMMANDS = TARGET.with_name("commands.md")
 HEAD = """\
 # Functions
 
@@ -31,19 +34,35 @@ def page() -> str:
 
 def programs() -> str:
     """The page on programs, with the table of fields as it should be."""
-    return _with(PROGRAMS, "fields", tables())
+    return _filled(PROGRAMS, "fields", tables())
+
+
+def settings() -> str:
+    """The page on settings, with their table as it should be."""
+    return _filled(SETTINGS, "settings", _settings())
 
 
 def commands() -> str:
     """The page on the command line, with the table of what is typed in plain text."""
-    return _with(COMMANDS, "typed commands", table())
+    return _filled(COMMANDS, "typed commands", table())
 
 
-def _with(page: Path, name: str, lines: Iterable[str]) -> str:
-    """A page with new lines between two marks."""
-    before, begin, rest = page.read_text(encoding="utf-8").partition(f"<!-- {name} -->")
-    _, end, after = rest.partition(f"<!-- end of {name} -->")
-    return "\n".join([before + begin, *lines, end + after])
+PAGES = {TARGET: page, PROGRAMS: programs, SETTINGS: settings, COMMANDS: commands}
+
+
+def _filled(page: Path, mark: str, lines: Iterable[str]) -> str:
+    begin, end = f"<!-- {mark} -->", f"<!-- end of {mark} -->"
+    before, _, rest = page.read_text(encoding="utf-8").partition(begin)
+    return "\n".join([before + begin, *lines, end + rest.partition(end)[2]])
+
+
+def _settings() -> Iterator[str]:
+    yield "| setting | values | by default | what it does |"
+    yield "|---|---|---|---|"
+    for row in rows():
+        values = ", ".join(row.kind.choices) or row.kind
+        default = "" if row.default is None else f"`{json.dumps(row.default)}`"
+        yield f"| `{row.name}` | {values} | {default} | {row.sentence} |"
 
 
 def _tables() -> Iterator[str]:
@@ -60,6 +79,5 @@ def _tables() -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    TARGET.write_text(page(), encoding="utf-8")
-    PROGRAMS.write_text(programs(), encoding="utf-8")
-    COMMANDS.write_text(commands(), encoding="utf-8")
+    for path, text in PAGES.items():
+        path.write_text(text(), encoding="utf-8")

@@ -44,6 +44,17 @@ def read_ordinary(path: Path, most: int) -> bytes:
         return file.read(most)
 
 
+def read_text(path: Path, most: int) -> str:
+    """Return a regular file's text in UTF-8, of at most so many bytes; raises OSError."""
+    content = read_ordinary(path, most + 1)
+    if len(content) > most:
+        raise OSError(None, f"it is larger than {most // 10**6} MB")
+    try:
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError:
+        raise OSError(None, "it is not UTF-8 text") from None
+
+
 def _open_without_waiting(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
 

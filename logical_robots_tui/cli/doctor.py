@@ -130,11 +130,13 @@ def _versions() -> Iterator[Fact]:
 
 def _places(data_dir: Path | None) -> Iterator[Fact]:
     from logical_robots_tui.mind import cache
-    from logical_robots_tui.tui.app.settings import read_settings, settings_path
+    from logical_robots_tui.player.settings import read_settings, settings_path
+    from logical_robots_tui.tui.commands.keymap import KeyMap
+    from logical_robots_tui.tui.commands.table import COMMANDS
 
     yield _place("data", folder_of(data_dir), "your work can't be saved")
     settings = settings_path()
-    complaints = read_settings(settings).complaints
+    complaints = read_settings(settings, KeyMap(COMMANDS).read).complaints
     wrong = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
     yield Fact("places", "configuration", value, wrong)

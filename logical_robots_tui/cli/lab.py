@@ -127,11 +127,11 @@ def _tournament(options: argparse.Namespace) -> int:
 
 def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[str, str]]]) -> int:
     from logical_robots_tui.lab.folder import Folder
-    from logical_robots_tui.lab.specification import SpecificationError
+    from logical_robots_tui.toml_files import TomlFileError
 
     try:
         manifest, inputs = plan()
-    except SpecificationError as error:
+    except TomlFileError as error:
         for problem in error.problems:
             print(harmless(problem), file=sys.stderr)
         return WRONG

@@ -154,15 +154,18 @@ def print_settings(options: argparse.Namespace) -> int:
 
     exit status: 0 the file is valid, 2 it has errors, which are printed to stderr
     """
-    from logical_robots_tui.tui.app.settings import Settings, as_toml, read_settings, settings_path
+    from logical_robots_tui.player.settings import Settings, as_toml, read_settings, settings_path
+    from logical_robots_tui.tui.commands.keymap import KeyMap
+    from logical_robots_tui.tui.commands.table import COMMANDS
 
     path = settings_path()
     if options.path:
         print(path)
         return FINE
-    settings = Settings() if options.default else read_settings(path)
+    settings = Settings() if options.default else read_settings(path, KeyMap(COMMANDS).read)
     what = "settings from" if is_there(path) and not options.default else "defaults, to be put into"
-    print(f"# Logical Robots: {what} {harmless(str(path))}", as_toml(settings), sep="\n")
+    print(f"# Logical Robots: {what} {harmless(str(path))}", *as_toml(settings), "", sep="\n")
+    print(*KeyMap(COMMANDS, settings.keys).as_toml(), sep="\n")
     for complaint in settings.complaints:
         print(harmless(complaint), file=sys.stderr)
     return WRONG if settings.complaints else FINE

@@ -24,7 +24,7 @@ from logical_robots_tui.cli.command import (
     new_command,
 )
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import read_ordinary
+from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 
 FORMAT = 1
@@ -156,11 +156,9 @@ def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
     Raises InputError, naming the wrong key, if the file is unreadable or another one.
     """
     try:
-        content = read_ordinary(file, _MOST_BYTES + 1)
+        content = read_text(file, _MOST_BYTES)
     except OSError as error:
         raise InputError(f"Can't be read: {error.strerror or error}.", place=str(file)) from error
-    if len(content) > _MOST_BYTES:
-        raise InputError(f"The file has more than {_MOST_BYTES:,} bytes.", place=str(file))
     try:
         export = msgspec.json.decode(content, type=_Export)
     except (msgspec.DecodeError, RecursionError) as error:

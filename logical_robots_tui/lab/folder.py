@@ -16,7 +16,7 @@ import msgspec
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.ledger import Ledger
 from logical_robots_tui.lab.running import Asked, engine, fingerprint
-from logical_robots_tui.lab.specification import Measure, Starts
+from logical_robots_tui.lab.specification import BUILT_IN
 from logical_robots_tui.paths import read_ordinary
 from logical_robots_tui.writing import write_atomically
 
@@ -29,6 +29,8 @@ _NESTING = (b"[", b"{", b",")
 
 Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]
 Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]
+Starts: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
+Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(BUILT_IN)})$")]
 Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
 
 

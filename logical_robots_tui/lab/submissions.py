@@ -14,16 +14,12 @@ from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import Cell, Manifest, Student, digest
-from logical_robots_tui.lab.specification import (
-    BUILT_IN,
-    Assignment,
-    Specification,
-    read_assignment,
-)
+from logical_robots_tui.lab.specification import BUILT_IN, Assignment, read_assignment
 from logical_robots_tui.lab.sweeping import level_to_run
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.paths import is_folder, read_ordinary
+from logical_robots_tui.paths import is_folder, read_text
+from logical_robots_tui.toml_files import TomlFile
 from logical_robots_tui.world import Level
 
 _MOST_BYTES = 1_000_000
@@ -64,14 +60,9 @@ class Submission:
         try:
             if file.is_symlink():
                 raise OSError(None, "it is a link")
-            content = read_ordinary(file, _MOST_BYTES + 1)
-            if len(content) > _MOST_BYTES:
-                raise OSError(None, "it is larger than 1 MB")
-            text = content.decode("utf-8-sig").replace("\r\n", "\n")
+            text = read_text(file, _MOST_BYTES)
             if "\0" in text:
                 raise OSError(None, "it is not text")
-        except UnicodeDecodeError:
-            self.remarks.append(f"{file.name}: it is not UTF-8 text")
         except OSError as error:
             self.remarks.append(f"{file.name}: {error.strerror}")
         else:
@@ -82,9 +73,9 @@ class Submission:
 def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str]]:
     """Return what to run for an assignment, and the texts of levels and programs by digest.
 
-    `submissions` has one folder or file per student. Raises SpecificationError, InputError.
+    `submissions` has one folder or file per student. Raises TomlFileError, InputError.
     """
-    spec = Specification(file)
+    spec = TomlFile(file)
     assignment = read_assignment(spec)
     levels = _levels(spec, assignment)
     roster = _table(spec, ("assignment", "roster"), assignment.assignment.roster)
@@ -95,7 +86,7 @@ def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str
     return _manifest(spec, assignment, levels, students, entries)
 
 
-def _levels(spec: Specification, assignment: Assignment) -> dict[str, tuple[str, int]]:
+def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]]:
     levels: dict[str, tuple[str, int]] = {}
     for number, each in enumerate(assignment.level):
         path, ticks = ("level", number, "name"), assignment.assignment.ticks
@@ -107,19 +98,19 @@ def _levels(spec: Specification, assignment: Assignment) -> dict[str, tuple[str,
     return levels
 
 
-def _check_reference(spec: Specification, assignment: Assignment, level: Level) -> None:
+def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> None:
     for key in ("ticks", "rules"):
         if getattr(assignment.points, key) and reference_for(level) is None:
             said = f"{level.name} has no reference program to compare {key} with"
             spec.problem(("points", key), said)
 
 
-def _table(spec: Specification, path: tuple[str, str], name: str) -> list[dict[str, str]]:
+def _table(spec: TomlFile, path: tuple[str, str], name: str) -> list[dict[str, str]]:
     if not name:
         return []
     try:
-        content = read_ordinary(spec.folder / name, _MOST_BYTES).decode("utf-8-sig")
-        rows = list(csv.DictReader(content.splitlines(), restval=""))
+        lines = read_text(spec.folder / name, _MOST_BYTES).splitlines()
+        rows = list(csv.DictReader(lines, restval=""))
     except (OSError, ValueError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         spec.problem(path, f"{name} can't be read: {reason}")
@@ -202,7 +193,7 @@ def _readable(name: str) -> str:
 
 
 def _manifest(
-    spec: Specification,
+    spec: TomlFile,
     assignment: Assignment,
     levels: Mapping[str, tuple[str, int]],
     students: list[Student],

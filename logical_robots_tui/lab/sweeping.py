@@ -19,14 +19,13 @@ from logical_robots_tui.lab.running import Asked
 from logical_robots_tui.lab.specification import (
     BUILT_IN,
     Experiment,
-    Path_,
     Query,
     Scalar,
-    Specification,
     read_experiment,
     values_of,
 )
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.toml_files import Path_, TomlFile
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
 
@@ -35,8 +34,8 @@ _MOST_CELLS = 100_000
 
 
 def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
-    """Return what to run, and levels and programs by digest, or raise SpecificationError."""
-    spec = Specification(file)
+    """Return what to run, and levels and programs by digest, or raise TomlFileError."""
+    spec = TomlFile(file)
     return _Plan(spec, read_experiment(spec)).manifest()
 
 
@@ -65,7 +64,7 @@ def _last_tick(level: Level, ticks: int | str) -> int:
 
 
 def level_to_run(
-    spec: Specification, path: Path_, name: str, ticks_path: Path_, ticks: int | str
+    spec: TomlFile, path: Path_, name: str, ticks_path: Path_, ticks: int | str
 ) -> tuple[Level, str, int] | None:
     """Return a level, its text and the run's last tick; None after reporting a problem."""
     try:
@@ -83,7 +82,7 @@ def level_to_run(
 class _Plan:
     """Plans an experiment, and reports everything that is wrong with it."""
 
-    def __init__(self, spec: Specification, experiment: Experiment) -> None:
+    def __init__(self, spec: TomlFile, experiment: Experiment) -> None:
         self._spec, self._experiment = spec, experiment
         self._levels: dict[str, tuple[Level, str, int]] = {}
         self._programs: dict[str, str] = {}

@@ -1,1 +1,1 @@
-"""What a player has and does, without a screen: session, texts, drafts, results, recovery."""
+"""What a player has and does, without a screen: session, texts, results, settings, recovery."""

@@ -215,6 +215,18 @@ async def test_of_a_made_predicate_the_conditions_are_told_that_it_really_has(
     assert not any("`r.distance > 9000` never held in Spotted" in each for each in words)
 
 
+@pytest.mark.parametrize(
+    "rules",
+    [
+        "A(x: 1); B(x: 2); P(x:) :- A(x:); C := P(A: B); Q(x:) :- C(x:), A(x:); D := Q(A: B);",
+        "@Recursive(T, 5); T(x: 1) distinct; T(x: y + 1) distinct :- T(x: y), y < 4; D := T();",
+    ],
+    ids=["of a made predicate", "of a recursion"],
+)
+async def test_a_program_with_copies_of_any_kind_can_be_watched(tmp_path: Path, rules: str) -> None:
+    assert (await diagnosed(tmp_path, f"{rules}\n{PLAIN[:-1]}, ~D(x: 7);", 2)).findings
+
+
 async def test_of_a_pattern_that_is_only_copied_nothing_is_told(tmp_path: Path) -> None:
     rules = (
         "Far(r) :- r.distance > 9000;\n"

@@ -34,7 +34,7 @@ MUST_NOT_LOAD = {
     GAME: {PLAYER, TUI, CLI, "logica", "sqlglot"} | SCREEN,
     **{
         f"{PLAYER}.{part}": {TUI, CLI, LAB, "logica", "sqlglot"} | SCREEN
-        for part in ("session", "library", "recorder", "recovery")
+        for part in ("session", "library", "recorder", "recovery", "settings")
     },
     **{
         f"{LAB}.{part}": {TUI, CLI, EDITING, "logica", "sqlglot", "textual", "rich"} | EXTRAS

@@ -13,8 +13,9 @@ import pytest
 from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
-from logical_robots_tui.tui.app.settings import read_settings
+from logical_robots_tui.player.settings import read_settings
 from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.keymap import KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
 from tests.house.examples import PAGES, blocks
 from tests.installed import CHECKOUT
@@ -94,7 +95,7 @@ def test_the_settings_can_be_used(tmp_path: Path) -> None:
     (text,) = code(DOCS / "settings.md", "toml")
     path = tmp_path / "config.toml"
     path.write_text(text)
-    found = read_settings(path)
+    found = read_settings(path, KeyMap(COMMANDS).read)
     assert not found.complaints
     assert found.keys == {"run": ("space", "f9"), "restart": (), "brush": ("n",)}
 

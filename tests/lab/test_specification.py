@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.cli.main import main
-from logical_robots_tui.lab.specification import SpecificationError
 from logical_robots_tui.lab.submissions import normalise, plan_grading
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.toml_files import TomlFileError
 from logical_robots_tui.world.levels.load import read_level
 from tests.lab.laboratory import FIRST_STEPS, write_experiment
 
@@ -23,7 +23,7 @@ def problems(folder: Path, text: str) -> list[str]:
     (folder / "first.l").write_text(FIRST_STEPS, "utf-8")
     file = folder / "e.toml"
     file.write_text(text, "utf-8")
-    with pytest.raises(SpecificationError) as caught:
+    with pytest.raises(TomlFileError) as caught:
         plan_sweep(file)
     return [problem.removeprefix(f"{folder}/") for problem in caught.value.problems]
 
@@ -60,6 +60,13 @@ won = 3
     assert 'Did you mean "ticks"?' in found[2]
 
 
+@pytest.mark.parametrize("bounds", ["0, 1, 0", "0, 1, -1", "0, 1e9, 1", "-1e308, 1e308, 1"])
+def test_a_range_is_finite_and_not_too_long(tmp_path: Path, bounds: str) -> None:
+    begin = '[experiment]\nlevel = "01-first-steps"\nprogram = "first.l"\n'
+    (said,) = problems(tmp_path, f'{begin}[[vary]]\nconstant = "Near"\nrange = [{bounds}]\n')
+    assert said.startswith("e.toml:6: a range is [from, to, step], at most 10,000")
+
+
 def test_names_are_looked_up_with_the_line_that_names_them(tmp_path: Path) -> None:
     found = problems(
         tmp_path,
@@ -86,8 +93,8 @@ def test_a_constant_a_field_and_a_question_must_exist(tmp_path: Path) -> None:
 
 def test_what_is_no_toml_is_said_with_its_line(tmp_path: Path) -> None:
     (said,) = problems(tmp_path, "[experiment]\nlevel = \n")
-    assert said.startswith("e.toml:2: this is not TOML")
-    with pytest.raises(SpecificationError, match="can't be read"):
+    assert said.startswith("e.toml:2: This is not valid TOML: Invalid value")
+    with pytest.raises(TomlFileError, match="can't be read"):
         plan_sweep(tmp_path / "missing.toml")
 
 
@@ -147,7 +154,7 @@ def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:
         '[assignment]\nroster = "r.csv"\nshow = ["won", "grade"]\nstarts = 0\n'
         '[[level]]\nname = "01-first-steps"\npoints = -1\n[late]\nafter = 2026-01-01T00:00:00\n'
     )
-    with pytest.raises(SpecificationError) as caught:
+    with pytest.raises(TomlFileError) as caught:
         plan_grading(file, tmp_path)
     lines = [problem.split(": ")[0].removeprefix(f"{file}:") for problem in caught.value.problems]
     assert lines == ["3", "7", "9"]
@@ -156,5 +163,5 @@ def test_what_is_wrong_with_an_assignment_is_said(tmp_path: Path) -> None:
         '[assignment]\nroster = "r.csv"\nstarts = 0\n[[level]]\nname = "01-first-steps"\n'
         "[points]\nstarts = 1\n"
     )
-    with pytest.raises(SpecificationError, match=r"a\.toml:7: there are points for starts"):
+    with pytest.raises(TomlFileError, match=r"a\.toml:7: there are points for starts"):
         plan_grading(file, tmp_path)

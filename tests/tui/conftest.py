@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from textual.pilot import Pilot
 
     from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.settings import Settings
     from logical_robots_tui.tui.app.main_screen import MainScreen
-    from logical_robots_tui.tui.app.settings import Settings
 
 _PICTURE = 0.05  # seconds in which what has changed is laid out and drawn
 

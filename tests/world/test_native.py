@@ -282,7 +282,7 @@ BAD_VALUES = [
     ("x = 15", "x = 2024-01-01", "robots[0].x", '"x" must be a number, not a date or time.'),
     ("x = 15", "x = nan", "robots[0].x", '"x" must be a finite number, not nan.'),
     ("x = 15", "x = -inf", "robots[0].x", '"x" must be a finite number, not -inf.'),
-    ("x = 15", "x = 1" + "0" * 400, "robots[0].x", '"x" is too large; at most 1000000 is allowed.'),
+    ("cell = 10", "cell = -1" + "0" * 400, "cell", "too large; at most 1000000 is allowed."),
     ("x = 15", "x = 40", "robots[0]", 'Robot "Ann" is outside the map.'),
     ("y = 15", "y = -1", "robots[0]", 'Robot "Ann" is outside the map.'),
     ("y = 15", "y = 15\nage = 3", "robots[0].age", '"age" is not a known key.'),

@@ -116,8 +116,10 @@ class Watching:
         self._source = source
         self._own, self._functions, self._rules = expanded.rules, functions, rules
         self._numbers = {id(rule): number for number, rule in enumerate(rules)}
-        for copy, (original, _) in self.copies.items():
-            for rule, first in zip(self._own[copy], self._own[original], strict=True):
+        # A copy may be of a predicate that is made itself, which comes first.
+        for copy, (original, _) in {**made, **expanded.origins}.items():
+            # A predicate with the rows of a recursive one has a single rule.
+            for rule, first in zip(self._own[copy], self._own[original], strict=False):
                 self._numbers[id(rule)] = self._numbers[id(first)]
         self._sources = Sources(source, expanded.rules)
         self._decisive = {

@@ -12,10 +12,11 @@ import numpy as np
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.exporting import done_runs
 from logical_robots_tui.lab.folder import Cell, Manifest, Player, digest
-from logical_robots_tui.lab.specification import Specification, Tournament
+from logical_robots_tui.lab.specification import Tournament
 from logical_robots_tui.lab.submissions import Submission, entries_of, stems_of
 from logical_robots_tui.lab.sweeping import level_with_text
 from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.toml_files import TomlFile
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,10 +40,10 @@ _MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
 def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
     """Return a tournament's first round, and the texts of level and programs by digest.
 
-    `players` holds one program or folder per player. Raises SpecificationError, or InputError
+    `players` holds one program or folder per player. Raises TomlFileError, or InputError
     for fewer than two players.
     """
-    spec = Specification(file)
+    spec = TomlFile(file)
     tournament = spec.read(Tournament)
     table, limits = tournament.tournament, tournament.limits
     level, text = _level(spec, table.level)
@@ -78,8 +79,8 @@ def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]
 _HINT = "Each has a program such as ada.l, or a folder with one that is named like the level."
 
 
-def _level(spec: Specification, name: str) -> tuple[Level, str]:
-    """Return level and text; raises SpecificationError if it is no level for a match."""
+def _level(spec: TomlFile, name: str) -> tuple[Level, str]:
+    """Return level and text; raises TomlFileError if it is no level for a match."""
     path = ("tournament", "level")
     try:
         level, text = level_with_text(name, spec.folder)

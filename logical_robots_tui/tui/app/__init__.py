@@ -1,1 +1,1 @@
-"""The app: the main screen, its session, settings, permissions, and work in the background."""
+"""The app: the main screen, its session, permissions, and work in the background."""

@@ -16,12 +16,13 @@ from textual.geometry import Region, Size
 from textual.theme import Theme
 
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
+from logical_robots_tui.player.settings import Settings, read_settings, settings_path
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
-from logical_robots_tui.tui.app.settings import Settings, read_settings, settings_path
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, KeyMap, with_keys
 from logical_robots_tui.tui.commands.table import COMMANDS
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.terminal.capabilities import drawing_for, may_use_mouse
 from logical_robots_tui.tui.terminal.crash_report import end_on_hangup
 from logical_robots_tui.tui.terminal.diff_app import DiffApp
@@ -114,6 +115,8 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
     def _follow(self, settings: Settings) -> None:
         self.main.scheduler.rate.frames = settings.frames
         view = self.main.labyrinth.view
+        if settings.drawing:
+            view.drawing = Drawing(settings.drawing)
         view.rays, view.trails = settings.cones, settings.trails
         view.drags_robots = settings.drag_robots
         self.main.program.editor.completes = settings.completion
@@ -182,7 +185,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:
-        self.main.labyrinth.view.drawing = self._settings.drawing or drawing_for(
+        self.main.labyrinth.view.drawing = drawing_for(
             os.environ, self.console.color_system, self.console.encoding, colourless=self.no_color
         )
 
@@ -229,7 +232,8 @@ def play(opening: Opening, recorder: ProgressRecorder) -> int:
 
     The terminal is also restored after a bug.
     """
-    settings, theme = read_settings(settings_path()), recorder.progress.fact(THEME) or ""
+    settings = read_settings(settings_path(), KeyMap(COMMANDS).read)
+    theme = recorder.progress.fact(THEME) or ""
     app = LogicalRobotsApp(opening, recorder=recorder, settings=settings, theme=theme)
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)

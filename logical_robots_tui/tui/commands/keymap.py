@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
+from types import MappingProxyType
 
 from textual.binding import Binding
 
+from logical_robots_tui.paths import did_you_mean
+from logical_robots_tui.player.settings import Complain, Keys, toml_line
 from logical_robots_tui.tui.commands.command import CHARACTERS, Command, Scope, key_name
 
 
 class KeyMap:
     """All commands, with their keys or those that a player gave them, by the command's id."""
 
-    def __init__(
-        self, commands: Iterable[Command], keys: Mapping[str, tuple[str, ...]] | None = None
-    ) -> None:
-        given = keys or {}
+    def __init__(self, commands: Iterable[Command], keys: Keys = MappingProxyType({})) -> None:
         found = {
-            entry.id: entry._replace(keys=given.get(entry.id, entry.keys)) for entry in commands
+            entry.id: entry._replace(keys=keys.get(entry.id, entry.keys)) for entry in commands
         }
         # Without a key of its own the palette is still in the bar, to be clicked.
         palette = found["palette"]
@@ -36,6 +36,45 @@ class KeyMap:
                     show=False,
                     id=entry.id,
                 )
+
+    @property
+    def changeable(self) -> dict[str, Command]:
+        """The commands whose keys a player can change, by id."""
+        return {name: entry for name, entry in self.by_id.items() if entry.scope != "text"}
+
+    def read(self, found: Mapping[str, object], complain: Complain) -> Keys:
+        """Return the keys in the table of a file; one may have one command of each scope."""
+        known = self.changeable
+        owners = {
+            (entry.scope, key): entry.id
+            for entry in known.values()
+            if entry.id not in found
+            for key in entry.keys
+        }
+        chosen: dict[str, tuple[str, ...]] = {}
+        for name, value in found.items():
+            if name not in known:
+                hint = did_you_mean(name, known) or "logical-robots config lists all."
+                complain(name, f'keys: there is no command "{name}". {hint}')
+                continue
+            keys = []
+            for text in value if isinstance(value, list) else [value]:
+                try:
+                    keys.append(_take(text, known[name], owners))
+                except ValueError as error:
+                    complain(name, f"keys.{name}: {error}")
+            if keys or value == []:
+                chosen[name] = tuple(keys)
+        for name in found.keys() & known.keys() - chosen.keys():
+            entry = known[name]
+            chosen[name] = tuple(key for key in entry.keys if (entry.scope, key) not in owners)
+        return chosen
+
+    def as_toml(self) -> Iterator[str]:
+        """Yield the lines of a file's table of keys."""
+        yield "[keys]"
+        for entry in self.changeable.values():
+            yield toml_line(entry.id, [key_name(key) for key in entry.keys], entry.title)
 
 
 KEY_MAP: ContextVar[KeyMap] = ContextVar("key_map")
@@ -78,6 +117,21 @@ _MOVING = (
 _KEYS = {char: key for key, char in CHARACTERS.items()}
 _CONTROLS = "abcdefghijklmnopqrstuvwxyz]\\_^@"
 _NAMES = {"esc": "escape", " ": "space", "tabulator": "tab", "return": "enter"}
+
+
+_ONLY_EDITING = ("enter", "tab", "shift+tab", "delete", "backspace")
+"""Keys that only commands of the level editor can have, by their printed names."""
+
+
+def _take(text: object, entry: Command, owners: dict[tuple[Scope, str], str]) -> str:
+    is_free = entry.scope == "level" and isinstance(text, str) and text in _ONLY_EDITING
+    key = str(text) if is_free else key_from(text)
+    other = owners.setdefault((entry.scope, key), entry.id)
+    if other != entry.id:
+        raise ValueError(
+            f"{key_name(key)} is the key of {other}. Give that another key, or none: {other} = []"
+        )
+    return key
 
 
 def key_from(text: object) -> str:

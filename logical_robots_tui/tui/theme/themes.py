@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.style import Style as RichStyle
 from textual.color import Color
 from textual.style import Style
-from textual.theme import BUILTIN_THEMES, Theme
+from textual.theme import Theme
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import (
     DARK,
@@ -231,9 +231,6 @@ NIGHT = Theme(
 )
 
 _TONE = 0.4  # the share of a theme's background in that of the labyrinth
-
-THEMES = (NIGHT.name, *BUILTIN_THEMES)
-"""The themes to choose from."""
 
 SYNTAX = {
     "comment": "italic $ink-comment",

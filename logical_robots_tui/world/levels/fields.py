@@ -4,91 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple, TypeVar
 
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.world.level import LevelError
-
-_MOST_BESIDES = 4_000_000  # characters outside long literal strings such as a drawing
-_MOST_LITERALS = 10_000
-_MOST_OF_TOML = {"=": 60_000, "[": 60_000, "{": 30_000, ",": 300_000, "\n": 300_000, '"': 300_000}
-_MOST_OF_JSON = {"{": 30_000, "[": 60_000, ",": 300_000, '"': 600_000}
-
-_OPENING = re.compile(r"'''|\"\"\"|[\"'#]")
-_BASIC_END = re.compile(r'[^"\\\n]*+(?:\\.[^"\\\n]*+)*+')
-_LONG_BASIC_END = re.compile(r'[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*+', re.DOTALL)
-
-_KEYS = re.compile(r"""(?<![\w"'-])(?:(?:[\w-]++|""|'')[ \t]*+\.[ \t]*+){10}""")
-_NUMBER = re.compile(r"(?<![\w-])[\d_]{10000}")
-_NUMBER_OF_JSON = re.compile(r"[:\[,]\s*+-?\d{10000}")
-
-
-def excess_of_toml(text: str) -> str:
-    """Return what a TOML text has too much of, as an object of "The file has", or ""."""
-    pieces: list[str] = []
-    size = 0
-    for piece in _besides_literals(text):
-        size += len(piece)
-        pieces.append(piece if piece[0] not in "\"'#" else "''")
-        if size > _MOST_BESIDES:
-            return f"more than {_MOST_BESIDES:,} characters besides its drawing"
-        if len(pieces) > 2 * _MOST_OF_TOML['"']:
-            return "too many strings"
-    bare = "".join(pieces)
-    if found := _too_many(bare, _MOST_OF_TOML):
-        return found
-    if _KEYS.search(bare):
-        return "a key of more than 10 parts"
-    return "a number of more than 10,000 digits" if _NUMBER.search(bare) else ""
-
-
-def excess_of_json(text: str) -> str:
-    if found := _too_many(text, _MOST_OF_JSON):
-        return found
-    return "a number of more than 10,000 digits" if _NUMBER_OF_JSON.search(text) else ""
-
-
-def _too_many(text: str, most: dict[str, int]) -> str:
-    for character, number in most.items():
-        if text.count(character) > number:
-            shown = "lines" if character == "\n" else f"of the character {character}"
-            return f"more than {number:,} {shown}"
-    return ""
-
-
-def _besides_literals(text: str) -> Iterator[str]:
-    at = literals = 0
-    while opening := _OPENING.search(text, at):
-        if opening.start() > at:
-            yield text[at : opening.start()]
-        begin = opening.end()
-        if opening[0] == "'''":
-            end = text.find("'''", begin)
-            literals += 1
-            at = len(text) if end < 0 or literals > _MOST_LITERALS else end + 3
-            if literals > _MOST_LITERALS:
-                yield " " * (_MOST_BESIDES + 1)
-            continue
-        end = _end_of(text, opening[0], begin)
-        yield text[opening.start() : end]
-        at = end
-    if at < len(text):
-        yield text[at:]
-
-
-def _end_of(text: str, opening: str, begin: int) -> int:
-    """Return where a string or a comment ends, including its closing quotes."""
-    if opening in "#'":
-        newline = text.find("\n", begin)
-        newline = len(text) if newline < 0 else newline
-        quote = text.find("'", begin, newline) if opening == "'" else -1
-        return quote + 1 if quote >= 0 else newline
-    pattern = _BASIC_END if opening == '"' else _LONG_BASIC_END
-    found = pattern.match(text, begin)
-    end = found.end() if found else begin
-    return min(end + len(opening), len(text)) if text.startswith(opening, end) else max(end, begin)
-
 
 MOST_SIDE = 4000
 """Largest width and height in map units."""
@@ -147,10 +67,10 @@ class Fields(NamedTuple):
             raise self._wrong(key, "a number")
         if isinstance(value, float) and not math.isfinite(value):
             raise self.error(key, f'"{key}" must be a finite number, not {value}.')
-        if value < least:
-            raise self.error(key, f'"{key}" must be {least:g} or more, not {value:.12g}.')
         if abs(value) > MOST_OF_A_NUMBER:
             raise self.error(key, f'"{key}" is too large; at most {MOST_OF_A_NUMBER} is allowed.')
+        if value < least:
+            raise self.error(key, f'"{key}" must be {least:g} or more, not {value:.12g}.')
         return float(value)
 
     def whole(self, key: str, *, least: int) -> int:
@@ -166,11 +86,7 @@ class Fields(NamedTuple):
         return default if value is None else value
 
     def text(self, key: str, default: str | None = None) -> str:
-        if not self.has(key) and default is not None:
-            return default
-        value = self._required(key)
-        if not isinstance(value, str):
-            raise self._wrong(key, "text")
+        value = self._text(key, default)
         if len(value) > LONGEST_TEXT:
             raise self.error(key, f'"{key}" is longer than {LONGEST_TEXT} characters.')
         if not all(line.isprintable() for line in re.split(r"[\n\t]", value)):
@@ -179,12 +95,8 @@ class Fields(NamedTuple):
 
     def name(self, key: str, default: str | None = None) -> str:
         """Return a name: one short line that can be shown; required if there is no default."""
-        if not self.has(key) and default is not None:
-            return default
-        value = self._required(key)
-        if not isinstance(value, str):
-            raise self._wrong(key, "text")
-        return self._checked_name(key, value)
+        value = self._text(key, default)
+        return self._checked_name(key, value) if self.has(key) else value
 
     def names(self, key: str) -> tuple[str, ...]:
         return tuple(self._checked_name(item, text) for item, text in self._texts(key))
@@ -205,11 +117,7 @@ class Fields(NamedTuple):
 
     def color(self, key: str, default: str) -> str:
         """Return a colour, ``#rgb``, ``#rrggbb`` or a word; the default if missing."""
-        if not self.has(key):
-            return default
-        value = self.record[key]
-        if not isinstance(value, str):
-            raise self._wrong(key, "text")
+        value = self._text(key, default)
         if not _COLOR.fullmatch(value):
             hint = 'Write it like "#3fb950", "#3b5" or "green".'
             raise self.error(key, f'"{key}" is not a colour.', hint)
@@ -243,6 +151,14 @@ class Fields(NamedTuple):
             raise self.error(
                 key, f"The map is {width} x {height} units; at most {limit} is allowed."
             )
+
+    def _text(self, key: str, default: str | None) -> str:
+        if not self.has(key) and default is not None:
+            return default
+        value = self._required(key)
+        if not isinstance(value, str):
+            raise self._wrong(key, "text")
+        return value
 
     def _required(self, key: str) -> object:
         if not self.has(key):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from logical_robots_tui.paths import (
     shipped_folder,
     shipped_names,
 )
+from logical_robots_tui.toml_files import too_many
 from logical_robots_tui.world.level import (
     AREA_COLOR,
     ROBOT_COLOR,
@@ -31,7 +33,6 @@ from logical_robots_tui.world.levels.fields import (
     MOST_BYTES,
     Fields,
     check_robot_names,
-    excess_of_json,
 )
 from logical_robots_tui.world.levels.native import read_native
 
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 
 
 _WALL = ord("1")
+_MOST_OF_JSON = {"{": 30_000, "[": 60_000, ",": 300_000, '"': 600_000}
+_LONG_NUMBER = re.compile(r"[:\[,]\s*+-?\d{10000}")
 
 
 def read_web(text: str, name: str, source: str) -> Level:
@@ -69,23 +72,26 @@ def read_web(text: str, name: str, source: str) -> Level:
 
 
 def _parse(text: str, source: str) -> dict[str, object]:
-    hint = "A level of the web platform is a JSON file."
-    if found := excess_of_json(text):
+    hint, place = "A level of the web platform is a JSON file.", source
+    if found := too_many(text, _MOST_OF_JSON):
         raise LevelError(f"The file has {found}.", place=source, hint=hint)
+    if _LONG_NUMBER.search(text):
+        message = "The file has a number of more than 10,000 digits."
+        raise LevelError(message, place=source, hint=hint)
     try:
         value = json.loads(text)
     except json.JSONDecodeError as error:
         place = f"{source}, line {error.lineno}, column {error.colno}"
-        raise LevelError(f"This is not valid JSON: {error.msg}.", place=place, hint=hint) from None
+        message = f"This is not valid JSON: {error.msg}."
     except RecursionError:
         message = "This is not valid JSON: it is nested too deeply."
-        raise LevelError(message, place=source, hint=hint) from None
     except ValueError:  # a number with thousands of digits
         message = "This is not valid JSON: a number in it is too long."
-        raise LevelError(message, place=source, hint=hint) from None
-    if not isinstance(value, dict):
-        raise LevelError("The file must hold one JSON object.", place=source, hint=hint)
-    return value
+    else:
+        if isinstance(value, dict):
+            return value
+        message = "The file must hold one JSON object."
+    raise LevelError(message, place=place, hint=hint)
 
 
 def _title(name: str) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TypedDict, get_args
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import did_you_mean
+from logical_robots_tui.toml_files import parse_toml
 from logical_robots_tui.world.level import (
     AREA_COLOR,
     ROBOT_COLOR,
@@ -24,45 +25,19 @@ from logical_robots_tui.world.level import (
     Visibility,
 )
 from logical_robots_tui.world.levels.drawing import read_drawing
-from logical_robots_tui.world.levels.fields import Fields, check_robot_names, excess_of_toml
+from logical_robots_tui.world.levels.fields import Fields, check_robot_names
 
 _TOP_KEYS = (
-    "title",
-    "lenient",
-    "cell",
-    "walls",
-    "idea",
-    "briefing",
-    "hints",
-    "lesson",
-    "further",
-    "starter",
-    "solution",
-    "visibility",
-    "shared_names",
-    "second_goals",
-    "teams",
-    "match",
-    "scores",
-    "divided_charge",
-    "robots",
-    "beacons",
-    "areas",
+    *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
+    *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
+    *("scores", "divided_charge", "robots", "beacons", "areas"),
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
 _BEACON_KEYS = ("name", "x", "y", "charging_station")
 _AREA_KEYS = (
-    "name",
-    "x",
-    "y",
-    "radius",
-    "color",
-    "goal_for",
-    "on_beacon",
-    "off_beacon",
-    "sticky",
-    "solid",
+    *("name", "x", "y", "radius", "color", "goal_for"),
+    *("on_beacon", "off_beacon", "sticky", "solid"),
 )
 
 
@@ -213,23 +188,12 @@ MOST_SCORED = 60
 
 
 def _parse(text: str, source: str) -> dict[str, object]:
-    hint = "A level of this game is a TOML file."
-    if found := excess_of_toml(text):
-        raise LevelError(f"The file has {found}.", place=source, hint=hint)
     try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        message, at, where = str(error).rpartition(" (at ")
-        place = f"{source}, {where.removesuffix(')')}" if at else source
-        message = message if at else where
-        message = f"This is not valid TOML: {message}."
-        raise LevelError(message, place=place, hint=hint) from None
-    except RecursionError:
-        message = "This is not valid TOML: it is nested too deeply."
-        raise LevelError(message, place=source, hint=hint) from None
-    except ValueError:  # a number with thousands of digits, or a date that doesn't exist
-        message = "This is not valid TOML: a number or date in it is out of range."
-        raise LevelError(message, place=source, hint=hint) from None
+        return parse_toml(text)
+    except InputError as error:
+        place = f"{source}, {error.place}" if error.place else source
+        hint = "A level of this game is a TOML file."
+        raise LevelError(f"{error.message}.", place=place, hint=hint) from None
 
 
 def read_robot(fields: Fields) -> Robot:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual import events
 
-from logical_robots_tui.tui.app.settings import Settings
+from logical_robots_tui.player.settings import Settings
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
 from tests.tui.level_editor.conftest import ROOM

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.app.settings import Settings
+from logical_robots_tui.player.settings import Settings
 from logical_robots_tui.tui.program.completion import (
     Place,
     call_before,

@@ -1,0 +1,100 @@
+"""The player's settings: one row for each, read from a TOML file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_origin, get_type_hints
+
+from platformdirs import user_config_path
+
+from logical_robots_tui.toml_files import Bounds, Kind, TomlFile, TomlFileError
+
+Keys: TypeAlias = Mapping[str, tuple[str, ...]]  # by the names of commands
+Complain: TypeAlias = Callable[[str, str], None]  # takes a name in [keys], and what is wrong
+
+Theme: TypeAlias = Literal[
+    "night", "textual-dark", "textual-light", "nord", "gruvbox", "catppuccin-mocha", "dracula",
+    "tokyo-night", "monokai", "flexoki", "catppuccin-latte", "catppuccin-frappe",
+    "catppuccin-macchiato", "solarized-light", "solarized-dark", "rose-pine", "rose-pine-moon",
+    "rose-pine-dawn", "atom-one-dark", "atom-one-light", "ansi-dark", "ansi-light",
+]  # fmt: skip
+DrawingStyle: TypeAlias = Literal["quadrants", "halves", "sextants", "ascii"]
+
+
+class Settings(NamedTuple):
+    """What a player can set: type and sentence, then the default; None lets the game choose.
+
+    `keys` are the keys that are not as usual. `complaints` are errors in the file, with places.
+    """
+
+    theme: Annotated[Theme | None, "Colours; by default those last chosen in the game."] = None
+    drawing: Annotated[
+        DrawingStyle | None, "How the labyrinth is drawn; by default as suits the terminal."
+    ] = None
+    frames: Annotated[int, Bounds(1, 60), "The most pictures drawn in a second."] = 30
+    cones: Annotated[bool, "Show what the robots' radars reach."] = True
+    trails: Annotated[bool, "Show where the robots came from."] = True
+    completion: Annotated[bool, "List words after a dot or a capital letter, unasked."] = True
+    wrap: Annotated[bool, "Wrap long lines of the program instead of cutting them."] = True
+    drag_robots: Annotated[bool, "Let the mouse drag robots; else it drags the map."] = True
+    keys: Keys = MappingProxyType({})
+    complaints: tuple[str, ...] = ()
+
+
+class Setting(NamedTuple):
+    """A row of the settings; `hint` is the type of its values, with bounds."""
+
+    name: str
+    hint: Any
+    default: Any
+    sentence: str
+
+    @property
+    def kind(self) -> Kind:
+        return Kind.all_of(self.hint)[0]
+
+
+def rows() -> list[Setting]:
+    return [
+        Setting(name, hint, Settings._field_defaults[name], hint.__metadata__[-1])
+        for name, hint in get_type_hints(Settings, include_extras=True).items()
+        if get_origin(hint) is Annotated
+    ]
+
+
+def settings_path() -> Path:
+    return user_config_path("logical-robots", appauthor=False) / "config.toml"
+
+
+def read_settings(path: Path, read_keys: Callable[[Mapping[str, Any], Complain], Keys]) -> Settings:
+    """Return a file's settings, or defaults if it is missing; errors become complaints.
+
+    `read_keys` is given the table [keys].
+    """
+    try:
+        file = TomlFile(path)
+    except TomlFileError as error:
+        if isinstance(error.__cause__, FileNotFoundError):
+            return Settings()
+        return Settings(complaints=(f"{error}. The file is ignored.",))
+    hints = {row.name: row.hint for row in rows()} | {"keys": dict[str, Any]}
+    found = file.table(hints, file.data)
+    keys = read_keys(found.get("keys", {}), lambda name, said: file.problem(("keys", name), said))
+    return Settings(**found | {"keys": keys, "complaints": file.problems})
+
+
+def as_toml(settings: Settings) -> Iterator[str]:
+    """Yield the lines of a file that sets the same, but for the keys."""
+    for row in rows():
+        value = getattr(settings, row.name)
+        if value is None:
+            yield toml_line(f"# {row.name}", row.kind.choices[0], row.sentence)
+        else:
+            yield toml_line(row.name, value, row.sentence)
+
+
+def toml_line(name: str, value: object, about: str) -> str:
+    return f"{f'{name} = {json.dumps(value, ensure_ascii=False)}':<40}  # {about}"

@@ -1,0 +1,284 @@
+"""TOML files that people write: read within bounds, and checked as a whole, with lines."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Mapping
+from datetime import datetime
+from inspect import Parameter, signature
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    NamedTuple,
+    TypeAlias,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from logical_robots_tui.errors import InputError, LogicalRobotsError
+from logical_robots_tui.paths import did_you_mean, read_text
+from logical_robots_tui.wording import clip
+
+Path_: TypeAlias = tuple[str | int, ...]
+"""Where a value is: keys, and indices of lists."""
+
+T = TypeVar("T")
+
+_MOST_BYTES = 1_000_000
+_MOST_SHOWN = 60  # characters of a wrong value
+_MOST = sys.float_info.max
+
+
+class TomlFileError(LogicalRobotsError):
+    """All problems of a file, in the order of the text, each with file and line."""
+
+    title = "This file can't be used"
+
+    def __init__(self, problems: tuple[str, ...]) -> None:
+        self.problems = problems
+        super().__init__("\n".join(problems))
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Parse a text; the `place` of the InputError is like ``line 2, column 8``, or ""."""
+    if found := _excess(text):
+        raise InputError(f"The file has {found}")
+    place = ""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message, at, where = str(error).rpartition(" (at ")
+        message, place = (message, where.removesuffix(")")) if at else (where, "")
+    except RecursionError:
+        message = "it is nested too deeply"
+    except ValueError:  # a number with thousands of digits, or a date that doesn't exist
+        message = "a number or date in it is out of range"
+    raise InputError(f"This is not valid TOML: {message}", place=place)
+
+
+class Bounds(NamedTuple):
+    """Of a number, or of the length of a text or a list; in the annotation of its type."""
+
+    least: float = -_MOST
+    most: float = _MOST
+
+
+class Kind(NamedTuple):
+    """A type that a value may have; `inner` is that of its items, or the class of a table."""
+
+    base: type
+    inner: Any = None
+    choices: tuple[str, ...] = ()
+    bounds: Bounds = Bounds()
+
+    @classmethod
+    def all_of(cls, hint: Any) -> list[Kind]:
+        """Return what a type hint allows, except None, which TOML does not have."""
+        origin, inner = get_origin(hint), get_args(hint)
+        if origin in (Union, UnionType):
+            return [kind for each in inner if each is not NoneType for kind in cls.all_of(each)]
+        if origin is Annotated:
+            bounds = next((each for each in inner if isinstance(each, Bounds)), Bounds())
+            return [kind._replace(bounds=bounds) for kind in cls.all_of(inner[0])]
+        if origin is Literal:
+            return [cls(str, choices=inner)]
+        return [cls(hint) if hint in _WORDS else cls(origin or dict, inner[-1] if inner else hint)]
+
+    def allows(self, value: Any) -> bool:
+        found: type = type(value)
+        if found is not self.base and (found, self.base) != (int, float):
+            return False
+        if self.base is datetime:
+            return value.tzinfo is not None
+        size = len(value) if self.base in (str, list, dict) else value
+        return self.bounds.least <= size <= self.bounds.most and value in (self.choices or [value])
+
+    def __str__(self) -> str:
+        """Return the type in words, as an object of "must be"."""
+        if self.choices:
+            return " or ".join(f'"{choice}"' for choice in self.choices)
+        least, most = self.bounds
+        span = f"of {least:,} or more" if most == _MOST else f"from {least:,} to {most:,}"
+        is_bound = self.bounds != Bounds()
+        return _WORDS[self.base] + (f" {span}{_UNITS.get(self.base, '')}" if is_bound else "")
+
+
+_WORDS: dict[Any, str] = {
+    bool: "true or false",
+    int: "an integer",
+    float: "a number",
+    str: "text",
+    datetime: "a date and time with a zone, such as 2026-01-31T23:59:00Z",
+    list: "a list",
+    dict: "a table",
+}
+_UNITS: dict[Any, str] = {str: " characters", list: " items"}
+
+
+class TomlFile:
+    """A file and its problems; raises TomlFileError if it can't be read or is not TOML."""
+
+    def __init__(self, file: Path) -> None:
+        self.file, self.folder = file, file.parent
+        self._problems: set[tuple[int, str]] = set()
+        try:
+            self.text = read_text(file, _MOST_BYTES)
+            self.data = parse_toml(self.text)
+        except OSError as error:
+            said = f"{file}: This can't be read: {error.strerror or error}"
+            raise TomlFileError((said,)) from error
+        except InputError as error:
+            number = re.search(r"\d+", error.place)
+            line = (
+                f":{number[0] if number else self.text.count(chr(10)) + 1}" if error.place else ""
+            )
+            raise TomlFileError((f"{file}{line}: {error.message}",)) from error
+        self._lines = dict(_lines(self.text))
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        return tuple(f"{self.file}:{line}: {said}" for line, said in sorted(self._problems))
+
+    def problem(self, path: Path_, message: str) -> None:
+        while path and path not in self._lines:
+            path = path[:-1]
+        said = message if message[-1] in ".?" else f"{message}."
+        self._problems.add((self._lines.get(path, 1), said))
+
+    def refuse(self) -> None:
+        """Raise TomlFileError if something is wrong."""
+        if self._problems:
+            raise TomlFileError(self.problems)
+
+    def read(self, kind: type[T]) -> T:
+        """Return the whole file as a record, or raise TomlFileError."""
+        found = self.value(kind, self.data, ())
+        self.refuse()
+        assert isinstance(found, kind)
+        return found
+
+    def table(
+        self, hints: Mapping[str, Any], data: Mapping[str, Any], path: Path_ = ()
+    ) -> dict[str, Any]:
+        """Return the values of the known keys, by type hints, without those that are wrong."""
+        for key in data.keys() - hints.keys():
+            hint = did_you_mean(key, hints) or f"Known keys: {', '.join(hints)}."
+            self.problem((*path, key), f'"{clip(key, _MOST_SHOWN)}" is not a known key. {hint}')
+        known = hints.keys() & data.keys()
+        found = {name: self.value(hints[name], data[name], (*path, name)) for name in known}
+        return {name: value for name, value in found.items() if value is not None}
+
+    def value(self, hint: Any, value: Any, path: Path_) -> Any:
+        """Convert a value to a type, or return None; report problems in all its parts."""
+        kinds = Kind.all_of(hint)
+        kind = next((kind for kind in kinds if kind.allows(value)), None)
+        if kind is None:
+            choices = [choice for each in kinds for choice in each.choices]
+            close = did_you_mean(value, choices) if isinstance(value, str) else ""
+            wanted = "can't be" if close else f"must be {' or '.join(map(str, kinds))}, not"
+            self.problem(path, f'"{_name(path)}" {wanted} {_shown(value)}. {close}'.strip())
+            return None
+        if kind.base not in (list, dict) or kind.inner is Any:
+            return float(value) if kind.base is float else value
+        if kind.base is list:
+            return [self.value(kind.inner, item, (*path, i)) for i, item in enumerate(value)]
+        if not isinstance(kind.inner, type):
+            return {key: self.value(kind.inner, item, (*path, key)) for key, item in value.items()}
+        return self._record(kind.inner, value, path)
+
+    def _record(self, kind: type, data: Mapping[str, Any], path: Path_) -> Any:
+        found = self.table(get_type_hints(kind, include_extras=True), data, path)
+        parameters = signature(kind).parameters.values()
+        needed = {each.name for each in parameters if each.default is Parameter.empty}
+        for name in needed - data.keys():
+            self.problem(path, f'"{_name((*path, name))}" is missing')
+        return kind(**found) if needed <= found.keys() else None
+
+
+def _name(path: Path_) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)[1:]
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, list | dict):
+        return _WORDS[type(value)]
+    if isinstance(value, int) and abs(value) > _MOST:
+        return "so large a number"
+    return clip(json.dumps(value, ensure_ascii=False, default=str), _MOST_SHOWN)
+
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(r"""\s*([\w-]+|"[^"]*"|'[^']*')\s*(?:=|\.)""")
+
+
+def _lines(text: str) -> list[tuple[Path_, int]]:
+    """Return the line of each table and key, the last first: of several, the first counts."""
+    found: list[tuple[Path_, int]] = []
+    table: Path_ = ()
+    counts: dict[str, int] = {}
+    for number, line in enumerate(text.split("\n"), 1):
+        if header := _HEADER.match(line):
+            name = header[2]
+            table = tuple(part.strip(" \"'") for part in name.split("."))
+            if header[1] == "[[":
+                table = (*table, counts.get(name, 0))
+                counts[name] = counts.get(name, 0) + 1
+            found.append((table, number))
+        elif key := _KEY.match(line):
+            found.append(((*table, key[1].strip("\"'")), number))
+    return found[::-1]
+
+
+_MOST_BESIDES = 4_000_000  # characters outside long literal strings such as a drawing
+_MOST_STRINGS = 600_000  # and comments
+_MOST_OF_TOML = {"=": 60_000, "[": 60_000, "{": 30_000, ",": 300_000, "\n": 300_000, '"': 300_000}
+
+_STRING = re.compile(
+    r"'{3}(?:[^']++|'(?!''))*+(?:'{3})?"
+    r'|"{3}(?:[^"\\]++|\\.|"(?!""))*+(?:"{3})?'
+    r"|'[^'\n]*+'?"
+    r'|"(?:[^"\\\n]++|\\[^\n])*+"?'
+    r"|#[^\n]*+",
+    re.DOTALL,
+)
+_KEYS = re.compile(r"""(?<![\w"'-])(?:(?:[\w-]++|""|'')[ \t]*+\.[ \t]*+){10}""")
+_NUMBER = re.compile(r"(?<![\w-])[\d_]{10000}")
+
+
+def _excess(text: str) -> str:
+    """Return what a text has too much of, as an object of "The file has", or ""."""
+    drawn = 0
+
+    def empty(found: re.Match[str]) -> str:
+        nonlocal drawn
+        if text.startswith("'''", found.start()):
+            drawn += found.end() - found.start()
+        return "''"
+
+    bare, strings = _STRING.subn(empty, text, _MOST_STRINGS)
+    if len(text) - drawn > _MOST_BESIDES:
+        return f"more than {_MOST_BESIDES:,} characters besides its drawing"
+    if strings == _MOST_STRINGS:
+        return "too many strings"
+    if found := too_many(bare, _MOST_OF_TOML):
+        return found
+    if _KEYS.search(bare):
+        return "a key of more than 10 parts"
+    return "a number of more than 10,000 digits" if _NUMBER.search(bare) else ""
+
+
+def too_many(text: str, most: dict[str, int]) -> str:
+    for character, number in most.items():
+        if text.count(character) > number:
+            shown = "lines" if character == "\n" else f"of the character {character}"
+            return f"more than {number:,} {shown}"
+    return ""
