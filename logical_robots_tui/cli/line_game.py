@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.cli.command import columns, say
 from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.line_ui import LineUi, Text
+from logical_robots_tui.cli.line_ui import LineUi, Text, with_words
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program, mistake_in_question
 from logical_robots_tui.game.frame import events_between
@@ -62,7 +62,7 @@ class LineGame(SessionListener):
         self._commands = {each.word: each for each in commands}
         self._ui, self._text = LineUi(), Text()
         self._has_own_text = opening.text is not None
-        self.player = Player(opening, recorder, self._ui, self._text, lambda: None)
+        self.player = Player(opening, recorder, self._ui, self._text, lambda: None, with_words)
         self.session, self._recorder = self.player.session, recorder
         self._text.load(self.player.first_text)
         self._past = self.session.frame

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import sys
 from collections.abc import Awaitable, Callable, Sequence
 from typing import TypeVar
@@ -13,6 +14,11 @@ from logical_robots_tui.player.recovery import Offers
 from logical_robots_tui.player.session_state import Ui
 
 Found = TypeVar("Found")
+
+
+def with_words(text: str) -> str:
+    """Say of commands in braces that they are typed."""
+    return re.sub(r"\{(\w+)\}", r"type \1", text)
 
 
 class LineUi(Background, Ui, Offers):

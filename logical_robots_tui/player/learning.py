@@ -41,9 +41,11 @@ class Learning:
         recorder: ProgressRecorder,
         program: ProgramText,
         open_program: Callable[[Source, str], None],
+        with_keys: Callable[[str], str],
     ) -> None:
         self._session, self._ui, self._recorder = session, ui, recorder
         self._program, self._open_program = program, open_program
+        self._with_keys = with_keys
 
     @property
     def _has_won(self) -> bool:
@@ -83,8 +85,9 @@ class Learning:
             self._ui.tell("You can read the reference programs when you have won this level.")
             return ""
         answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]
-        question = (
-            "Do you want to see winning programs before you have won? A hint may be all you need."
+        question = self._with_keys(
+            "Do you want to see winning programs before you have won? "
+            "A hint ({hint}) may be all you need."
         )
         asked = self._ui.choose
         if not self._has_won and await asked("Reference programs", question, answers) != "yes":
@@ -127,7 +130,9 @@ class Learning:
             self._ui.tell("This is the starter program.")
             return
         answers = [("yes", "Yes, start over"), ("no", "No, keep mine")]
-        question = "Put the starter program back? Yours is kept among the earlier versions."
+        question = self._with_keys(
+            "Put the starter program back? Yours is kept among the earlier versions ({versions})."
+        )
         if await self._ui.choose("Reset to the starter", question, answers) == "yes":
             self._recorder.keep(self._program.text, starter.text)
             self._open_program(starter, starter.text)

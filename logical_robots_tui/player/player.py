@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 class Player:
     """The session, and who keeps what the player does in it.
 
+    `with_keys` says in a text how the commands in braces are given.
+
     Attributes:
         first_text: What `program` begins with.
     """
@@ -33,6 +35,7 @@ class Player:
         ui: Ui,
         program: ProgramText,
         changed: Callable[[], None],
+        with_keys: Callable[[str], str],
     ) -> None:
         self._opening, self._ui, self.recorder = opening, ui, recorder
         session = self.session = Session(
@@ -50,7 +53,7 @@ class Player:
         library = self.library = Library(
             session, ui, recorder, drafts, autosave, program, opening.data_dir
         )
-        self.learning = Learning(session, ui, recorder, program, library.open_program)
+        self.learning = Learning(session, ui, recorder, program, library.open_program, with_keys)
         self.bookmark = Bookmark(
             session, drafts, ui, library.open_level, library.open_program, library.look_at
         )

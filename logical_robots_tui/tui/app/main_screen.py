@@ -20,7 +20,7 @@ from logical_robots_tui.player.session_state import Opening, SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
-from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, command, with_keys
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
@@ -77,7 +77,9 @@ class MainScreen(Screen[None], SessionListener):
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.scheduler = FrameScheduler(self, self._draw, clock)
         self.program = ProgramPane()
-        self.player = Player(opening, recorder, self.ui, self.program, self.scheduler.soon)
+        self.player = Player(
+            opening, recorder, self.ui, self.program, self.scheduler.soon, with_keys
+        )
         self.session, self.library = self.player.session, self.player.library
         self.scheduler.pace = self.session.pace
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
