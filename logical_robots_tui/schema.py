@@ -80,6 +80,9 @@ class ListOf:
 
 FieldType: TypeAlias = Type | Record | ListOf
 
+MAIN = "Robot"
+"""The predicate that decides what robots do."""
+
 INPUTS = {"Sensor": ("robot_name", "sensor"), "Memory": ("robot_name", "memory")}
 """The game's own predicates, with their columns."""
 

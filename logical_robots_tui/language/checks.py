@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, NamedTuple, TypeGuard
 from logical_robots_tui.language.adapter import Parsed
 from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
-    MAIN,
     built_in_names,
     calls,
     definitions,
@@ -53,7 +52,7 @@ from logical_robots_tui.language.tree import (
     walk,
 )
 from logical_robots_tui.language.types import RecordOf
-from logical_robots_tui.schema import DESIRE, INPUTS, VALUE
+from logical_robots_tui.schema import DESIRE, INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
     from logical_robots_tui.language.signatures import Runs

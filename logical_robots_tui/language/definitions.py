@@ -62,9 +62,6 @@ A program can define its own instead, so none of them may use another.
 Aggregates take ``argument -> value`` pairs, which the compiler sees as ``{arg:, value:}``.
 """
 
-MAIN = "Robot"
-"""The predicate that decides what robots do."""
-
 _AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it makes itself
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.language.definitions import (
-    MAIN,
     arity,
     calls,
     definitions,
@@ -30,7 +29,7 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.schema import INPUTS, VALUE
+from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

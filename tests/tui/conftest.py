@@ -218,7 +218,7 @@ class Opened:
             )
         )
         if not inspector_pane._LOADING_DELAY:
-            await self.until(lambda: self.inspector.pages.ask.line.is_mounted)
+            await self.until(lambda: self.inspector.query("PredicatePage"))
 
     async def write(self, text: str) -> None:
         """Put a text into the editor as a paste and apply it."""

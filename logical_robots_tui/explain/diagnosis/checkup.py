@@ -12,7 +12,6 @@ from logical_robots_tui.explain.diagnosis.sources import Sources, decisive_colum
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import (
-    MAIN,
     definitions,
     is_constant,
     names_used,
@@ -47,7 +46,7 @@ from logical_robots_tui.language.tree import (
 )
 from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
 from logical_robots_tui.mind.program import Program
-from logical_robots_tui.schema import INPUTS
+from logical_robots_tui.schema import INPUTS, MAIN
 
 _MOST_PROBES = 400
 

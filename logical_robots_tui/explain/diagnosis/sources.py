@@ -8,7 +8,7 @@ from itertools import zip_longest
 
 from logical_robots_tui.explain.clauses.bodies import parameters, span_of
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import MAIN, names_used
+from logical_robots_tui.language.definitions import names_used
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     CONDITIONS,
@@ -30,7 +30,7 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.schema import VALUE
+from logical_robots_tui.schema import MAIN, VALUE
 
 _MOST = 6  # places
 _DEEPEST = 4

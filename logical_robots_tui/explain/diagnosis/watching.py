@@ -15,7 +15,7 @@ from logical_robots_tui.explain.clauses.bodies import (
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
 from logical_robots_tui.explain.diagnosis.sources import Sources, alternate, decisive_columns
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import MAIN, reach
+from logical_robots_tui.language.definitions import reach
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     Expression,
@@ -24,7 +24,7 @@ from logical_robots_tui.language.tree import (
     Tree,
     variable_of,
 )
-from logical_robots_tui.schema import INPUTS
+from logical_robots_tui.schema import INPUTS, MAIN
 
 if TYPE_CHECKING:
     from logical_robots_tui.language.functors import Expanded

@@ -14,11 +14,11 @@ from typing import Any, TypeAlias
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, value_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation
 from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
-from logical_robots_tui.language.definitions import MAIN
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
+from logical_robots_tui.schema import MAIN
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import count_of
 

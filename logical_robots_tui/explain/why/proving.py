@@ -19,10 +19,10 @@ from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, P
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.explain.why.spelling import spell_call
-from logical_robots_tui.language.definitions import MAIN
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same
+from logical_robots_tui.schema import MAIN
 
 
 def explain(derivations: Derivations, asked: Ask, *, is_first: bool = True) -> Explanation:

@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import operator_name
-from logical_robots_tui.language.definitions import MAIN, definitions, functor_names, rules_of
+from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.inference.functions import (
     ALIKE,
@@ -55,7 +55,7 @@ from logical_robots_tui.language.types import (
     is_text,
     meet,
 )
-from logical_robots_tui.schema import OBJECTS, VALUE
+from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 
 _ROUNDS = 6  # how far a kind is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly

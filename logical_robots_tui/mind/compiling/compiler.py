@@ -20,7 +20,6 @@ from logical_robots_tui.language.adapter import Raw, parse, to_package
 from logical_robots_tui.language.annotations import IGNORED
 from logical_robots_tui.language.checks import check
 from logical_robots_tui.language.definitions import (
-    MAIN,
     column_labels,
     definitions,
     lacking,
@@ -55,7 +54,7 @@ from logical_robots_tui.mind.compiling.fixpoint import (
 from logical_robots_tui.mind.program import Predicate, Program
 from logical_robots_tui.mind.tuning import MOST_TUNED
 from logical_robots_tui.mind.typed import as_on_duckdb
-from logical_robots_tui.schema import INPUTS
+from logical_robots_tui.schema import INPUTS, MAIN
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report

@@ -25,7 +25,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from sqlglot import exp
 
-from logical_robots_tui.language.definitions import MAIN, with_constants
+from logical_robots_tui.language.definitions import with_constants
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
@@ -35,6 +35,7 @@ from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
 from logical_robots_tui.processes.helper import begin, collect_seldom, limit
+from logical_robots_tui.schema import MAIN
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report

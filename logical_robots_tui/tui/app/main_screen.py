@@ -23,7 +23,6 @@ from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
 from logical_robots_tui.tui.commands.keymap import KEY_MAP, command, with_keys
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
-from logical_robots_tui.tui.inspector.predicate_list import ROBOTS
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
@@ -85,7 +84,7 @@ class MainScreen(Screen[None], SessionListener):
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
         self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
-        self.inspector = InspectorPane(self.session)
+        self.inspector = InspectorPane(self.session, lambda: self.point_at(self.inspector))
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._edit_panel: EditPanel | None = None
         self._make_controllers()
@@ -307,8 +306,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(LabyrinthView.RobotPicked)
     def _robot_picked(self, event: LabyrinthView.RobotPicked) -> None:
         self.select(event.name)
-        if not self.inspector.shows_robot:
-            self.inspector.inspect(ROBOTS)
+        self.inspector.show_robot()
 
     @on(RobotPut)
     def _robot_put(self, event: RobotPut) -> None:

@@ -250,26 +250,29 @@ view.add("drawing", "Drawing style", "d", general.drawing,
     "Draw the labyrinth in quadrants, half blocks, sextants, or plain characters.")
 
 inspecting: Group[MainScreen] = Group("Rows and values")
-inspecting.add("pin", "Pin or unpin", "at", rows.pin,
+inspecting.add("pin", "Pin or unpin", "at", lambda s: s.inspector.pin(),
     "Watch the value under the cursor, a predicate, a question, or a robot's memory.")
-inspecting.add("open_value", "Open the value", "X", rows.open_value,
+inspecting.add("open_value", "Open the value", "X", lambda s: s.inspector.open_value(),
     "Show the value under the cursor, or the inputs of a decision, as a tree.")
-inspecting.add("origin", "Origin", "less_than_sign", rows.origin,
+inspecting.add("origin", "Origin", "less_than_sign", lambda s: s.inspector.origin(),
     "Trace the value under the cursor to the ticks, rules and readings that it comes from.")
-inspecting.add("other_values", "Other values…", "exclamation_mark", rows.other_values,
+inspecting.add("other_values", "Other values…", "exclamation_mark",
+    lambda s: s.inspector.active.change_values_here(),
     "Change a value of the line under the cursor in a proof, and see where its rules stop then.",
     worker="dialog")
 inspecting.add("graph", "Dependency graph", "R", rows.graph,
     "Show which predicate uses which, and open one of them.", worker="dialog")
 inspecting.add("sql", "SQL and query plan", "K", rows.sql,
     "Show what each predicate costs, and SQL and query plan of the one inspected.", worker="sql")
-inspecting.add("only_robot", "Rows of one robot", "O", rows.only_robot,
+inspecting.add("only_robot", "Rows of one robot", "O",
+    rows.of_table(lambda s, table: table.toggle_robot(s.inspector.robot)),
     "Show only the rows of the selected robot, or all again.")
-inspecting.add("sort", "Sort rows", "A", rows.sort,
+inspecting.add("sort", "Sort rows", "A", rows.of_table(lambda _, table: table.sort()),
     "Sort by the column under the cursor: ascending, then descending, then not at all.")
 inspecting.add("search_rows", "Search rows…", "number_sign", rows.search_rows,
     "Show only the rows that contain a text.", worker="dialog")
-inspecting.add("transpose", "Transpose the table", "J", rows.transpose,
+inspecting.add("transpose", "Transpose the table", "J",
+    rows.of_table(lambda _, table: table.transpose()),
     "Show each column as a line, or as a column again.")
 inspecting.add("copy_rows", "Copy rows", "c", rows.copy_rows,
     "Copy the rows as CSV, to the terminal's clipboard and into a file.")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from importlib import import_module
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
 
 from textual import on
 from textual.containers import Horizontal
@@ -13,29 +13,37 @@ from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.page import Page, Questions, Sighted, Survey, definition
-from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
-from logical_robots_tui.tui.inspector.predicate_list import (
-    ASK,
-    DECISION,
-    DIAGNOSIS,
-    ORIGIN,
-    ROBOTS,
-    WATCH,
-    WHY,
-    PredicateList,
-)
+from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted
+from logical_robots_tui.tui.inspector.predicate_list import PredicateList
+from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
+from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import Pane
+from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
+    from logical_robots_tui.game import Pin
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.player.session import Session
-    from logical_robots_tui.tui.inspector.page_loader import Pages
+    from logical_robots_tui.tui.inspector.pages.origin import OriginPage
     from logical_robots_tui.tui.inspector.under_cursor import Traced
-    from logical_robots_tui.tui.inspector.widgets.table import RowOrder, ValueTable
+
+AnyPage = TypeVar("AnyPage", bound=Page)
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
 _ROOMY = 150  # columns of the inspector from which a page and the robot stand side by side
+
+_OF_PREDICATES = next(entry.id for entry in PAGES if entry.scope == "predicate")
+
+_NO_PIN = (
+    "Choose a predicate, ask a question, or put the cursor on a value of it in a row that another "
+    "column tells from the rest; then pin it."
+)
+_NOT_TRACED = (
+    "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
+    "that {open_value} opens."
+)
 
 
 class InspectorPane(Pane):
@@ -51,73 +59,46 @@ class InspectorPane(Pane):
     InspectorPane.-roomy DecisionPage { width: 2fr; border-left: solid $ink-faint; }
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    def __init__(self, session: Session, reveal: Callable[[], None]) -> None:
+        """`reveal` brings the pane into view."""
+        self._session, self._reveal = session, reveal
         self.questions = Questions(session)
         self._list = PredicateList()
-        self._robots = RobotsPage(session, self.questions)
-        self._row = Horizontal(self._robots, id="pages")
+        first = PAGES[0]
+        self._pages = {first.id: first.load()(first, self.questions)}
+        self._row = Horizontal(*self._pages.values(), id="pages")
         super().__init__(Horizontal(self._list, self._row), title="Inspector")
         self._is_roomy = False
-        self._pages: Pages | None = None
-        self._inspected = ROBOTS
-        self._robot: str | None = None
+        self._selected = first.id
         self._survey: Survey | None = None
         self._following: Frame | None = None
         self._stale = False
         self._follower: Worker[None] | None = None
 
     @property
-    def pages(self) -> Pages:
-        if self._pages is None:
-            from logical_robots_tui.tui.inspector.page_loader import Pages
-
-            self._pages = Pages(self._session, self.questions)
-            others = (self._pages.predicate, *self._pages.by_name.values())
-            for page in others:
-                page.display = False
-            self._row.mount(*others)
-        return self._pages
-
-    @property
     def page(self) -> Page:
         """The selected page, which may not be visible yet."""
-        if self._inspected == ROBOTS:
-            return self._robots
-        return self.pages.by_name.get(self._inspected, self.pages.predicate)
+        return self._page(self._selected)
 
     @property
     def beside(self) -> Page | None:
-        if not self._is_roomy or self._pages is None:
-            return None
-        return self._robots if self._inspected == DECISION else self._pages.decision
+        are_loaded = len(self._pages) == len(PAGES)
+        return self._page(self.page.beside) if self._is_roomy and are_loaded else None
+
+    @property
+    def active(self) -> Page:
+        """The page that commands are about: the one beside the selected one if it has the focus."""
+        beside = self.beside
+        return beside if beside is not None and beside.has_focus_within else self.page
 
     @property
     def inspected(self) -> str:
-        """The selected page or predicate, or the page beside it if that has the focus."""
-        if self.beside is None or not self.beside.has_focus_within:
-            return self._inspected
-        return ROBOTS if self._inspected == DECISION else DECISION
-
-    @property
-    def shows_robot(self) -> bool:
-        return self.beside is not None or self._inspected in (DECISION, WHY, WATCH)
-
-    @property
-    def shown_table(self) -> ValueTable | None:
-        page = self.page
-        if self.inspected != self._inspected or not page.display:
-            return None
-        return page.table if page.table and page.table.display else None
+        """The predicate of the active page, or its id."""
+        return self.active.predicate or self.active.entry.id
 
     @property
     def robot(self) -> str:
-        names = [robot.name for robot in self._session.level.robots]
-        return self._robot if self._robot in names else names[0]
-
-    @property
-    def is_function(self) -> bool:
-        return self.questions.is_function(self._inspected)
+        return self.questions.robot
 
     def on_mount(self) -> None:
         in_background(self, self._load_pages, "pages")
@@ -126,9 +107,29 @@ class InspectorPane(Pane):
 
     async def _load_pages(self) -> None:
         await asyncio.sleep(_LOADING_DELAY)
-        await asyncio.to_thread(import_module, "logical_robots_tui.tui.inspector.page_loader")
-        if self._row.is_attached and self.pages:  # the player may have quit meanwhile
+        await asyncio.to_thread(lambda: [entry.load() for entry in PAGES])
+        if self._row.is_attached:  # the player may have quit meanwhile
+            self._load()
             self.follow()
+
+    def _load(self) -> None:
+        """Make the pages that are missing, all at once, because mounting takes a layout."""
+        missing = [entry for entry in PAGES if entry.id not in self._pages]
+        if missing:
+            made = [entry.load()(entry, self.questions) for entry in missing]
+            for page in made:
+                page.display = False
+                self._pages[page.entry.id] = page
+            self._row.mount(*sorted(made, key=lambda page: page.entry.id == Page.beside))
+
+    def _page(self, name: str) -> Page:
+        if name not in self._pages:
+            self._load()
+        return self._pages[name if name in self._pages else _OF_PREDICATES]
+
+    def _of(self, kind: type[AnyPage]) -> AnyPage:
+        self._load()
+        return self._row.query_one(kind)
 
     def on_show(self) -> None:
         self.follow()
@@ -150,16 +151,22 @@ class InspectorPane(Pane):
         self.screen.set_focus(self._list)
 
     def choose(self, robot_name: str) -> None:
-        self._robot = robot_name
-        self._robots.view.choose(robot_name)
+        self.questions.chosen = robot_name
         if any(page.depends_on_robot for page in self._wanted):
             self._cancel()
         self.follow()
 
+    def show_robot(self) -> None:
+        """Go to the robots, unless what is shown is about the one that is chosen."""
+        if self.beside is None and self.page.entry.scope != "robot":
+            self.inspect(PAGES[0].id)
+
     def inspect(self, name: str) -> None:
-        self._inspected = name
-        if name != WHY:
-            self.post_message(Sighted(None, self._session.frame))
+        """Show the page with an id, or of a predicate."""
+        self._selected = name
+        if self.page.entry.scope == "predicate":
+            self.page.predicate = name
+        self.post_message(Sighted(None, self._session.frame))
         self._cancel()
         self.follow()
 
@@ -170,50 +177,90 @@ class InspectorPane(Pane):
         else:
             self.notify(f"The program has no predicate {name}.", markup=False)
 
-    def why(self) -> None:
-        own = {p.name for p in self._session.predicates if p.kind == "program"}
-        self.pages.why.begin(self._inspected if self._inspected in own else "Robot")
-        self._enter_page(WHY)
-
-    def ask(self, query: str = "") -> None:
-        self._enter_page(ASK)
-        self.pages.ask.put(query)
-
-    def go_to_pins(self) -> None:
-        self._enter_page(WATCH)
-
-    def diagnose(self) -> None:
-        self._enter_page(DIAGNOSIS)
-
-    def traced_here(self, tick: int) -> Traced | None:
-        """Return the value under the cursor; the robot's memory if only robots are shown."""
-        from logical_robots_tui.explain.why.sources import Subject
-        from logical_robots_tui.tui.inspector.under_cursor import (
-            Traced,
-            traced_cell,
-            traced_in_proof,
-            traced_pin,
-        )
-
-        robot = self.robot
-        if self.inspected == WHY:
-            why = self.pages.why
-            return traced_in_proof(why.view, why.asked, robot, tick)
-        if self.inspected == WATCH:
-            return traced_pin(self.pages.pins.pointed, robot, tick)
-        if self.inspected in (ROBOTS, DECISION):
-            return Traced(robot, Subject(), tick)
-        return traced_cell(self.inspected, self.shown_table, robot, tick)
-
-    def trace(self, asked: Traced | None) -> None:
-        self.pages.origin.come_from(self._inspected, asked)
-        self.inspect(ORIGIN)
+    def go_to(self, page_id: str) -> None:
+        self._reveal()
+        self._select(page_id)
         self.screen.set_focus(self.page.view)
 
-    def rearrange(self, how: RowOrder) -> None:
-        if (table := self.shown_table) is not None:
-            table.rearrange(how)
-            self.follow()
+    # -- what commands do ----------------------------------------------------------------------
+
+    def why(self) -> None:
+        from logical_robots_tui.tui.inspector.pages.why import WhyPage
+
+        own = {p.name for p in self._session.predicates if p.kind == "program"}
+        self._of(WhyPage).begin(self._selected if self._selected in own else "Robot")
+        self.go_to("why")
+
+    def ask(self, query: str = "") -> None:
+        from logical_robots_tui.tui.inspector.pages.ask import AskPage
+
+        self.go_to("ask")
+        self._of(AskPage).put(query)
+
+    def go_to_pins(self) -> None:
+        self.go_to("watch")
+
+    def diagnose(self) -> None:
+        self.go_to("diagnosis")
+
+    def pin(self) -> None:
+        found = self.active.pin_here()
+        if found is None:
+            self.notify(_NO_PIN, markup=False)
+        else:
+            self._toggle_pin(found)
+
+    def _toggle_pin(self, pin: Pin) -> None:
+        from logical_robots_tui.tui.inspector.pages.watch import WatchPage
+
+        if self._of(WatchPage).view.toggle(pin):
+            where = with_keys("{watch} shows what is pinned.")
+            self.notify(f"Pinned: {one_line(pin.words)}. {where}", markup=False)
+        else:
+            self.notify(f"No longer pinned: {one_line(pin.words)}.", markup=False)
+
+    def open_value(self) -> None:
+        from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
+
+        title, branches = self.active.values_here()
+        if branches:
+            title = f"{title} · tick {self._session.frame.tick}"
+            tree = ValueTree(title, branches, self._toggle_pin, self._trace_pin)
+            self.app.push_screen(tree)
+        else:
+            self.notify("Put the cursor on a value, or choose Decision.", markup=False)
+
+    def _trace_pin(self, pin: Pin) -> bool:
+        from logical_robots_tui.tui.inspector.under_cursor import traced_pin
+
+        asked = traced_pin(pin, self.robot, self._session.frame.tick)
+        if asked is not None:
+            self.trace(asked)
+        return asked is not None
+
+    def origin(self) -> None:
+        """Trace the value under the cursor, or return to the last one."""
+        asked = self.active.traced_here()
+        if self._session.game is None:
+            self.notify(NO_PROGRAM, markup=False)
+        elif asked is not None:
+            self.trace(asked)
+        elif self._of_origin.asked is not None:
+            self.go_to("origin")
+        else:
+            self.notify(with_keys(_NOT_TRACED), markup=False)
+
+    def trace(self, asked: Traced) -> None:
+        self._of_origin.trace(asked, self._selected)
+        self.go_to("origin")
+
+    @property
+    def _of_origin(self) -> OriginPage:
+        from logical_robots_tui.tui.inspector.pages.origin import OriginPage
+
+        return self._of(OriginPage)
+
+    # -- following the tick --------------------------------------------------------------------
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Handle escape only while a query is running."""
@@ -247,10 +294,7 @@ class InspectorPane(Pane):
             self._stale = False
             frame = self._following = self._session.frame
             wanted = self._wanted  # which may have to be loaded
-            if self._pages is not None:
-                self._pages.predicate.predicate = self._inspected
             for page in wanted:
-                page.robot = self.robot
                 await page.show(frame)
             if self._session.running:
                 await asyncio.sleep(_INTERVAL)
@@ -286,22 +330,19 @@ class InspectorPane(Pane):
 
     def _list_predicates(self) -> None:
         self._survey = None
-        self._list.list(self._session.predicates, self._inspected)
+        self._list.list(self._session.predicates, self._selected)
 
     def _select(self, name: str) -> None:
-        self._list.go_to(name)
+        if name in self._list.names:
+            self._list.go_to(name)
         self.inspect(name)
-
-    def _enter_page(self, name: str) -> None:
-        self._select(name)
-        self.screen.set_focus(self.page.view)
 
     @on(OptionList.OptionHighlighted)
     def _choice_moved(self, event: OptionList.OptionHighlighted) -> None:
         event.stop()
-        if event.option_id is not None and event.option_id != self._inspected:
+        if event.option_id is not None and event.option_id != self._selected:
             self.inspect(event.option_id)
-            if place := definition(self._session.program, event.option_id):
+            if place := _definition(self._session.program, event.option_id):
                 self.post_message(place)
 
     @on(OptionList.OptionSelected)
@@ -326,13 +367,19 @@ class InspectorPane(Pane):
     @on(Page.Opened)
     def _page_opened(self, event: Page.Opened) -> None:
         event.stop()
-        if event.name == WHY:
-            self.why()
-        else:
-            (self.open if event.name.isidentifier() else self.ask)(event.name)
+        (self.open if event.name.isidentifier() else self.ask)(event.name)
 
     @on(Page.Left)
     def _page_left(self, event: Page.Left) -> None:
         event.stop()
-        self._select(event.name if event.name in self._list.names else ROBOTS)
+        self._select(event.name if event.name in self._list.names else PAGES[0].id)
         self.enter()
+
+
+def _definition(program: Program | None, name: str) -> Placed | None:
+    predicate = None if program is None else program.predicate(name)
+    if program is None or predicate is None or predicate.line is None:
+        return None
+    lines = program.text.split("\n")
+    start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
+    return Placed(program.text, (start, start + len(name)))

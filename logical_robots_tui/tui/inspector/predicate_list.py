@@ -8,26 +8,15 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 from textual.widgets.option_list import Option
 
+from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Predicate
-    from logical_robots_tui.tui.inspector.page import Survey
+    from logical_robots_tui.tui.inspector.questions import Survey
 
-ROBOTS, DECISION, WHY, ASK, WATCH = "(robots)", "(decision)", "(why)", "(ask)", "(watch)"
-DIAGNOSIS, ORIGIN = "(diagnosis)", "(origin)"
-"""The pages; no predicate can have these names. ORIGIN is not in the list."""
-
-_PAGES = {
-    ROBOTS: "Robots",
-    DECISION: "Decision",
-    WHY: "Why",
-    ASK: "Ask",
-    WATCH: "Watch",
-    DIAGNOSIS: "Diagnosis",
-}
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 """The sign and colour of each kind of predicate."""
 
@@ -56,13 +45,12 @@ class PredicateList(Listing):
         self._counted.clear()
         # Functions of the prelude never have rows to show; those of the program have calls.
         listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
-        names = self.names = [*_PAGES, *(predicate.name for predicate in listed)]
+        pages = [page for page in PAGES if page.is_listed]
+        names = [*(page.id for page in pages), *(predicate.name for predicate in listed)]
+        self.names = names
         self.clear_options()
         self.add_options(
-            [
-                Option(Content.styled(title, f"bold {INK.entry}"), id=page)
-                for page, title in _PAGES.items()
-            ]
+            [Option(Content.styled(page.title, f"bold {INK.entry}"), id=page.id) for page in pages]
             + [Option(_entry(predicate), id=predicate.name) for predicate in listed]
         )
         self.highlighted = names.index(inspected) if inspected in names else None

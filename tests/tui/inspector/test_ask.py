@@ -109,7 +109,7 @@ SLOW = (
 
 def answered(game: Opened) -> str:
     """The query that what is shown belongs to."""
-    return str(game.main.query_one("#answer-to", Static).render())
+    return str(game.main.query_one("AskPage > .about", Static).render())
 
 
 async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -> None:

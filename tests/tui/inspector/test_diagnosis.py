@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.inspector.predicate_list import DIAGNOSIS
+from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.tui.inspector.pages.diagnosis import DiagnosisPage
     from tests.tui.conftest import Opened
 
 LATE = """\
@@ -22,7 +21,7 @@ Robot(robot_name:, desire: {left_engine: 0.1, right_engine: 0.1}, memory: "") :-
 
 
 def page(game: Opened) -> DiagnosisPage:
-    return game.inspector.pages.diagnosis
+    return game.main.query_one(DiagnosisPage)
 
 
 async def looked(game: Opened) -> None:
@@ -40,7 +39,7 @@ async def looked(game: Opened) -> None:
 async def test_the_run_is_looked_through_and_a_finding_leads_to_its_tick(data_dir: Path) -> None:
     async with opened(data_dir, text=LATE) as game:
         await looked(game)
-        assert game.inspector.inspected == DIAGNOSIS
+        assert game.inspector.inspected == "diagnosis"
         await game.sees("Ticks 1 to 4, not won.")
         await game.sees("warning, line 3, tick 3")
         await game.press("down")

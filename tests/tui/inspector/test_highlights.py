@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from logical_robots_tui.explain import Node
-from logical_robots_tui.tui.inspector.page import sight
+from logical_robots_tui.tui.inspector.pages.why import sight
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.world import Robot
 from tests.tui.labyrinth.drawing.scenes import room, start

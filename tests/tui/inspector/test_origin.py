@@ -14,8 +14,9 @@ from logical_robots_tui.explain.why.sources import Path as Parts
 from logical_robots_tui.explain.why.sources import Read, Source, Subject
 from logical_robots_tui.game import Link, Origin, Pin
 from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of
-from logical_robots_tui.tui.inspector.predicate_list import DECISION, ORIGIN, ROBOTS, WHY
+from logical_robots_tui.tui.inspector.pages.watch import WatchView
 from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
+from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from tests.tui.conftest import opened
 from tests.virtual_time import Hold
@@ -65,7 +66,7 @@ async def followed(game: Opened, *keys: str) -> None:
 
 async def pointed_at(game: Opened, text: str, kind: str = "") -> None:
     """Put the cursor of the proof on a line."""
-    view = game.inspector.pages.why.view
+    view = game.main.query_one(WhyView)
 
     def places() -> list[int]:
         nodes = [line.node for line in view.lines]
@@ -83,9 +84,9 @@ TO_SEEN = ("end",)
 async def test_a_field_is_followed_to_the_ticks_that_made_it(data_dir: Path) -> None:
     async with opened(data_dir, text=PHASES, size=(120, 40)) as game:
         await at_tick(game, 9)
-        game.inspector.open(DECISION)
+        game.inspector.open("decision")
         await followed(game, *TO_SEEN)
-        assert game.inspector.inspected == ORIGIN
+        assert game.inspector.inspected == "origin"
         plain = links(game).plain.splitlines()
         robot = game.inspector.robot
         assert plain[:4] == [
@@ -113,13 +114,13 @@ async def test_enter_goes_to_the_tick_and_says_why_and_the_key_comes_back(data_d
         await at_tick(game, 9)
         await followed(game, *TO_SEEN)
         await game.press("down", "enter")
-        await game.until(lambda: game.tick == 2 and game.inspector.inspected == WHY)
+        await game.until(lambda: game.tick == 2 and game.inspector.inspected == "why")
         await game.sees("Why · tick 2")
         await game.press("less_than_sign")
-        await game.until(lambda: game.inspector.inspected == ORIGIN)
+        await game.until(lambda: game.inspector.inspected == "origin")
         assert links(game).has_focus
         await game.press("escape")
-        await game.until(lambda: game.inspector.inspected == ROBOTS and game.tick == 9)
+        await game.until(lambda: game.inspector.inspected == "robots" and game.tick == 9)
 
 
 async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir: Path) -> None:
@@ -128,13 +129,13 @@ async def test_escape_returns_to_the_page_and_the_tick_of_the_question(data_dir:
         game.inspector.open("Memory")
         await game.sees("Memory · tick 9")
         await game.press("enter")
-        await game.until(lambda: game.inspector.pages.table.has_focus)
+        await game.until(lambda: game.main.query_one("#rows").has_focus)
         await game.press("right", "less_than_sign")
         await game.until(lambda: links(game).pointed)
         await game.sees("memory after tick 8 comes from")
         await game.press("p")
         await game.until(lambda: game.tick == 8)
-        assert game.inspector.inspected == ORIGIN
+        assert game.inspector.inspected == "origin"
         await game.press("backspace")
         await game.until(lambda: game.inspector.inspected == "Memory" and game.tick == 9)
 
@@ -144,7 +145,7 @@ async def test_what_is_pinned_and_what_a_proof_read_can_be_followed(data_dir: Pa
         await at_tick(game, 5)
         robot = game.inspector.robot
         pin = Pin("Robot", "memory", (("robot_name", robot),), ("plan", "phase"))
-        game.inspector.pages.pins.toggle(pin)
+        game.main.query_one(WatchView).toggle(pin)
         await game.press("V", "less_than_sign")
         await game.until(lambda: links(game).pointed)
         await game.sees("the same since tick 4")
@@ -170,7 +171,7 @@ async def test_any_value_of_a_table_is_traced_to_its_rays(data_dir: Path) -> Non
         game.inspector.open("Near")
         await game.sees("Near · tick 2")
         await game.press("enter")
-        await game.until(lambda: game.inspector.pages.table.has_focus)
+        await game.until(lambda: game.main.query_one("#rows").has_focus)
         await game.press("right", "less_than_sign")
         await game.until(lambda: links(game).plain and links(game).pointed)
         await game.sees("Near.ray in tick 2 comes from")
@@ -196,7 +197,7 @@ async def test_every_value_of_a_proof_is_traced(data_dir: Path) -> None:
             assert name in pointed(game).name
             assert f"{robot}'s ray " in links(game).plain
             await game.press("escape")
-            await game.until(lambda: game.inspector.inspected == WHY)
+            await game.until(lambda: game.inspector.inspected == "why")
 
 
 async def test_where_there_is_no_value_under_the_cursor_that_is_said(data_dir: Path) -> None:

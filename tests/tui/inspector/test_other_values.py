@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from textual.widgets import Input
 
-from logical_robots_tui.tui.inspector.question_prompt import ValuesPrompt
+from logical_robots_tui.tui.inspector.pages.why import ValuesPrompt
 from tests.tui.conftest import opened
 from tests.tui.inspector.test_why import TALL, TWO_RULES, asked_why, go_to, nodes, told, view
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from textual.widgets import OptionList
 
-from logical_robots_tui.tui.inspector import pane
-from logical_robots_tui.tui.inspector.predicate_list import DECISION, ROBOTS
+from logical_robots_tui.tui.inspector import pages, pane
+from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
+from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from tests.tui.conftest import Opened
 
 MORE = (
@@ -44,14 +44,20 @@ async def inspect(game: Opened, name: str) -> None:
     options.highlighted = options.get_option_index(name)
 
 
+def test_every_page_is_registered_once_under_the_name_of_its_module() -> None:
+    modules = {path.stem for path in Path(pages.__file__).parent.glob("*.py")} - {"__init__"}
+    assert sorted(entry.id for entry in PAGES) == sorted(modules)
+    assert len({entry.load() for entry in PAGES}) == len(PAGES)
+
+
 async def test_pages_are_loaded_soon_after_the_start(
     data_dir: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pane, "_LOADING_DELAY", 0.2)
     async with opened(data_dir) as game:
-        assert game.inspector._pages is None
+        assert not game.inspector.query(PredicatePage)
         await game.later(0.3)
-        assert game.inspector._pages is not None
+        assert game.inspector.query(PredicatePage)
 
 
 async def test_a_predicate_is_inspected_before_the_pages_are_loaded(
@@ -67,7 +73,7 @@ async def test_a_predicate_is_inspected_before_the_pages_are_loaded(
 async def test_the_robots_come_first(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
-        assert game.inspector.inspected == ROBOTS
+        assert game.inspector.inspected == "robots"
         await game.sees("Robots · tick 0")
         for words in ("radar, left to right", "● P", "● Q", "● R"):
             await game.sees(words)
@@ -116,9 +122,10 @@ async def test_inputs_and_predicates_are_listed_with_their_kind(data_dir: Path) 
         await game.ready()
         await game.until(lambda: any(each.startswith("• Robot :4") for each in listed(game)))
         entries = listed(game)
-        assert entries[:6] == ["Robots", "Decision", "Why", "Ask", "Watch", "Diagnosis"]
-        assert entries[6].startswith("◂ Sensor")
-        assert entries[7].startswith("◂ Memory")
+        titles = [page.title for page in PAGES if page.is_listed]
+        assert entries[: len(titles)] == titles
+        assert entries[len(titles)].startswith("◂ Sensor")
+        assert entries[len(titles) + 1].startswith("◂ Memory")
         assert "• FreedomMotion ƒ :1" in entries
         assert not [entry for entry in entries if "WeightedAverage" in entry]
 
@@ -212,7 +219,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await inspect(game, "Ray")
         await game.sees("31 rows")
         await game.press("enter", "down", "down", "right")
-        table = game.main.query_one(ValueTable)
+        table = game.main.query_one("#rows", ValueTable)
         third = table.pointed
         await game.until(lambda: table.pointed and table.pointed[0] == "d")
         await game.press("end")
@@ -221,7 +228,7 @@ async def test_the_table_is_walked_by_key_and_click(data_dir: Path) -> None:
         await game.press("home", "n")
         await game.sees("Ray · tick 1 · 31 rows")
         assert table.scroll_offset.y == 0
-        await game.click(ValueTable, offset=(1, 3))
+        await game.click("#rows", offset=(1, 3))
         await game.until(lambda: table.pointed and table.pointed[0] == "i")
 
 
@@ -296,7 +303,7 @@ async def test_the_sql_the_plan_and_the_cost_of_predicates_are_told(data_dir: Pa
 async def test_a_decision_is_told_on_one_page(data_dir: Path) -> None:
     async with opened(data_dir, text=MORE, size=(120, 60)) as game:
         await game.ready()
-        game.inspector.inspect(DECISION)
+        game.inspector.inspect("decision")
         view = game.main.query_one("#decision", LinesView)
         await game.until(lambda: "Nobody has thought yet." in view.plain)
         await game.press("n")

@@ -9,7 +9,7 @@ import pytest
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
-from logical_robots_tui.tui.inspector.predicate_list import DECISION
+from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import opened
 from tests.tui.inspector.test_pane import MORE, inspect
 
@@ -66,7 +66,7 @@ async def test_the_page_of_the_decision_has_all_robots_beside_it(data_dir: Path)
         await game.ready()
         await inspect(game, "Names")
         await game.until(lambda: pages(game) == [PredicatePage.__name__, DecisionPage.__name__])
-        game.inspector.inspect(DECISION)
+        game.inspector.inspect("decision")
         await game.until(lambda: pages(game) == [RobotsPage.__name__, DecisionPage.__name__])
 
 
@@ -77,7 +77,7 @@ async def test_the_selection_and_the_focus_survive_other_sizes(data_dir: Path) -
         await inspect(game, "Ray")
         await game.sees("Ray · tick 0 · 31 rows")
         await game.press("enter", "down", "down")
-        table = game.inspector.pages.table
+        table = game.main.query_one("#rows", ValueTable)
         await game.until(lambda: table.pointed is not None and table.pointed[1] is not None)
         place = table.place
         for size, shown in [
@@ -99,7 +99,7 @@ async def test_keys_are_about_the_page_with_the_focus(data_dir: Path) -> None:
         await inspect(game, "Names")
         await game.sees("Names · tick 1 · 1 row")
         await game.press("tab", "tab")
-        await game.until(lambda: game.inspector.inspected == DECISION)
+        await game.until(lambda: game.inspector.inspected == "decision")
         await game.press("enter")
         await game.until(lambda: game.app.screen is not game.main)
         await game.sees("Decision of Solo")

@@ -87,7 +87,7 @@ async def test_unfolding_can_be_stopped_and_goes_on_call_by_call(
         await asked_why(game)
         await game.sees("unfolding")
         await game.press("escape")
-        await game.sees("stopped after")
+        await game.sees("Stopped after")
         await go_to(game, CALL)
         await game.press("right")
         await game.until(lambda: "Speed(d) = 0.5 :- d > 20" in told(game))

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from textual.widgets import Tree
 
 from logical_robots_tui.game import Pin
+from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.inspector.predicate_list import WATCH
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, Sample, sparkline
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable
 from tests.tui.conftest import PAPER, opened
@@ -122,7 +122,7 @@ async def test_pins_are_watched_gone_along_opened_and_removed(data_dir: Path) ->
         )
 
         await game.press("V")
-        await game.until(lambda: game.inspector.inspected == WATCH)
+        await game.until(lambda: game.inspector.inspected == "watch")
         line = "▁" * 20 + "█" * 20
         await game.until(lambda: line in view(game).plain)
         await game.until(lambda: "Memory.memory.phase for Solo" in view(game).plain)
@@ -227,9 +227,9 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
         await game.sees("Only a value of a predicate can be pinned.")
         await game.press("escape")
         game.inspector.ask()
-        game.inspector.pages.ask.line.value = "Long(l:)"
+        game.main.query_one(QueryLine).value = "Long(l:)"
         await game.press("enter")
-        answer = game.inspector.pages.ask.table
+        answer = game.main.query_one("#answer", ValueTable)
         await game.until(lambda: answer.shown.rows)
         answer.focus()
         await game.press("at")
@@ -247,3 +247,13 @@ async def test_long_lists_are_folded_and_of_an_answer_the_question_is_pinned(
 async def _tree(game: Opened) -> Tree[object]:
     await game.until(lambda: game.app.screen.query(Tree))
     return game.app.screen.query_one(Tree)
+
+
+async def test_a_pin_is_removed_where_it_is_watched_by_the_key_that_made_it(data_dir: Path) -> None:
+    async with opened(data_dir, text=TEXT) as game:
+        await game.ready()
+        await game.press("at", "V")
+        await game.until(lambda: view(game).has_focus and view(game).pins)
+        await game.press("at")
+        await game.sees("No longer pinned: Memory.memory for Solo.")
+        assert not view(game).pins

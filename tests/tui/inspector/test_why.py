@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.inspector.predicate_list import ASK, WHY
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
 from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -63,7 +62,7 @@ async def asked_why(game: Opened) -> None:
 async def test_one_key_says_why(data_dir: Path) -> None:
     async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
         await asked_why(game)
-        assert game.inspector.inspected == WHY
+        assert game.inspector.inspected == "why"
         await game.sees("Why · tick 1")
         rules = [node for node in nodes(game) if node.kind == "rule"]
         assert rules[0].said == "gives this row"
@@ -233,7 +232,7 @@ async def test_a_ray_and_a_robot_are_brought_out_in_the_labyrinth(data_dir: Path
         await go_to(game, "Sensor(")
         await game.until(lambda: labyrinth.highlighted == Highlight("Solo"))
         assert labyrinth._cells.plain() not in (plain, with_ray)
-        game.inspector.inspect(ASK)
+        game.inspector.inspect("ask")
         await game.until(lambda: labyrinth.highlighted is None)
         assert labyrinth._cells.plain() == plain
 

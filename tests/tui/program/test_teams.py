@@ -9,7 +9,6 @@ from logical_robots_tui.game.source import Source
 from logical_robots_tui.player.drafts import Draft
 from logical_robots_tui.player.session_state import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
-from logical_robots_tui.tui.inspector.predicate_list import DECISION
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH
 from tests.tui.conftest import Opened
@@ -64,7 +63,7 @@ async def test_choosing_a_robot_shows_the_program_it_thinks_with(data_dir: Path)
         game.main.select("Bo")
         assert game.editor.text == BLUE
         assert game.main.session.source.name == "bluely"
-        game.main.inspector.open(DECISION)
+        game.main.inspector.open("decision")
         await game.sees("Decision of Bo · tick 2")
         await game.until(
             lambda: (

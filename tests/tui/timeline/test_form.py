@@ -152,14 +152,14 @@ async def test_a_breakpoint_can_be_any_question(
 async def test_what_is_asked_can_be_stopped_at_and_pinned(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         await game.press("slash")
-        await game.until(lambda: game.inspector.pages.ask.line.has_focus)
+        await game.until(lambda: isinstance(game.main.focused, QueryLine))
         game.main.query_one(QueryLine).value = AT
         await game.press("enter")
         await game.sees("Ask · tick 0 · 0 rows")
         await game.press("escape", "asterisk", "at")
         await game.sees("Pinned: ")
         assert list(game.session.breakpoints) == [Breakpoint("rows", AT)]
-        assert game.inspector.pages.pins.pins == (Pin(AT),)
+        assert game.main.query_one(WatchView).pins == (Pin(AT),)
         await game.press("escape")
         await run_to_hits(game)
         await game.press("V")

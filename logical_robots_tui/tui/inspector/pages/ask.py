@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
 
 from textual import events, on
 from textual.content import Content
 from textual.suggester import Suggester
-from textual.widgets import Input, Static
+from textual.widgets import Input
 
-from logical_robots_tui.game import Frame, Superseded
-from logical_robots_tui.mind import ProgramError, QueryError
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Cancelled, Page, Questions, progress
+from logical_robots_tui.game import Breakpoint, Frame, Pin
+from logical_robots_tui.mind import ProgramError
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
+from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
-
-if TYPE_CHECKING:
-    from logical_robots_tui.player.session import Session
 
 _INPUT_COLUMNS = ("robot_name", "sensor", "memory")
 _HISTORY_SIZE = 100
@@ -75,28 +73,16 @@ class QueryLine(Input):
 class AskPage(Page):
     DEFAULT_CSS = """
     AskPage QueryLine { margin: 0 1; background: $panel; width: 1fr; }
-    AskPage #answer-to {
-        padding: 0 1; height: 1; display: none; text-wrap: nowrap; text-overflow: ellipsis;
-    }
     AskPage > .message { padding: 0 1; }
     """
 
-    title = "Ask"
     table: ValueTable
 
-    def __init__(self, session: Session, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
         self._query = self._refused = ""
         self.line = QueryLine(self._leave)
-        self._answer_to = Static(id="answer-to")
-        answer = ValueTable(id="answer")
-        above = (self.line, self._answer_to)
-        super().__init__(session, questions, self.line, above=above, below=(answer,))
-        self.table = answer
-
-    @property
-    def asked(self) -> str:
-        """The query, or "" if there is none or it is invalid."""
-        return "" if self._query == self._refused else self._query
+        self.table = ValueTable(id="answer")
+        super().__init__(entry, questions, self.line, above=(self.line,), below=(self.table,))
 
     def put(self, query: str) -> None:
         if query:
@@ -107,39 +93,51 @@ class AskPage(Page):
     async def show(self, frame: Frame) -> None:
         names = (predicate.name for predicate in self._session.predicates)
         self.line.complete_from([*names, *NAMES, *_INPUT_COLUMNS])
-        query, more = self._query, ""
+        query = self._query
         if not query:
             self.head(frame.tick)
             return
 
-        def report() -> None:
+        asked = Content.styled(one_line(query), INK.title)  # the line may hold another by now
+
+        def say(words: Content | str) -> None:
             self.head(frame.tick)
-            self._name_query(query)
-            self._say_instead(progress("asking", self.pending.seconds))
+            self.caption(asked)
+            self._say_instead(words)
 
         try:
-            inquiry, program = self._questions.about()
-            table = await self.pending.run(inquiry.ask(program, query, frame), report)
-        except Superseded:
-            if self._session.game is not None:
-                return
-            self._say_instead(NO_PROGRAM)
-        except Cancelled:
-            self._query = ""
-            seconds = self.pending.seconds
-            self._say_instead(f"Stopped after {seconds:.1f} s. Enter asks it again.")
+            table = await self.answer(
+                lambda inquiry, program: inquiry.ask(program, query, frame), lambda: "asking", say
+            )
         except ProgramError as error:
-            self._name_query("")
+            self.head(frame.tick)
+            self.caption(Content(""))
             self._refuse(query, error)
-        except QueryError as error:
-            self._name_query(query)
-            self._say_instead(str(error))
-        else:
-            more = row_count(table)
-            self._name_query(query)
+            return
+        if table is not None:
+            self.head(frame.tick, row_count(table))
+            self.caption(asked)
             self.say(Content.styled("" if table.rows else "No rows.", INK.dim))
             self.table.show(table)
-        self.head(frame.tick, more)
+
+    def stopped(self) -> str:
+        self._query = ""
+        return f"{super().stopped()} Enter asks it again."
+
+    def pin_here(self) -> Pin | None:
+        return Pin(self._valid) if self._valid else None
+
+    def values_here(self) -> tuple[str, Sequence[Branch]]:
+        pointed = self.table_here and self.table_here.pointed
+        return ("Answer", (Branch(*pointed),)) if pointed else ("", ())
+
+    def breakpoint_here(self) -> Breakpoint | None:
+        return Breakpoint("rows", self._valid) if self._valid else None
+
+    @property
+    def _valid(self) -> str:
+        """The query, or "" if there is none or it is invalid."""
+        return "" if self._query == self._refused else self._query
 
     def _leave(self) -> None:
         if self.pending.is_long:
@@ -147,10 +145,9 @@ class AskPage(Page):
         else:
             self.screen.set_focus(self.table)
 
-    def _name_query(self, query: str) -> None:
-        """Name the query that was answered; the line may hold another one by now."""
-        self._answer_to.update(Content.styled(one_line(query), INK.title))
-        self._answer_to.display = bool(query)
+    def _say_instead(self, words: Content | str) -> None:
+        self.say(words)
+        self.table.show(None)
 
     def _refuse(self, query: str, error: ProgramError) -> None:
         self._refused = query
@@ -163,10 +160,6 @@ class AskPage(Page):
                 (one_line(first.hint), INK.text),
             )
         )
-
-    def _say_instead(self, words: Content | str) -> None:
-        self.say(words)
-        self.table.show(None)
 
     @on(Input.Changed)
     def _changed(self, event: Input.Changed) -> None:

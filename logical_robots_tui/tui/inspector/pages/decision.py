@@ -11,7 +11,8 @@ from textual.content import Content
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import Table
-from logical_robots_tui.tui.inspector.page import Page, Questions, Survey
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.questions import Questions, Survey
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked, radar_plot
 from logical_robots_tui.tui.theme.themes import INK
@@ -20,7 +21,6 @@ from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.player.session import Session
 
 _RADAR_ROWS = 8
 _ROOM_FOR_RADAR = 90  # columns from which on the radar is drawn
@@ -30,11 +30,11 @@ _LONGEST = 400
 class DecisionPage(Page):
     BINDINGS = [("enter", "screen.command('open_value')")]
 
+    beside = "robots"
     view: LinesView
-    depends_on_robot = True
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        super().__init__(session, questions, LinesView(id="decision"))
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+        super().__init__(entry, questions, LinesView(id="decision"))
 
     async def show(self, frame: Frame) -> None:
         self.head(frame.tick, title=f"Decision of {self.robot}")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from textual import on
 from textual.content import Content
-from textual.widgets import OptionList, Static
+from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 from textual.worker import Worker
 
@@ -15,14 +13,12 @@ from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Placed, Questions
+from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed
+from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.wording import one_line
-
-if TYPE_CHECKING:
-    from logical_robots_tui.player.session import Session
 
 _START = "(start)"
 _EVERY = 10  # ticks between two progress reports
@@ -30,17 +26,14 @@ _EVERY = 10  # ticks between two progress reports
 
 class DiagnosisPage(Page):
     DEFAULT_CSS = """
-    DiagnosisPage #extent { height: auto; padding: 0 1; color: $ink-dim; }
+    DiagnosisPage > .about { height: auto; text-wrap: wrap; }
     DiagnosisPage #findings { height: 1fr; border: none; padding: 0; background: $surface; }
     """
 
-    title = "Diagnosis"
     view: Listing
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self._extent = Static(id="extent", markup=False)
-        view = Listing(id="findings", markup=False)
-        super().__init__(session, questions, view, above=(self._extent,))
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+        super().__init__(entry, questions, Listing(id="findings", markup=False))
         self.found: Diagnosis | None = None
         self._worker: Worker[None] | None = None
         self._shown: tuple[object, ...] | None = None
@@ -74,7 +67,8 @@ class DiagnosisPage(Page):
 
     def _describe(self, text: str) -> None:
         nothing = self.found is not None and not self.found.findings and not self.is_diagnosing
-        self._extent.update(one_line(f"{text} Nothing stands out." if nothing else text))
+        text = f"{text} Nothing stands out." if nothing else text
+        self.caption(Content(one_line(text) or " "))  # the line stays, so that the list does
 
     async def _look(self) -> None:
         game = self._session.game

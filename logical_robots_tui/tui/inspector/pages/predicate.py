@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from textual import on
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from logical_robots_tui.game import Frame, Superseded
+from logical_robots_tui.game import ROBOT_COLUMNS, Breakpoint, Frame, Pin, Superseded, pin_of_cell
 from logical_robots_tui.mind import QueryError, Table
-from logical_robots_tui.tui.inspector.page import NO_PROGRAM, Page, Questions, Survey
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
+from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_value
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
+from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
-
-if TYPE_CHECKING:
-    from logical_robots_tui.player.session import Session
 
 
 class PredicatePage(Page):
@@ -30,12 +30,11 @@ class PredicatePage(Page):
 
     view: ValueTable
 
-    def __init__(self, session: Session, questions: Questions) -> None:
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
         self._value = Static(id="value-text")
         self._value_box = VerticalScroll(self._value, id="value", can_focus=False)
-        super().__init__(session, questions, ValueTable(), below=(self._value_box,))
+        super().__init__(entry, questions, ValueTable(), below=(self._value_box,))
         self.table = self.view
-        self.predicate = ""
         self._value_shown = Content("")
 
     @property
@@ -43,23 +42,60 @@ class PredicatePage(Page):
         return self._questions.is_function(self.predicate)
 
     async def show(self, frame: Frame) -> None:
-        name = self.predicate
         try:
-            table = await self._questions.rows(name, self.robot, frame)
+            table = await self._questions.rows(self.predicate, self.robot, frame)
         except Superseded:
             if self._session.game is None:
                 self._say_instead(frame, NO_PROGRAM)
         except QueryError as error:
-            if name == self.predicate:
-                self._say_instead(frame, str(error))
+            self._say_instead(frame, str(error))
         else:
-            if name == self.predicate:
-                self._show_table(frame, table)
+            self._show_table(frame, table)
 
     def show_survey(self, survey: Survey) -> None:
         table = survey.tables.get(self.predicate)
         if isinstance(table, Table):
             self._show_table(survey.frame, table)
+
+    def pin_here(self) -> Pin | None:
+        """The pin of a cell or of the number of rows; None if the row can't be told apart."""
+        table = self.table_here
+        if table is None or self.depends_on_robot:
+            return None
+        if table.has_focus and table.place is not None:
+            return self._pin_of_cell(table)
+        named = next((name for name in ROBOT_COLUMNS if name in table.all.columns), "")
+        only = table.how.robot if named else ""
+        return Pin(self.predicate, where=((named, only),) if only else ())
+
+    def values_here(self) -> tuple[str, Sequence[Branch]]:
+        table = self.table_here
+        if table is None or table.pointed is None:
+            return "", ()
+        # A call can't be found again in another tick.
+        pin = None if self.depends_on_robot else self._pin_of_cell(table)
+        return self.predicate, (Branch(*table.pointed, pin),)
+
+    def traced_here(self) -> Traced | None:
+        table = self.table_here
+        if table is None or not table.has_focus or table.place is None:
+            return None
+        number, column = table.place
+        row = dict(zip(table.all.columns, table.all.rows[number], strict=True))
+        return traced_value(self.predicate, row, column, self.robot, self._session.frame.tick)
+
+    def breakpoint_here(self) -> Breakpoint | None:
+        known = (each for each in self._session.predicates if each.name == self.predicate)
+        if not any(each.has_rows for each in known):
+            return None
+        column = self.view.column if self.view.has_focus else ""
+        return Breakpoint("change", self.predicate, self.view.how.robot, column)
+
+    def _pin_of_cell(self, table: ValueTable) -> Pin | None:
+        if table.place is None:
+            return None
+        number, column = table.place
+        return pin_of_cell(self.predicate, table.all.columns, table.all.rows, number, column)
 
     def _show_table(self, frame: Frame, table: Table) -> None:
         what = ("call", f" of {self.robot}") if self.depends_on_robot else ("row", "")

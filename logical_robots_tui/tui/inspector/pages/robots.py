@@ -13,7 +13,8 @@ from textual.content import Content
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.inspector.page import Page, Questions
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.questions import Questions
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
@@ -24,7 +25,6 @@ from logical_robots_tui.world import Level, RobotState
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision
-    from logical_robots_tui.player.session import Session
 
 _CHOSEN = "on $row"
 
@@ -39,14 +39,9 @@ class RobotsView(LinesView):
         self._shown: tuple[Level, Frame] | None = None
         self._chosen: str | None = None
 
-    def show(self, level: Level, frame: Frame) -> None:
-        self._shown = (level, frame)
+    def show(self, level: Level, frame: Frame, chosen: str | None) -> None:
+        self._shown, self._chosen = (level, frame), chosen
         self.redraw()
-
-    def choose(self, robot_name: str | None) -> None:
-        if robot_name != self._chosen:
-            self._chosen = robot_name
-            self.redraw()
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
@@ -77,16 +72,15 @@ class RobotsView(LinesView):
 
 
 class RobotsPage(Page):
-    title = "Robots"
     replays = False
     view: RobotsView
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        super().__init__(session, questions, RobotsView())
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+        super().__init__(entry, questions, RobotsView())
 
     async def show(self, frame: Frame) -> None:
         self.head(frame.tick)
-        self.view.show(self._session.level, frame)
+        self.view.show(self._session.level, frame, self._questions.chosen)
 
 
 class _Robot(NamedTuple):

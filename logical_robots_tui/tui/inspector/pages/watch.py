@@ -7,15 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from textual import on
 from textual.content import Content
-from textual.message import Message
 from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import MOST_ROBOTS, Page, Questions
+from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, Questions
+from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import Sample, inked, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -26,7 +26,7 @@ from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin, Reading
-    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
@@ -51,13 +51,10 @@ class WatchView(CursorView):
         ("delete,backspace", "remove"),
     ]
 
-    class Changed(Message):
-        """There are other pins, or there is room for other ticks."""
-
-    def __init__(self, samples: PinHistory) -> None:
+    def __init__(self, page: WatchPage) -> None:
         super().__init__(id="watch")
         self.ticks = range(0)
-        self._samples = samples
+        self._page, self._samples = page, page.samples
         self._pins: list[Pin] = []
         self._readings: Mapping[Pin, Reading] = {}
         self._tick = 0
@@ -91,7 +88,8 @@ class WatchView(CursorView):
     def redraw(self) -> None:
         """Draw at the current width, and request as many ticks as fit."""
         super().redraw()
-        self.post_message(self.Changed())
+        if self._page.display:
+            self.post_message(Page.Changed())
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         del again
@@ -167,9 +165,8 @@ def _window(before: range, width: int, tick: int, last: int) -> range:
 class PinHistory:
     """Reads pins at ticks; caches the values until the program or the run changes."""
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self._session = session
-        self._questions = questions
+    def __init__(self, questions: Questions) -> None:
+        self._session, self._questions = questions.session, questions
         self._about: object = None
         self._ticks: dict[int, dict[Pin, Sample]] = {}
 
@@ -190,7 +187,7 @@ class PinHistory:
     async def read(self, pins: Iterable[Pin], frame: Frame) -> dict[Pin, Reading]:
         """Read pins at a frame; raises Superseded without a program or after a newer call."""
         game = self._session.game
-        about = None if game is None else (game, game.program, game.history.turns)
+        about = None if game is None else (self._questions.course, game.program)
         if about != self._about:
             self._about, self._ticks = about, {}
         inquiry, program = self._questions.about()
@@ -212,12 +209,11 @@ def _sample(reading: Reading) -> Sample:
 class WatchPage(Page):
     """Reads the pins at the current tick first, then at nearby ticks."""
 
-    title = "Watch"
     view: WatchView
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self._samples = PinHistory(session, questions)
-        super().__init__(session, questions, WatchView(self._samples))
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
+        self.samples = PinHistory(questions)
+        super().__init__(entry, questions, WatchView(self))
         self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
         self._is_reading = False
         self._filler: Worker[None] | None = None
@@ -226,7 +222,7 @@ class WatchPage(Page):
         self.head(frame.tick)
         self._is_reading = True
         try:
-            self._shown = frame.tick, await self._samples.read(self.view.pins, frame)
+            self._shown = frame.tick, await self.samples.read(self.view.pins, frame)
         except Superseded:
             self._shown = frame.tick, {}
         finally:
@@ -235,13 +231,22 @@ class WatchPage(Page):
         if self._filler is None or self._filler.is_finished:
             self._filler = in_background(self, self._read_around, "watch")
 
+    def pin_here(self) -> Pin | None:
+        return self.view.pointed if self.view.has_focus else None
+
+    def values_here(self) -> tuple[str, Sequence[Branch]]:
+        return "", ()
+
+    def traced_here(self) -> Traced | None:
+        return traced_pin(self.view.pointed, self.robot, self._session.frame.tick)
+
     async def _read_around(self) -> None:
         shown_at = self._session.clock.now()
-        while self.display and (missing := self._samples.missing(self.view.pins, self.view.ticks)):
+        while self.display and (missing := self.samples.missing(self.view.pins, self.view.ticks)):
             (tick, pins), game = missing, self._session.game
             if game is not None and not self._is_reading:
                 with suppress(Superseded, NoSuchTickError):
-                    await self._samples.read(pins, game.frame_at(tick))
+                    await self.samples.read(pins, game.frame_at(tick))
             if self._session.clock.now() > shown_at + _REDRAW:
                 shown_at = self._session.clock.now()
                 self._show()
@@ -255,9 +260,3 @@ class WatchPage(Page):
         last = tick if game is None else game.history.last
         ticks = _window(self.view.ticks, self.view.room, tick, last)
         self.view.show(ticks, tick, readings, plain)
-
-    @on(WatchView.Changed)
-    def _view_changed(self, event: WatchView.Changed) -> None:
-        event.stop()
-        if self.display:
-            self.post_message(self.Changed())

@@ -2,37 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import asyncio
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from math import isclose
 
 from textual.content import Content
-from textual.widgets import Static
+from textual.widgets.input import Selection
 
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
-from logical_robots_tui.game import Frame, Superseded
-from logical_robots_tui.mind import QueryError
+from logical_robots_tui.explain.why.sources import Subject
+from logical_robots_tui.explain.why.spelling import spell_call
+from logical_robots_tui.game import Frame, Inquiry, Superseded, read_part
+from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.page import (
-    NO_PROGRAM,
-    Cancelled,
-    Page,
-    Placed,
-    Questions,
-    Sighted,
-    progress,
-    sight,
-)
+from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed, Sighted
+from logical_robots_tui.tui.inspector.questions import Questions
+from logical_robots_tui.tui.inspector.under_cursor import Traced
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
+from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
+from logical_robots_tui.tui.layout.dialogs import Prompt
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import spell
 from logical_robots_tui.wording import clip, one_line
-
-if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.player.session import Session
 
 _LONGEST_ARGUMENT = 24
 _LONGEST_VALUE = 60
@@ -59,22 +55,13 @@ class _Question:
 class WhyPage(Page):
     """Explains what a robot did: the first level of the proof at once, the rest soon after."""
 
-    DEFAULT_CSS = """
-    WhyPage #way {
-        height: 1; padding: 0 1; color: $ink-dim; text-wrap: nowrap; text-overflow: ellipsis;
-    }
-    """
-
-    title = "Why"
     view: WhyView
-    depends_on_robot = True
 
-    def __init__(self, session: Session, questions: Questions) -> None:
-        self._way = Static(id="way")
+    def __init__(self, entry: PageEntry, questions: Questions) -> None:
         view = WhyView(
             pointed=self._pointed, deeper=self.ask, lacking=self._unfold, back=self._back
         )
-        super().__init__(session, questions, view, above=(self._way,))
+        super().__init__(entry, questions, view)
         self._steps: list[Ask] = [Ask("Robot", {})]
         self._shown: _Question | None = None
         self._answered: _Question | None = None
@@ -82,11 +69,6 @@ class WhyPage(Page):
         self._lacking: list[tuple[_Question, int, Ask]] = []
         self._is_proving = False
         self._depth = _FIRST_DEPTH
-
-    @property
-    def asked(self) -> Ask:
-        """The question whose answer is shown."""
-        return self._steps[-1]
 
     def begin(self, predicate: str) -> None:
         self._steps = [Ask(predicate, {})]
@@ -97,13 +79,56 @@ class WhyPage(Page):
         self._steps.append(asked)
         self.post_message(self.Changed())
 
-    @property
-    def question_here(self) -> tuple[Ask, str] | None:
+    async def show(self, frame: Frame) -> None:
+        """Answer the question at a tick; while the game runs, only with the first level."""
+        question = _Question(self.robot, tuple(self._steps), frame)
+        if not question.is_like(self._shown):
+            self._depth = _FIRST_DEPTH
+        robot, asked = question.robot, question.asked
+        found = await self.answer(
+            lambda inquiry, program: inquiry.why(program, robot, frame, asked),
+            lambda: f"taking the rules of {asked.predicate} apart",
+            partial(self._say_instead, question),
+        )
+        if found is None:
+            return
+        if self._session.running:
+            self._show(question, found, _proving(found))
+            self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
+        else:
+            await self._prove(question, found)
+            await self._suggest(question, found)
+
+    def values_here(self) -> tuple[str, Sequence[Branch]]:
+        node = self.view.pointed if self.view.has_focus else None
+        if node is None or not node.values:
+            return super().values_here()
+        title = f"{node.text} (and {node.more:,} more)" if node.more else node.text
+        if len(node.values) == 1:
+            return title, (Branch(node.text, node.values[0]),)
+        return title, [Branch(f"{number}", each) for number, each in enumerate(node.values, 1)]
+
+    def traced_here(self) -> Traced | None:
+        tick = self._session.frame.tick
+        return _traced_in_proof(self.view, self._steps[-1], self.robot, tick)
+
+    async def change_values_here(self) -> None:
+        here, program = self._question_here(), self._session.program
+        if here is None or program is None:
+            await super().change_values_here()
+            return
+        program = program.for_team(self._session.level.team_of(self.robot))
+        found = await self.app.push_screen_wait(ValuesPrompt(program, *here))
+        if found is not None:
+            self.ask(found)
+
+    def _question_here(self) -> tuple[Ask, str] | None:
         """The question that the line under the cursor belongs to, and its column of it, or ""."""
         line = self.view.pointed
         if self._answered is None or line is None:
             return None
-        asked = next(iter(self.view.questions_above), self._answered.asked)
+        above = (node.asked for node in self.view.path if node.asked is not None)
+        asked = next(above, self._answered.asked)
         own: tuple[Node, ...] = ()
         if line.kind == "column" and line.asked is None:
             own = (line,)
@@ -120,69 +145,34 @@ class WhyPage(Page):
             given.pop(VALUE, None)
         return replace(asked, given=given), here
 
-    async def show(self, frame: Frame) -> None:
-        """Answer the question at a tick; while the game runs, only with the first level."""
-        question = _Question(self.robot, tuple(self._steps), frame)
-        if not question.is_like(self._shown):
-            self._depth = _FIRST_DEPTH
-
-        def report() -> None:
-            what = f"taking the rules of {question.asked.predicate} apart"
-            self._say_instead(question, progress(what, self.pending.seconds))
-
-        if self._session.game is None:
-            self._say_instead(question, NO_PROGRAM)
-            return
-        try:
-            inquiry, program = self._questions.about()
-            why = inquiry.why(program, question.robot, frame, question.asked)
-            found = await self.pending.run(why, report)
-            if self._session.running:
-                self._show(question, found, _proving(found))
-                self._name_way(question, Content.styled("a pause unfolds it", INK.dim))
-            else:
-                await self._prove(question, found)
-                await self._suggest(question, found)
-        except Superseded:
-            return
-        except Cancelled:
-            self._say_instead(question, f"Stopped after {self.pending.seconds:.1f} s.")
-        except QueryError as error:
-            self._say_instead(question, str(error))
-
     async def _prove(self, question: _Question, found: Explanation) -> None:
         """Show the first level of a proof until it is as deep as there is room for.
 
         It is as deep as possible after the player has expanded what it ended with.
         """
+        trouble = ""
 
-        def report() -> None:
+        def say(words: Content | str) -> None:
+            nonlocal trouble
+            trouble = words if isinstance(words, str) else ""
             if self._answered is not question:
                 self._show(question, found, _proving(found))
-            self._name_way(question, progress("unfolding", self.pending.seconds))
+            self._name_way(question, words)
 
-        robot, asked, frame = question.robot, question.asked, question.frame
-        trouble = ""
         self._is_proving = True
         try:
             for depth in (self._depth, _DEPTH):
-                work = self._proof(robot, frame, asked, depth)
-                proof = await self.pending.run(work, report)
+                work = partial(self._proof, question, question.asked, depth)
+                proof = await self.answer(work, lambda: "unfolding", say)
+                if proof is None:  # calls are then proved one by one, as they are expanded
+                    say(trouble)
+                    return
                 self._show(question, proof.explanation, proof.nodes)
                 if not (proof.is_cut and self.view.has_room_for_proofs):
-                    break
+                    return
                 self._depth = _DEPTH
-        except Cancelled:
-            trouble = f"stopped after {self.pending.seconds:.1f} s"
-        except QueryError as error:
-            trouble = str(error)
-        except Superseded:
-            pass  # calls are then proved one by one, as they are expanded
         finally:
             self._is_proving = False
-        if self._answered is not question:
-            self._show(question, found, _proving(found))
-        self._name_way(question, Content.styled(one_line(trouble), INK.warn))
 
     async def _suggest(self, question: _Question, found: Explanation) -> None:
         if found.row is not None or self._answered is not question:
@@ -194,7 +184,10 @@ class WhyPage(Page):
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
-            nodes = (_suggestion(line, each) for line, each in misses)
+            nodes = (
+                Node("note", each.text, f"rule in line {rule}", span=each.span)
+                for rule, each in misses
+            )
             said = "This change" if len(misses) == 1 else "Each of these changes"
             head = Node("note", f"{said} would give a row", children=tuple(nodes))
             self._show_nodes(question, (*self._roots, head), ())
@@ -219,7 +212,7 @@ class WhyPage(Page):
         self._name_way(question)
         self.view.show(roots, rest, anew=anew, has_way_back=len(question.steps) > 1)
 
-    def _name_way(self, question: _Question, more: Content | None = None) -> None:
+    def _name_way(self, question: _Question, more: Content | str = "") -> None:
         names = [
             f"{step.predicate}({_arguments(step)})" if step.given else step.predicate
             for step in question.steps
@@ -228,11 +221,12 @@ class WhyPage(Page):
             (f"{one_line(question.robot)}: ", INK.robot), (one_line(names[-1]), INK.title)
         )
         if more:
-            way = way.append("  ").append(more)
+            words = more if isinstance(more, Content) else Content.styled(one_line(more), INK.warn)
+            way = way.append("  ").append(words)
         if len(names) > 1:
             before = " ← ".join(map(one_line, reversed(names[:-1])))
             way = way.append(Content.styled(f"  ← {before}", INK.faint))
-        self._way.update(way, layout=False)
+        self.caption(way)
 
     def _back(self) -> None:
         if len(self._steps) > 1:
@@ -260,13 +254,14 @@ class WhyPage(Page):
             finally:
                 del self._lacking[:1]
 
-    async def _proof(self, robot: str, frame: Frame, asked: Ask, depth: int = _DEPTH) -> Proof:
-        inquiry, program = self._questions.about()
-        return await inquiry.proof(program, robot, frame, asked, depth=depth)
+    async def _proof(
+        self, question: _Question, asked: Ask, depth: int, inquiry: Inquiry, program: Program
+    ) -> Proof:
+        return await inquiry.proof(program, question.robot, question.frame, asked, depth=depth)
 
     async def _proved(self, question: _Question, asked: Ask) -> Sequence[Node]:
         try:
-            proof = await self._proof(question.robot, question.frame, asked)
+            proof = await self._proof(question, asked, _DEPTH, *self._questions.about())
         except QueryError as error:
             return (Node("note", str(error)),)
         return proof.nodes
@@ -286,10 +281,6 @@ def _is_short(node: Node) -> bool:
     return all(len(spell(value, _LONGEST_VALUE)) <= _LONGEST_VALUE for value in node.values)
 
 
-def _suggestion(rule: int, each: Suggestion) -> Node:
-    return Node("note", each.text, f"rule in line {rule}", span=each.span)
-
-
 def _proving(found: Explanation) -> Sequence[Node]:
     """Return the rule that derives the row, or all rules if none does."""
     if found.row is None:
@@ -305,3 +296,95 @@ def _others(found: Explanation) -> Sequence[Node]:
 
 def _arguments(asked: Ask) -> str:
     return ", ".join(clip(format_value(value), _LONGEST_ARGUMENT) for value in asked.given.values())
+
+
+def _traced_in_proof(view: WhyView, question: Ask, robot: str, tick: int) -> Traced | None:
+    """The value under the cursor of a proof: of a column, a call, an expression or a variable."""
+    if not view.path:
+        return None
+    node, *above = view.path
+    rule = next((n for n, each in enumerate(above) if each.kind == "rule"), None)
+    if rule is None:
+        return None
+    asked = next((each.asked for each in above[rule:] if each.asked is not None), question)
+    if node.kind == "read" and above[0].text.startswith("Memory("):
+        return _memory_read(node.text, above[0].robot or robot, tick)
+    if node.kind in ("column", "aggregate") and node.asked is None and above[0].kind == "rule":
+        column = node.text.split(":")[0]
+        if asked.predicate == "Robot" and column == "memory":
+            return Traced(robot, Subject(), tick)
+        return Traced(robot, Subject(asked, column), tick)
+    if len(node.values) != 1:
+        return None
+    (value,) = node.values
+    if node.span is not None:
+        return Traced(robot, Subject(asked, "", span=node.span, value=value), tick)
+    if node.kind == "value":
+        return Traced(robot, Subject(asked, "", variable=node.text, value=value), tick)
+    return None
+
+
+def _memory_read(text: str, robot: str, tick: int) -> Traced | None:
+    try:
+        path = read_part(text)[1]
+    except ValueError:
+        return None
+    return Traced(robot, Subject(path=path), max(0, tick - 1))
+
+
+def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
+    """The robot or ray that a proof's node is about; of equal rays, that of `robot`."""
+    if node.robot:
+        return Highlight(node.robot)
+    if node.ray is None or len(node.values) > 1:
+        return None
+    value = node.values[0]
+    assert isinstance(value, Mapping)
+    for row in sorted(frame.sensors, key=lambda row: row["robot_name"] != robot):
+        for ray in row["sensor"]["radar"]:
+            # SQLite may change the last digits of an angle.
+            if isclose(node.ray, ray["angle"], abs_tol=1e-9) and value == {
+                **ray,
+                "angle": node.ray,
+            }:
+                return Highlight(row["robot_name"], ray["angle"])
+    return None
+
+
+class ValuesPrompt(Prompt[Ask]):
+    """Returns a question with other values; the one in `column` is selected at first."""
+
+    DEFAULT_CSS = """
+    ValuesPrompt > #box { max-width: 100; }
+    """
+
+    keys = "enter ask why   esc close"
+
+    def __init__(self, program: Program, asked: Ask, column: str) -> None:
+        super().__init__("Why, or why not, with these values?", spell_call(asked))
+        self._program, self._within = program, asked.within
+        self._line.select_on_focus = False
+        value = spell(asked.given[column]) if column in asked.given else ""
+        start = self._line.value.find(value, len(asked.predicate)) if value else -1
+        if start >= 0:
+            self._line.selection = Selection(start, start + len(value))
+
+    def take(self, text: str) -> None:
+        from logical_robots_tui.explain.why.explainer import read_ask  # which loads much
+
+        async def read() -> None:
+            try:
+                found = await asyncio.to_thread(read_ask, self._program, text, self._within)
+            except ProgramError as error:
+                first = error.diagnostics[0]
+                self.complain(f"{first.message[:1].upper()}{first.message[1:]}. {first.hint}")
+            except QueryError as error:
+                self.complain(str(error))
+            else:
+                self.dismiss(found)
+
+        in_background(self, read, "question", exclusive=True)
+
+    def forget(self) -> None:
+        self.workers.cancel_group(self, "question")
+        self.complain("")

@@ -61,22 +61,12 @@ class WhyView(CursorView):
         return self.line.node if self.line is not None else None
 
     @property
-    def above(self) -> list[Node]:
-        """The nodes above the cursor's, the nearest first."""
-        found, at = [], self._at
-        while self.lines and (parent := self._tree.parent(at)) is not None:
-            found.append(self.lines[parent].node)
-            at = parent
-        return found
-
-    @property
-    def questions_above(self) -> Sequence[Ask]:
-        """The question of the line under the cursor, then those of the lines that it is below."""
-        found: list[Ask] = []
+    def path(self) -> Sequence[Node]:
+        """The node under the cursor, then those above it, the nearest first."""
+        found: list[Node] = []
         at: int | None = self._at if self.lines else None
         while at is not None:
-            if (asked := self.lines[at].node.asked) is not None:
-                found.append(asked)
+            found.append(self.lines[at].node)
             at = self._tree.parent(at)
         return found
 

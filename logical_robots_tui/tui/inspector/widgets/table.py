@@ -6,7 +6,8 @@ import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rich.cells import cell_len, set_cell_size
@@ -173,6 +174,9 @@ class ValueTable(ScrollView, can_focus=True):
     class Pointed(Message):
         """The cursor is on another value, or the value under it has been replaced."""
 
+    class Rearranged(Message):
+        """The player has filtered, sorted or transposed the rows."""
+
     def __init__(self, id: str = "rows") -> None:  # noqa: A002 - the name that widgets have
         super().__init__(id=id)
         self.all = Rows((), ())
@@ -225,6 +229,27 @@ class ValueTable(ScrollView, can_focus=True):
     def rearrange(self, how: RowOrder) -> None:
         self.how = how
         self._arrange()
+        self.post_message(self.Rearranged())
+
+    def toggle_robot(self, robot: str) -> None:
+        """Show only the rows of a robot, or all again."""
+        self.rearrange(replace(self.how, robot="" if self.how.robot else robot))
+
+    def transpose(self) -> None:
+        self.rearrange(replace(self.how, sideways=not self.how.sideways))
+
+    def sort(self) -> None:
+        """Sort by the cursor's column: ascending, then descending, then not at all."""
+        how, column = self.how, self.column
+        if how.sideways or not column:
+            message = "Put the cursor on a column of a table that is not transposed."
+            self.notify(message, markup=False)
+        elif how.sort != column:
+            self.rearrange(replace(how, sort=column, descending=False))
+        elif not how.descending:
+            self.rearrange(replace(how, descending=True))
+        else:
+            self.rearrange(replace(how, sort="", descending=False))
 
     def _arrange(self) -> None:
         self.shown = arrange(self.all, self.how)
@@ -241,14 +266,9 @@ class ValueTable(ScrollView, can_focus=True):
 
     def on_click(self, event: events.Click) -> None:
         row = event.y + self.scroll_offset.y - 1
-        x, column = event.x + self.scroll_offset.x, 0
-        for number, width in enumerate(self._widths):
-            if x < width + _GAP:
-                column = number
-                break
-            x -= width + _GAP
-        else:
-            column = len(self._widths) - 1
+        ends = accumulate(width + _GAP for width in self._widths)
+        x = event.x + self.scroll_offset.x
+        column = next((number for number, end in enumerate(ends) if x < end), len(self._widths) - 1)
         self._at = (row, column)
         self.action_go(0, 0)
 

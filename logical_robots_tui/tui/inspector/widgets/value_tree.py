@@ -70,7 +70,7 @@ class ValueTree(Dialog[None]):
         self,
         title: str,
         branches: Sequence[Branch],
-        pin: Callable[[Pin], bool],
+        pin: Callable[[Pin], None],
         follow: Callable[[Pin], bool],
     ) -> None:
         super().__init__(title)
@@ -99,9 +99,8 @@ class ValueTree(Dialog[None]):
         pin = self._pointed
         if pin is None:
             self.notify("Only a value of a predicate can be pinned.", markup=False)
-            return
-        words = "Pinned" if self._pin(pin) else "No longer pinned"
-        self.notify(f"{words}: {one_line(pin.words)}.", markup=False, timeout=4)
+        else:
+            self._pin(pin)
 
     def action_origin(self) -> None:
         pin = self._pointed

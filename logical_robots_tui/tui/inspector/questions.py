@@ -1,0 +1,205 @@
+"""Questions about the robots' program: to whom they go, and how one waits for an answer."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from textual.content import Content
+
+from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
+from logical_robots_tui.mind import QueryError, Table
+from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import one_line
+from logical_robots_tui.world import Level
+
+if TYPE_CHECKING:
+    from logical_robots_tui.clock import Clock
+    from logical_robots_tui.game import Game, Inquiry
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.player.session import Session
+
+T = TypeVar("T")
+
+NO_PROGRAM = "There is no program to query yet."
+
+MOST_ROBOTS = 100
+"""With more robots, replaying a past tick would hold up the screen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """The rows of every predicate at a tick, or why there are none, and at the tick before."""
+
+    program: Program
+    frame: Frame
+    tables: dict[str, Table | QueryError]
+    before: dict[str, Table | QueryError]
+
+    def count(self, predicate: str) -> str:
+        table = self.tables.get(predicate)
+        if not isinstance(table, Table):
+            return "" if table is None else "!"
+        return f"{len(table.rows)}{'+' if table.truncated else ''}"
+
+    def differs(self, predicate: str) -> bool:
+        now, before = self.tables.get(predicate), self.before.get(predicate)
+        return isinstance(now, Table) and isinstance(before, Table) and now != before
+
+
+class Questions:
+    """Queries the robots' program; raises `Superseded` without one or after newer ones."""
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.chosen: str | None = None
+        """The robot that the player chose last, of this level or an earlier one."""
+        self._level: Level | None = None
+        self._asked: Inquiry | None = None
+        self._surveyed: Survey | None = None
+
+    @property
+    def program(self) -> Program:
+        """The program that the robots think with, or raise Superseded if there is none yet."""
+        if self.session.game is None:
+            raise Superseded
+        return self.session.game.program
+
+    @property
+    def robot(self) -> str:
+        """The robot to ask about."""
+        names = [robot.name for robot in self.session.level.robots]
+        return self.chosen if self.chosen in names else names[0]
+
+    @property
+    def course(self) -> tuple[Game, int] | None:
+        """Equal as long as the ticks of the history are not replaced by others."""
+        game = self.session.game
+        return None if game is None else (game, game.history.turns)
+
+    def about(self) -> tuple[Inquiry, Program]:
+        return self._inquiry(), self.program
+
+    def is_by_another_program(self, tick: int) -> bool:
+        history, program = self.session.history, self.session.program
+        decided = history.program_at(tick) if history else None
+        return bool(decided and program and decided.texts != program.texts)
+
+    def is_function(self, name: str) -> bool:
+        known = (each for each in self.session.predicates if each.name == name)
+        return any(each.kind == "program" and each.is_function for each in known)
+
+    async def rows(self, predicate: str, robot: str, frame: Frame) -> Table:
+        """A predicate's rows, or a function's calls for a robot, or raise QueryError."""
+        if self.is_function(predicate):
+            return await self._inquiry().calls(self.program, robot, frame, predicate)
+        game = self.session.game
+        if game is None:
+            raise Superseded
+        return await game.query(predicate, frame)
+
+    async def survey(self, frame: Frame) -> Survey:
+        program, last = self.program, self._surveyed
+        if known := self.surveyed(frame):
+            return known
+        inquiry = self._inquiry()
+        before: dict[str, Table | QueryError] = {}
+        earlier = self._frame_before(frame)
+        if last is not None and last.program is program and last.frame is earlier:
+            before = last.tables
+        elif earlier is not None:
+            before = await inquiry.survey(program, earlier)
+        tables = await inquiry.survey(program, frame)
+        self._surveyed = Survey(program, frame, tables, before)
+        return self._surveyed
+
+    def surveyed(self, frame: Frame) -> Survey | None:
+        """Return the survey of a frame if it is known; never computes one."""
+        last, game = self._surveyed, self.session.game
+        if last is None or game is None:
+            return None
+        return last if last.frame is frame and last.program is game.program else None
+
+    async def close(self) -> None:
+        inquiry, self._asked = self._asked, None
+        if inquiry is not None:
+            await inquiry.close()
+
+    def _inquiry(self) -> Inquiry:
+        from logical_robots_tui.game import Inquiry
+
+        level = self.session.level
+        seen_alike = self._level is not None and self._level.visibility == level.visibility
+        if self._asked is None or not seen_alike:
+            old, self._level = self._asked, level
+            if old is not None:
+                self.session.release(old.close)
+            self._asked = Inquiry(self._level)
+            self._surveyed = None
+        return self._asked
+
+    def _frame_before(self, frame: Frame) -> Frame | None:
+        game = self.session.game
+        if game is None or frame.tick == 0 or len(frame.sensors) > MOST_ROBOTS:
+            return None
+        if self._surveyed is not None and self._surveyed.frame.after is frame.before:
+            return self._surveyed.frame
+        try:
+            return game.frame_at(frame.tick - 1)
+        except NoSuchTickError:
+            return None
+
+
+_INTERVAL = 0.1  # seconds between two steps of the spinner; quicker queries show none
+_SPINNER = "▖▘▝▗"
+
+
+class Cancelled(Exception):  # noqa: N818 - the player's wish, and no error
+    """The player has cancelled the query."""
+
+
+class BackgroundQuery:
+    """Waits for one answer at a time; `seconds` is how long the last query ran so far."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self.seconds = 0.0
+        self._task: asyncio.Future[Any] | None = None
+
+    @property
+    def is_long(self) -> bool:
+        """Whether a query has been running long enough to show its progress."""
+        return self._task is not None and self.seconds > 0
+
+    async def run(self, work: Coroutine[Any, Any, T], report: Callable[[], None]) -> T:
+        """Run a query, reporting ten times a second; raise Cancelled after `cancel`."""
+        task = asyncio.ensure_future(work)
+        self._task, self.seconds = task, 0.0
+        began = self._clock.now()
+        try:
+            while not (await asyncio.wait({task}, timeout=_INTERVAL))[0]:
+                self.seconds = self._clock.now() - began
+                report()
+            if task.cancelled():
+                raise Cancelled
+            return task.result()
+        finally:
+            task.cancel()
+            if self._task is task:
+                self._task = None
+
+    def cancel(self) -> None:
+        if self._task is not None:
+            self._task.cancel()
+
+
+def progress(what: str, seconds: float) -> Content:
+    spin = _SPINNER[int(seconds / _INTERVAL) % len(_SPINNER)]
+    return Content.assemble(
+        (f"{spin} ", INK.key),
+        (one_line(what), INK.text),
+        (f"  {seconds:.1f} s", INK.number),
+        ("  esc here stops it", INK.dim),
+    )
