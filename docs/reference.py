@@ -1,4 +1,4 @@
-"""Write the tables of functions, fields and settings: ``python -m docs.reference``."""
+"""Write the tables of functions, fields, settings and commands: ``python -m docs.reference``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.cli.plain import table
 from logical_robots_tui.language.reference import REFERENCE
 from logical_robots_tui.player.settings import rows
 from logical_robots_tui.schema import tables
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 TARGET = Path(__file__).with_name("reference.md")
 PROGRAMS = TARGET.with_name("programs.md")
 SETTINGS = TARGET.with_name("settings.md")
+COMMANDS = TARGET.with_name("commands.md")
 HEAD = """\
 # Functions
 
@@ -40,7 +42,12 @@ def settings() -> str:
     return _filled(SETTINGS, "settings", _settings())
 
 
-PAGES = {TARGET: page, PROGRAMS: programs, SETTINGS: settings}
+def commands() -> str:
+    """The page on the command line, with the table of what is typed in plain text."""
+    return _filled(COMMANDS, "typed commands", table())
+
+
+PAGES = {TARGET: page, PROGRAMS: programs, SETTINGS: settings, COMMANDS: commands}
 
 
 def _filled(page: Path, mark: str, lines: Iterable[str]) -> str:

@@ -59,6 +59,8 @@ def main() -> int:
 def _opens_screen(words: list[str]) -> bool:
     if {"--plain", "-h", "--help", "--version"} & {*words} or not os.isatty(0):
         return False
+    if os.environ.get("SSH_ORIGINAL_COMMAND") == "plain":
+        return False
     return words[:2] == ["replay", "play"] or not words or words[0].startswith(("-", "play"))
 
 

@@ -174,6 +174,13 @@ def harmless(text: str) -> str:
     return "".join(repr(c)[1:-1] if unicodedata.category(c) in _UNPRINTABLE else c for c in text)
 
 
+def say(*sentences: str) -> None:
+    """Print and flush, because a screen reader or another program waits for the line."""
+    for sentence in sentences:
+        for line in sentence.splitlines():
+            print(harmless(line), flush=True)
+
+
 def columns(rows: list[tuple[str, ...]]) -> list[str]:
     """Format rows as aligned columns, two spaces apart, with `harmless` cells."""
     clean = [tuple(harmless(cell) for cell in row) for row in rows]

@@ -28,6 +28,7 @@ from logical_robots_tui.processes.helper import collect_later
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.player.open_games import OpenGames
+    from logical_robots_tui.player.recorder import ProgressRecorder
 
 SIZES = ("small", "medium", "large")
 
@@ -51,6 +52,7 @@ def declare(commands: Commands) -> None:
     command.add_argument(
         "--plain",
         action="store_true",
+        default=os.environ.get("SSH_ORIGINAL_COMMAND") == "plain",
         help="play in lines of text: type commands, read one line per event",
     )
     add_data_dir(command)
@@ -102,21 +104,49 @@ def start(options: argparse.Namespace) -> int:
     options.data_dir = folder_of(options.data_dir, options.player)
     if options.daily is not None:
         _choose_daily(options)
-    if options.plain:
-        if options.restricted:
-            _restrict(options, "logical_robots_tui.cli.plain")
-        from logical_robots_tui.cli.plain import play_in_lines
+    home = f"logical_robots_tui.{'cli.plain' if options.plain else 'tui.app.app'}"
+    games = _restrict(options, home) if options.restricted else None
+    recorder = _recorder(options)
+    from logical_robots_tui.player.opening import open_game
+    from logical_robots_tui.player.session_state import Permissions
 
-        return play_in_lines(
-            options.level,
-            options.programs,
-            dict(options.teams),
-            options.data_dir,
-            start=options.start_number,
-            solutions=not options.no_solutions,
-        )
-    games = _restrict(options, "logical_robots_tui.tui.app.app") if options.restricted else None
-    return _play_on_screen(options, games)
+    opening = open_game(
+        recorder.progress,
+        options.data_dir,
+        options.level,
+        options.programs,
+        dict(options.teams),
+        start=options.start_number,
+        permissions=Permissions(
+            programs=not options.restricted,
+            clipboard=not options.restricted or options.allow_clipboard,
+        ),
+        games=games,
+    )
+    status: int = import_module(home).play(opening, recorder)
+    return status
+
+
+def play_replay(options: argparse.Namespace, replay: Replay) -> int:
+    """Open a replay on the screen; raise InputError if there is no terminal."""
+    _prepare_screen()
+    from logical_robots_tui.player.opening import open_replay
+    from logical_robots_tui.tui.app.app import play
+
+    options.data_dir = folder_of(options.data_dir)
+    return play(open_replay(replay, options.data_dir), _recorder(options))
+
+
+def _recorder(options: argparse.Namespace) -> ProgressRecorder:
+    """Open the player's record, and hide solutions if that is wanted."""
+    from logical_robots_tui.game.source import hide_solutions
+    from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.progress import FILE_NAME
+
+    recorder = ProgressRecorder(options.data_dir / FILE_NAME)
+    if options.no_solutions:
+        hide_solutions(recorder.progress)
+    return recorder
 
 
 def _choose_daily(options: argparse.Namespace) -> None:
@@ -171,35 +201,6 @@ def _prepare_screen() -> None:
     # Text about a tick appears at most this long after its picture; Textual's default is 60.
     os.environ.setdefault("TEXTUAL_FPS", "120")
     collect_later()  # after the first picture
-
-
-def _play_on_screen(options: argparse.Namespace, games: OpenGames | None) -> int:
-    from logical_robots_tui.player.session_state import Permissions
-    from logical_robots_tui.tui.app.app import play
-
-    free = not options.restricted
-    permissions = Permissions(
-        programs=free, clipboard=free or options.allow_clipboard, solutions=not options.no_solutions
-    )
-    return play(
-        options.level,
-        options.programs,
-        options.data_dir,
-        permissions,
-        teams=dict(options.teams),
-        start=options.start_number,
-        games=games,
-    )
-
-
-def play_replay(options: argparse.Namespace, replay: Replay) -> int:
-    """Open a replay on the screen; raise InputError if there is no terminal."""
-    _prepare_screen()
-    from logical_robots_tui.player.session_state import Permissions
-    from logical_robots_tui.tui.app.app import play
-
-    permissions = Permissions(solutions=not options.no_solutions)
-    return play(None, (), folder_of(options.data_dir), permissions, replay=replay)
 
 
 def _day(text: str) -> date:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from logical_robots_tui.game.source import reference_names, shipped_texts
 from logical_robots_tui.paths import shipped_folder
-from logical_robots_tui.progress import Measures, Progress
+from logical_robots_tui.progress import Bests, Measures, Progress
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
@@ -158,6 +158,10 @@ def keep_victory(progress: Progress, key: str, victory: Victory) -> None:
         progress.win(key, victory.program.text, victory.measures)
 
 
+def robustness_line(level: Level, measures: Measures) -> str:
+    return f"{level.title}: won from {measures.wins} of {measures.starts} shifted starts."
+
+
 def result_line(level: Level, measures: Measures) -> str:
     ticks, rules = count_of(measures.ticks, "tick"), count_of(measures.rules, "rule")
     line = f"Logical Robots · {level.title} · {ticks} · {rules}"
@@ -165,3 +169,14 @@ def result_line(level: Level, measures: Measures) -> str:
     if measures.wins is not None:
         line += f" · {measures.wins} of {measures.starts} starts"
     return line
+
+
+def brief(bests: Bests | Measures, width: int = 100) -> str:
+    if bests.ticks is None or bests.rules is None or bests.distance is None:
+        return ""
+    parts = [count_of(bests.ticks, "tick"), count_of(bests.rules, "rule")]
+    parts.append(f"{bests.distance:.0f} driven")
+    if bests.wins is not None:
+        parts.append(f"{bests.wins}/{bests.starts}")
+    told = (gap.join(parts) for gap in (" · ", "  "))
+    return next((each for each in told if len(each) <= width), " ".join(parts))

@@ -108,14 +108,16 @@ class Library:
 
     async def save(self) -> None:
         """Save the program in its own file."""
-        source = self._session.source
         try:
-            await asyncio.to_thread(save_program, source.path, self._program.text)
-            saved = await asyncio.to_thread(load_program, source.path)
+            await self.save_as(self._session.source.path)
         except InputError as error:
             self._ui.warn(str(error))
-        else:
-            self.saved(source, saved)
+
+    async def save_as(self, path: Path) -> None:
+        """Save the program in a file and continue with that, or raise InputError."""
+        former = self._session.source
+        await asyncio.to_thread(save_program, path, self._program.text)
+        self.saved(former, await asyncio.to_thread(load_program, path))
 
     def saved(self, former: Source, saved: Source) -> None:
         """Continue with a saved program, unless another one was opened meanwhile."""

@@ -113,7 +113,7 @@ class ProgressRecorder(SessionListener):
             self._write(lambda progress: progress.begin(key))
 
     def reveal(self, hints: int) -> None:
-        key = self._key
+        key, self.record = self._key, self.record._replace(hints=hints)
         self._write(lambda progress: progress.reveal(key, hints))
 
     def keep(self, *texts: str) -> None:
@@ -172,7 +172,8 @@ class ProgressRecorder(SessionListener):
         key = self._key
         record = await self.ask(lambda progress: progress.record(key))
         if key == self._key and record != self.record:
-            self.record = record
+            # What is revealed meanwhile is not hidden again.
+            self.record = record._replace(hints=max(record.hints, self.record.hints))
             self._changed()
 
     def _tell_news(self) -> None:

@@ -239,7 +239,6 @@ class Permissions(NamedTuple):
 
     programs: bool = True
     clipboard: bool = True
-    solutions: bool = True
 
 
 class Opening(NamedTuple):

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.cli.plain import COMMANDS
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.advancing import start_frame
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level
+from tests.cli.running import in_terminal
+from tests.cli.test_why import TWO_RULES
+from tests.short import AHEAD
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from tests.cli.running import Command, Told
+
+
+RUNS = "The robots will use it from the next tick.\n"
+STILL = AHEAD.splitlines()[0].replace("0.5", "0")
 
 
 @pytest.fixture
@@ -76,9 +85,12 @@ def test_events_are_told_in_lines(typed: TypedCommand, ahead: Path) -> None:
 
 def test_what_can_not_be_done_is_said(typed: TypedCommand, ahead: Path) -> None:
     typed.program = ahead
-    told = typed("jump", "step many", "back 3", "stop Nobody", "", "quit", "step").out
+    words = ("jump", "step many", "back 3", "stop Nobody", "stop (", "goto", "where 3", "", "quit")
+    told = typed(*words, "step").out
+    assert "Type goto N.\nType where.\n" in told
+    assert "Runs will stop" not in told
     assert "Unknown command jump. Type help for a list." in told
-    assert "many is not a number of ticks." in told
+    assert "many is not a number." in told
     assert "Tick 0." in told
     assert "Nobody" in told
     assert "Tick 1." not in told
@@ -117,7 +129,7 @@ def test_a_player_goes_on_with_the_last_program_in_the_last_level(
     assert "Type save and a name first." in told
     assert "wall-crawler is part of the game" in told
     kept = tmp_path / "data" / "programs" / "kept.l"
-    assert f"Saved as {kept}." in told
+    assert f"Saved as kept.\nEdit {kept}, then type apply." in told
     assert kept.read_text(encoding="utf-8") == program.read_text(encoding="utf-8")
     assert told.endswith("The robots will use it from the next tick.\n")
 
@@ -175,3 +187,174 @@ def test_where_nothing_can_be_kept_no_victory_is_said_to_be_kept(
     told = typed.play("run", options=(typed._level, ahead, *data)).out
     assert "The victory only counts until you leave" in told
     assert "is kept in your progress" not in told
+
+
+HOME = """\
+starter = "first-steps-starter"
+hints = ["It is not far.", "It is straight ahead."]
+lesson = "A rule with one case."
+further = "Be there in fewer ticks."
+"""
+
+
+@pytest.fixture
+def lesson(level: Path) -> Path:
+    """The short level with something to learn."""
+    level.write_text(HOME + level.read_text("utf-8"), "utf-8")
+    return level
+
+
+def test_every_command_is_in_the_help_and_no_other(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    told = typed("help").out
+    for command in COMMANDS:
+        assert f"\n{command.typed} " in told
+        assert command.help in told
+
+
+@pytest.mark.usefixtures("lesson")
+def test_a_player_learns_in_lines(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    told = typed("hint", "lesson", "hint", "hint", "run", "lesson", "results").out
+    assert told.count("Hint 1: It is not far.\n") == 1
+    assert "Hint 2: It is straight ahead.\nThere are no more.\nIt is not far.\n" in told
+    before, _, after = told.partition("Won after")
+    assert "A rule with one case." in before
+    assert "Be there in fewer ticks." not in before
+    assert "Be there in fewer ticks." in after
+    assert "Yours: " in after
+
+
+def test_hints_stay_revealed_and_a_level_without_texts_says_so(
+    typed: TypedCommand, ahead: Path, lesson: Path, tmp_path: Path
+) -> None:
+    data = ("--data-dir", tmp_path / "data")
+    typed.play("hint", options=(lesson, ahead, *data))
+    assert "Hint 2: It is straight" in typed.play("hint", options=(lesson, ahead, *data)).out
+    told = typed.play(
+        "level 13-high-ground", "lesson", "hint", "reset", options=(lesson, ahead, *data)
+    )
+    assert "High ground\n" in told.out
+
+
+def test_a_player_inspects_in_lines(typed: TypedCommand) -> None:
+    typed.program.write_text(TWO_RULES, "utf-8")
+    told = typed(
+        *("why", "step 3", "look", "why", "why Speed(9)", "why tree", "why Sped"),
+        *("ask Speed(30)", "ask Speed(", "origin", "origin desire.right_engine", "origin 1+"),
+        *("diagnose", "program", "robot Pip", "robot Pop"),
+    ).out
+    assert "Nobody has thought yet: run or step first." in told
+    assert "Around Pip:\nahead: wall at 40; 30° left: wall at 16; " in told
+    assert "\nahead: area Door at " in told
+    assert "Robot for Pip at tick 3\n+ line 2: " in told
+    assert "For more, type why tree or one of:\n  why Speed(41) == 1" in told
+    assert "Speed for Pip at tick 3\n- line 1: " in told
+    assert "sensor.forward_distance = 41" in told
+    assert "there is no predicate Sped." in told
+    assert "Line 1: this '(' is never closed." in told
+    assert '1. Pip\'s memory = "far"\n' in told
+    assert "1. Pip's desire.right_engine = 1\n" in told
+    assert "'1+' is not a part such as memory.plan" in told
+    assert "Ticks 1 to 3, not won." in told
+    assert "\n1: Speed(d) = 1 :- d > 20;\n2: Robot(" in told
+    assert "The robot is Pip.\nthere is no robot Pop. There is Pip." in told
+
+
+def test_a_program_is_edited_in_lines(typed: TypedCommand, ahead: Path, tmp_path: Path) -> None:
+    typed.program = ahead
+    told = typed("insert 1 # Mine.", "program", "apply", "save edited", "line 1", "apply").out
+    assert "Type apply, and the robots will use it.\n1: # Mine.\n2: Robot(" in told
+    assert told.count("The robots will use it from the next tick.") == 2
+    (file,) = (tmp_path / "home").rglob("edited.l")
+    assert file.read_text("utf-8") == f"# Mine.\n{ahead.read_text('utf-8')}"
+
+
+def test_a_mistake_is_told_once_and_the_robots_go_on(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    told = typed("line 1 Robot(", "apply", "step", "where").out
+    assert told.count("Line 1: ") == 1
+    assert "Tick 1.\nPip: at " in told
+    assert "There is no line 9" in typed("line 9 x").out
+
+
+def test_earlier_versions_and_the_starter_come_back(
+    typed: TypedCommand, ahead: Path, lesson: Path
+) -> None:
+    typed.program = ahead
+    starter = load_program("first-steps-starter").text.splitlines()[0]
+    told = typed("reset", "yes", "program", "versions", "versions 1", "program", "versions 77").out
+    assert "The starter program is back." in told
+    assert f"1: {starter}\n" in told
+    assert " #1: 3 lines\n" in told
+    assert f"The earlier version is back.\n{RUNS}1: {ahead.read_text('utf-8').splitlines()[0]}" in (
+        told
+    )
+    assert "There is no version 77." in told
+
+
+def test_a_player_goes_on_to_other_levels_and_programs(typed: TypedCommand, ahead: Path) -> None:
+    typed.program = ahead
+    told = typed(
+        "level 01-first-steps",
+        "next",
+        "look",
+        "level nowhere",
+        "level",
+        "open wall-crawler",
+        "step",
+    ).out
+    assert told.index("\nFirst steps\n") < told.index("\nOpen space\n") < told.index("Around Ada:")
+    assert 'There is no level called "nowhere".' in told
+    assert "03-the-long-hall: The long hall\n" in told
+    assert told.endswith(f"{RUNS}Tick 1.\n")
+
+
+def test_unsaved_text_is_offered_and_any_other_line_leaves_the_question_open(
+    typed: TypedCommand, ahead: Path, level: Path, tmp_path: Path
+) -> None:
+    options = (level, ahead, "--data-dir", tmp_path / "data")
+    typed.play("line 1 # Unfinished(", options=options)
+    told = typed.play("where", options=options).out
+    assert "Unsaved text. Continue with your unsaved text of “ahead” from" in told
+    assert (
+        "Type one of these. yes: Yes, continue; no: No, set it aside; show: Show it.\nPip" in told
+    )
+    told = typed.play("show", "yes", "program", options=options).out
+    assert told.count("# Unfinished(") == 2
+    assert typed.play("no", "program", options=options).out.count("# Unfinished(") == 0
+    assert "Unsaved text" not in typed.play("program", options=options).out
+
+
+def test_solutions_are_shown_to_those_who_insist(typed: TypedCommand) -> None:
+    options = ("01-first-steps",)
+    told = typed.play("solution", "no", "solution", "where", options=options).out
+    assert told.count("Do you want to see winning programs") == 2
+    assert "Unknown" not in told
+    assert told.endswith("Goal: Ada is not in yet.\n")
+    first = load_program("first-steps").text.splitlines()[0]
+    assert first in typed.play("solution", "yes", options=options).out
+
+
+def test_the_past_is_gone_to_and_another_future_switched_to(
+    typed: TypedCommand, ahead: Path
+) -> None:
+    typed.program = ahead
+    told = typed(
+        *("step 5", "goto 2", "where", "goto 77", "other", "line 1", "insert 1 " + STILL, "apply"),
+        *("step 2", "other", "step 1"),
+    ).out
+    assert "Tick 77 is not in history" in told
+    assert "There is no other future." in told
+    assert told.endswith("Tick 4.\nTick 4.\nTick 5.\n")
+
+
+def test_a_run_is_ended_by_an_interrupt_and_the_game_goes_on() -> None:
+    with in_terminal("play", "01-first-steps", "--plain") as terminal:
+        terminal.wait_for("Type help for the commands.")
+        terminal.send("run 100000\r")
+        terminal.wait_for("is blocked by a wall.")
+        terminal.send("\x03")
+        terminal.wait_for(lambda: re.search(r"Tick \d+\.$", terminal.text, re.MULTILINE))
+        terminal.send("quit\r")
+        assert terminal.finish() == 0

@@ -61,11 +61,13 @@ class School:
         with Terminal(ssh, size=size) as terminal:
             yield terminal
 
-    def ssh(self, *options: str, words: tuple[str, ...] = ()) -> subprocess.CompletedProcess[str]:
+    def ssh(
+        self, *options: str, words: tuple[str, ...] = (), typed: str = ""
+    ) -> subprocess.CompletedProcess[str]:
         """A client that wants something else."""
         return subprocess.run(
             [*self.server.client(*options, player=NAMES[0]), *words],
-            stdin=subprocess.DEVNULL,
+            input=typed,
             capture_output=True,
             text=True,
             check=False,
@@ -102,6 +104,24 @@ def test_each_player_has_the_game_and_a_folder_by_the_name_of_their_key(school: 
         ada.send("E")
         ada.wait_for("disabled here")
     assert {NAMES[0], NAMES[1]} <= {folder.name for folder in school.players.iterdir()}
+
+
+def test_a_player_learns_and_inspects_in_lines_of_text(school: School) -> None:
+    typed = "hint\nlook\nstep 3\nwhy\norigin\nask Robot\ndiagnose\nline 1 #\napply\nsave mine\nnext"
+    done = school.ssh(words=("plain",), typed=typed)
+    assert (done.returncode, done.stderr) == (0, "")
+    for words in (
+        *("First steps", "Hint 1: ", "ahead: ", "Robot for Ada at tick 3", "1. Ada's memory = "),
+        *(
+            "IN THE MIND OF",
+            "Ticks 1 to 3, not won.",
+            "will use it",
+            "Saved as mine.",
+            "Open space",
+        ),
+    ):
+        assert words in done.stdout
+    assert (school.players / NAMES[0] / "programs" / "mine.l").read_text().startswith("#\n")
 
 
 @pytest.mark.slow

@@ -106,10 +106,10 @@ def test_what_two_games_said_to_have_kept_is_kept(rounds: int, tmp_path: Path) -
         typed = "".join(f"save {{}}{number}x{i}\nstep\n" for i in range(30)) + "restart\nrun\n" * 5
         both = [[*play, "--data-dir", data]] * 2
         told = "".join(killed(both, chance, typed.replace("{}", "n")))
-        for path in map(Path, re.findall(r"Saved as (.*?)\. Change it", told)):
+        for path in map(Path, re.findall(r"Edit (.*?), then type apply", told)):
             assert path.read_text() == AHEAD
         progress = Progress(data / FILE_NAME, pytest.fail)
         state = progress.record(str(level)).state
         progress.close()
-        assert state == "won" or "victory is kept" not in told
+        assert state == "won" or "victory is saved" not in told
         assert state != "new" or "Tick 1." not in told

@@ -42,6 +42,7 @@ MUST_NOT_LOAD = {
     },
     "logical_robots_tui.tui.app.app": {CLI, LAB, f"{MIND}.sqlite"},
     f"{CLI}.play": {LAB, "msgspec", "multiprocessing"},
+    f"{CLI}.plain": {TUI, LAB, "logica", "sqlglot"} | SCREEN,
     f"{CLI}.lab": {LAB, WORLD, MIND, GAME, "msgspec", "multiprocessing"} | SCREEN | EXTRAS,
     **{
         f"{TUI}.{part}": {CLI, f"{TUI}.app.main_screen"} | SCREEN

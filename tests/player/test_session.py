@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import Program
+from logical_robots_tui.player.background import Background
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session import Session
@@ -31,31 +32,22 @@ if TYPE_CHECKING:
     from logical_robots_tui.editing.strokes import Point
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.victory import Victory
-    from logical_robots_tui.player.session_state import Work
     from logical_robots_tui.world import Level
 
 FAST = AHEAD.replace("0.5", "0.9")
 
 
-class Background(Dialogs):
+class Screen(Background, Dialogs):
     """Works on the event loop and keeps what is said."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.said: list[str] = []
-        self._tasks: dict[asyncio.Task[None], str] = {}
 
     def tell(self, message: str) -> None:
         self.said.append(message)
 
     warn = tell
-
-    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
-        for task, known in self._tasks.items():
-            if exclusive and known == group:
-                task.cancel()
-        task = asyncio.ensure_future(work())
-        self._tasks[task] = group
-        task.add_done_callback(self._tasks.pop)
 
     def show(self, dialog: object, closed: object = None) -> None:
         raise AssertionError(f"nothing is to be asked, not even {dialog}")
@@ -65,12 +57,6 @@ class Background(Dialogs):
 
     async def ask(self, dialog: object) -> Any:
         raise AssertionError(f"nothing is to be asked, not even {dialog}")
-
-    async def close(self) -> None:
-        tasks = list(self._tasks)
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 @dataclass
@@ -112,7 +98,7 @@ class Table:
     recorder: ProgressRecorder
     editing: LevelController
     chronicle: Chronicle
-    ui: Background
+    ui: Screen
     drafts: Drafts
     data_dir: Path
 
@@ -147,7 +133,7 @@ async def table(tmp_path: Path, text: str = AHEAD) -> AsyncIterator[Table]:
     file, program = tmp_path / "short.toml", tmp_path / "mine.l"
     file.write_text(LEVEL, "utf-8")
     program.write_text(text, "utf-8")
-    data_dir, ui, chronicle = tmp_path / "data", Background(), Chronicle()
+    data_dir, ui, chronicle = tmp_path / "data", Screen(), Chronicle()
     recorder, drafts = ProgressRecorder(data_dir / FILE_NAME), Drafts(data_dir / "drafts")
     session = Session(
         load_level(file),

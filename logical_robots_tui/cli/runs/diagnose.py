@@ -53,7 +53,7 @@ def start(options: argparse.Namespace) -> int:
     exit status: 0 no warnings, 1 warnings, 2 bad level or program
     """
     level, program = open_run(options)
-    printer = _Printer(is_silent=prefers_json(options))
+    printer = Printer(is_silent=prefers_json(options))
     found = asyncio.run(_diagnose(level, program, options.ticks, printer))
     if prefers_json(options):
         print(line_of_json(_data(found)))
@@ -62,7 +62,7 @@ def start(options: argparse.Namespace) -> int:
     return FOUND if any(each.severity == "warning" for each in found.findings) else NOTHING
 
 
-async def _diagnose(level: Level, program: Program, ticks: int, printer: _Printer) -> Diagnosis:
+async def _diagnose(level: Level, program: Program, ticks: int, printer: Printer) -> Diagnosis:
     from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
 
     async with run_shown(level, program, ticks) as (run, ran):
@@ -75,7 +75,7 @@ async def _diagnose(level: Level, program: Program, ticks: int, printer: _Printe
                 return printer.found  # interrupted
 
 
-class _Printer:
+class Printer:
     """Prints findings as soon as they are sure."""
 
     def __init__(self, *, is_silent: bool) -> None:

@@ -62,10 +62,10 @@ def start(options: argparse.Namespace) -> int:
     exit status: 0 found, 2 bad level, program, robot or value
     """
     level, program = open_run(options)
-    asked = read_row(program, options)
+    asked = read_row(program, options.predicate, dict(options.given), options.within)
     origin = asyncio.run(_search(level, program, asked, options))
     data = {"complete": origin.complete, "links": [*map(_data, origin.links)]}
-    show(options, data, _lines(origin))
+    show(options, data, origin_lines(origin))
     return 0
 
 
@@ -82,7 +82,7 @@ async def _search(
         return await origin_in_run(run, options.robot, subject, options.tick, show)
 
 
-def _lines(origin: Origin) -> Iterator[str]:
+def origin_lines(origin: Origin) -> Iterator[str]:
     from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
 
     for number, link in enumerate(origin.links):

@@ -90,15 +90,19 @@ def _query(options: argparse.Namespace) -> int:
         }
         print(line_of_json(data))
     elif table.rows:
-        rows = [tuple(cut(spell(value), WIDEST) for value in row) for row in table.rows]
-        head = table.columns
-        if has_minds:
-            head = ("IN THE MIND OF", *head)
-            rows = [(viewer, *row) for viewer, row in zip(table.viewers, rows, strict=True)]
-        print(*columns([head, *rows]), sep="\n")
+        print(*table_lines(table), sep="\n")
     else:
         print("No rows.", file=sys.stderr)
     return FOUND if table.rows else NOTHING
+
+
+def table_lines(table: Table) -> list[str]:
+    rows = [tuple(cut(spell(value), WIDEST) for value in row) for row in table.rows]
+    head = table.columns
+    if table.viewers:
+        head = ("IN THE MIND OF", *head)
+        rows = [(viewer, *row) for viewer, row in zip(table.viewers, rows, strict=True)]
+    return columns([head, *rows])
 
 
 async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:

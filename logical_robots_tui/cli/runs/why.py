@@ -6,9 +6,9 @@ import argparse
 import asyncio
 import shlex
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from logical_robots_tui.cli.command import Commands, cut, harmless, number_from
 from logical_robots_tui.cli.failure import ProgramFileError
@@ -18,6 +18,7 @@ from logical_robots_tui.values import Value, read_value, spell
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask, Explanation, Node
     from logical_robots_tui.explain.why.nearest import Suggestion
+    from logical_robots_tui.game import Frame, Inquiry
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world import Level
 
@@ -89,19 +90,21 @@ def start(options: argparse.Namespace) -> int:
     exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
     """
     level, program = open_run(options)
-    asked = read_row(program, options)
-    explanation, nodes, complete, nearest = asyncio.run(_explain(level, program, asked, options))
+    asked = read_row(program, options.predicate, dict(options.given), options.within)
+    answer = asyncio.run(_ask(level, program, asked, options))
     data = {
-        **_data(explanation, options.tick, program),
-        "tree": [_node(node, program) for node in nodes],
-        "nearest": [_suggestion(*each) for each in nearest],
+        **_data(answer.explanation, options.tick, program),
+        "tree": [_node(node, program) for node in answer.nodes],
+        "nearest": [_suggestion(*each) for each in answer.nearest],
     }
-    more = () if complete else ("", "This is not complete; a larger --depth shows more.")
-    show(options, data, (*_lines(explanation, nodes, program, options), *_nearest(nearest), *more))
-    return GAVE if explanation.rows else GAVE_NOT
+    more = () if answer.complete else ("", "This is not complete; a larger --depth shows more.")
+    show(options, data, (*answer_lines(answer, program, options.tick), *more))
+    return GAVE if answer.explanation.rows else GAVE_NOT
 
 
-def read_row(program: Program, options: argparse.Namespace) -> Ask:
+def read_row(
+    program: Program, predicate: str, given: Mapping[str, Value] = {}, within: str = ""
+) -> Ask:
     """Return the question; raise InputError, ProgramFileError or QueryError."""
     from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explainer import read_ask
@@ -109,66 +112,94 @@ def read_row(program: Program, options: argparse.Namespace) -> Ask:
     from logical_robots_tui.mind import ProgramError
 
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
-    name = options.predicate.partition("(")[0].strip()
+    name = predicate.partition("(")[0].strip()
     if program.predicate(name) is None:
         check_name("predicate", name, own)
-    if name == options.predicate:
-        decompose(program, name, options.within)  # refuses before the run
-        return Ask(name, dict(options.given), options.within)
+    if name == predicate:
+        decompose(program, name, within)  # refuses before the run
+        return Ask(name, given, within)
     try:
-        asked = read_ask(program, options.predicate, options.within)
+        asked = read_ask(program, predicate, within)
     except ProgramError as error:
         raise ProgramFileError("predicate", error) from error
-    return replace(asked, given={**asked.given, **dict(options.given)})
+    return replace(asked, given={**asked.given, **given})
 
 
-async def _explain(
-    level: Level, program: Program, asked: Ask, options: argparse.Namespace
-) -> tuple[Explanation, tuple[Node, ...], bool, list[tuple[int, Suggestion]]]:
-    """Return the explanation, the nodes, whether the depth suffices, and suggestions."""
+class Answer(NamedTuple):
+    """An explanation with its nodes, or those of the whole proof, whether they are complete.
+
+    `nearest` are suggestions with the lines of the rules.
+    """
+
+    explanation: Explanation
+    nodes: tuple[Node, ...]
+    is_tree: bool = False
+    complete: bool = True
+    nearest: Sequence[tuple[int, Suggestion]] = ()
+
+
+async def _ask(level: Level, program: Program, asked: Ask, options: argparse.Namespace) -> Answer:
     from logical_robots_tui.game import Inquiry
 
     inquiry = Inquiry(level)
-    robot = options.robot
     try:
         frame, _ = await asyncio.gather(
             frame_at(level, program, options.tick), inquiry.prepare(program, asked)
         )
-        if not options.tree:
-            explanation = await inquiry.why(program, robot, frame, asked)
-            nearest: list[tuple[int, Suggestion]] = []
-            if any(rule.rows == 0 for rule in explanation.rules):
-                nearest = await inquiry.nearest(program, robot, frame, asked)
-            return explanation, explanation.nodes, True, nearest
-        proof = await inquiry.proof(program, robot, frame, asked, depth=options.depth)
-        return proof.explanation, proof.nodes, not proof.is_cut, []
+        depth = options.depth if options.tree else 0
+        return await answer(inquiry, program, options.robot, frame, asked, depth)
     finally:
         await inquiry.close()
 
 
-def _lines(
-    explanation: Explanation,
-    nodes: Sequence[Node],
+async def answer(
+    inquiry: Inquiry, program: Program, robot: str, frame: Frame, asked: Ask, depth: int = 0
+) -> Answer:
+    """Explain a row, with a depth by its whole proof; raise QueryError."""
+    if depth:
+        proof = await inquiry.proof(program, robot, frame, asked, depth=depth)
+        return Answer(proof.explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
+    explanation = await inquiry.why(program, robot, frame, asked)
+    nearest: Sequence[tuple[int, Suggestion]] = ()
+    if any(rule.rows == 0 for rule in explanation.rules):
+        nearest = await inquiry.nearest(program, robot, frame, asked)
+    return Answer(explanation, explanation.nodes, nearest=nearest)
+
+
+def option_of(ask: Ask) -> str:
+    from logical_robots_tui.explain.why.spelling import spell_call
+
+    within = f" --within {ask.within}" if ask.within else ""
+    return f"--predicate {shlex.quote(spell_call(ask))}{within}"
+
+
+def answer_lines(
+    found: Answer,
     program: Program,
-    options: argparse.Namespace,
+    tick: int,
+    *,
+    more: str = "For more, add --tree",
+    command: Callable[[Ask], str] = option_of,
 ) -> Iterator[str]:
+    """Yield an answer in lines; `more` and `command` say how to see more of it."""
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
-    yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {options.tick}"
+    explanation = found.explanation
+    yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {tick}"
     if explanation.made_from:
         yield f"  is made from {explanation.made_from}; these are its rules"
-    lines = [line for node in nodes for line in node.walk()]
+    lines = [line for node in found.nodes for line in node.walk()]
     for depth, node in lines:
         yield _line(depth, node, wide)
-    if options.tree:
-        return
-    asked = (node.asked for _, node in lines if node.asked is not None)
-    deeper = dict.fromkeys(_deeper(ask, program) for ask in asked)
-    short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
-    if deeper:
-        yield from ("", f"For more, add --tree{' or one of:' if short else '.'}", *short)
+    if not found.is_tree:
+        asked = (_without_long_values(node.asked, program) for _, node in lines if node.asked)
+        deeper = dict.fromkeys(harmless(command(ask)) for ask in asked)
+        short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
+        if deeper:
+            yield from ("", f"{more}{' or one of:' if short else '.'}", *short)
+    yield from _nearest(found.nearest)
 
 
-def _nearest(found: list[tuple[int, Suggestion]]) -> Iterator[str]:
+def _nearest(found: Sequence[tuple[int, Suggestion]]) -> Iterator[str]:
     for rule in dict.fromkeys(line for line, _ in found):
         sentences = [each.text for line, each in found if line == rule]
         what = "This change" if len(sentences) == 1 else "Each of these changes"
@@ -186,16 +217,13 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
     }
 
 
-def _deeper(ask: Ask, program: Program) -> str:
-    """Return the options that ask a question, without long values that need not be given."""
-    from logical_robots_tui.explain.why.spelling import spell_call
-
+def _without_long_values(ask: Ask, program: Program) -> Ask:
+    """Return a question without long values that need not be given."""
     known = program.predicate(ask.predicate)
-    if known is not None and known.has_rows:
-        given = {c: v for c, v in ask.given.items() if len(spell(v, _LONGEST)) <= _LONGEST_VALUE}
-        ask = replace(ask, given=given)
-    within = f" --within {ask.within}" if ask.within else ""
-    return harmless(f"--predicate {shlex.quote(spell_call(ask))}{within}")
+    if known is None or not known.has_rows:
+        return ask
+    given = {c: v for c, v in ask.given.items() if len(spell(v, _LONGEST)) <= _LONGEST_VALUE}
+    return replace(ask, given=given)
 
 
 def _line(depth: int, node: Node, wide: int) -> str:

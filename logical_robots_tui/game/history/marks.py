@@ -8,6 +8,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from logical_robots_tui.wording import clip, one_line
+
 if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
     from logical_robots_tui.mind import Decision
@@ -20,6 +22,9 @@ MarkKind: TypeAlias = Literal[
 
 STUCK_AFTER = 100
 """Ticks in a row for which a robot that is stuck has been blocked."""
+
+ROUNDS = 3
+"""How often in a row a robot that goes round in circles has gone the same way."""
 
 MARK_KINDS: tuple[MarkKind, ...] = get_args(MarkKind)
 """All kinds, the rarest and so most significant first."""
@@ -34,6 +39,22 @@ class Mark(NamedTuple):
 
     kind: MarkKind
     names: tuple[str, ...] = ()
+
+
+_BLOCKED = f"stuck: blocked for {STUCK_AFTER} ticks."
+_AGAIN = f"in circles: {ROUNDS} times the same way."
+_TROUBLE: dict[MarkKind, tuple[str, str]] = {
+    "stuck": (f"is {_BLOCKED}", f"are {_BLOCKED}"),
+    "circling": (f"goes round {_AGAIN}", f"go round {_AGAIN}"),
+}
+"""What is said of one robot, and of several."""
+
+
+def trouble(mark: Mark) -> str:
+    """Return a sentence about robots that get nowhere, or ""."""
+    words = _TROUBLE.get(mark.kind)
+    names = clip(one_line(", ".join(mark.names)), 60)
+    return f"{names} {words[len(mark.names) > 1]}" if words is not None else ""
 
 
 def marks_of(
@@ -170,9 +191,6 @@ def _places(names: list[str], known: list[str]) -> list[int]:
         places.append(found[0])
     return [] if places == list(range(len(names))) else places
 
-
-ROUNDS = 3
-"""How often in a row a robot that goes round in circles has gone the same way."""
 
 _CELL = 10.0  # map units
 _SECTORS = 8  # of headings

@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from textual import events
@@ -16,10 +15,7 @@ from textual.errors import NoWidget
 from textual.geometry import Region, Size
 from textual.theme import Theme
 
-from logical_robots_tui.game.source import hide_solutions
-from logical_robots_tui.player.continuing import level_to_begin_with, programs_to_begin_with
-from logical_robots_tui.player.recorder import THEME, TOUR, ProgressRecorder
-from logical_robots_tui.player.session_state import Opening, Permissions
+from logical_robots_tui.player.recorder import THEME, ProgressRecorder
 from logical_robots_tui.player.settings import Settings, read_settings, settings_path
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
@@ -33,12 +29,9 @@ from logical_robots_tui.tui.terminal.diff_app import DiffApp
 from logical_robots_tui.tui.terminal.driver import LARGEST
 from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
-from logical_robots_tui.tui.timeline.replays import level_of, sources_of
-from logical_robots_tui.world import load_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.player.open_games import OpenGames
+    from logical_robots_tui.player.session_state import Opening
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end
@@ -198,9 +191,9 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
 
     def save_unsaved(self) -> None:
         """Write the drafts of all unsaved work, and a bookmark of the game's position."""
-        self.main.autosave.flush()
+        self.main.player.autosave.flush()
         self.main.editing.flush()
-        self.main.bookmark.flush()
+        self.main.player.bookmark.flush()
 
     def leave_soon(self) -> None:
         """Ask the app to exit; safe on any thread and in a signal handler."""
@@ -234,50 +227,13 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.notify(said, markup=False, timeout=_TWICE)
 
 
-def play(
-    level_name: str | None,
-    programs: Sequence[str],
-    data_dir: Path,
-    permissions: Permissions | None = None,
-    *,
-    teams: Mapping[str, str] | None = None,
-    start: int = 0,
-    replay: Replay | None = None,
-    games: OpenGames | None = None,
-) -> int:
+def play(opening: Opening, recorder: ProgressRecorder) -> int:
     """Open the game and return the exit status when the player leaves.
 
-    By default this is the level played last, with the player's last program. `programs` follow
-    the order of teams. Raises InputError if the level or a program can't be used; the terminal
-    is also restored after a bug.
+    The terminal is also restored after a bug.
     """
-    permissions = permissions or Permissions()
-    recorder = ProgressRecorder(data_dir / FILE_NAME)
-    progress = recorder.progress
-    if not permissions.solutions:
-        hide_solutions(progress)
-    own, text = data_dir / "programs", None
-    if replay is not None:
-        level, sources = level_of(replay), sources_of(replay, own)
-    else:
-        level = load_level(level_name) if level_name else level_to_begin_with(progress)
-        if start:
-            from logical_robots_tui.game.robustness import named_start_of
-
-            level = named_start_of(level, start)
-        sources, text = programs_to_begin_with(progress, level, programs, teams or {}, own)
-    opening = Opening(
-        level=level,
-        sources=sources,
-        data_dir=data_dir,
-        text=text,
-        welcome=not (level_name or replay) and progress.fact(TOUR) is None,
-        permissions=permissions,
-        replay=replay,
-        games=games,
-    )
     settings = read_settings(settings_path(), KeyMap(COMMANDS).read)
-    theme = progress.fact(THEME) or ""
+    theme = recorder.progress.fact(THEME) or ""
     app = LogicalRobotsApp(opening, recorder=recorder, settings=settings, theme=theme)
     app.suit_terminal()
     put_back = end_on_hangup(app.save_unsaved, app.leave_soon)

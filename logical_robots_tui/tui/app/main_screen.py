@@ -13,17 +13,14 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input, Static, TextArea
 
-from logical_robots_tui.game import Frame, level_key
-from logical_robots_tui.player.autosave import Autosave, UnsavedText, leave, program_draft
-from logical_robots_tui.player.drafts import Drafts
-from logical_robots_tui.player.library import Library
-from logical_robots_tui.player.recovery import Bookmark, Offering, OtherGames
-from logical_robots_tui.player.session import Session
+from logical_robots_tui.game import Frame
+from logical_robots_tui.player.autosave import leave
+from logical_robots_tui.player.player import Player
 from logical_robots_tui.player.session_state import Opening, SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
-from logical_robots_tui.tui.commands.keymap import KEY_MAP, command
+from logical_robots_tui.tui.commands.keymap import KEY_MAP, command, with_keys
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
@@ -78,15 +75,15 @@ class MainScreen(Screen[None], SessionListener):
         self.ui = ScreenUi(self)
         self.tell, self.warn, self.spawn = self.ui.tell, self.ui.warn, self.ui.spawn
         self.scheduler = FrameScheduler(self, self._draw, clock)
-        self.session = Session(
-            opening.level, opening.sources, self.spawn, self.scheduler.soon, clock
+        self.program = ProgramPane()
+        self.player = Player(
+            opening, recorder, self.ui, self.program, self.scheduler.soon, with_keys
         )
+        self.session, self.library = self.player.session, self.player.library
         self.scheduler.pace = self.session.pace
-        self._first_text = self.session.source.text if opening.text is None else opening.text
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
         self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
-        self.program = ProgramPane()
         self.inspector = InspectorPane(self.session, lambda: self.point_at(self.inspector))
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._edit_panel: EditPanel | None = None
@@ -98,19 +95,9 @@ class MainScreen(Screen[None], SessionListener):
     def _make_controllers(self) -> None:
         session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
         program, view = self.program, self.labyrinth.view
-        self.drafts = Drafts(data_dir / "drafts")
-        self.autosave = Autosave(
-            self.drafts,
-            state=lambda: UnsavedText(session.source, program.text, level_key(session.level)),
-            draft=program_draft,
-            failed=self.warn,
-            what="What you type",
-        )
-        library = self.library = Library(
-            session, ui, recorder, self.drafts, self.autosave, program, data_dir
-        )
+        library, drafts = self.library, self.player.drafts
         self.editing = LevelController(
-            session, ui, data_dir / "levels", self.drafts, library.open_level, self._show_editing
+            session, ui, data_dir / "levels", drafts, library.open_level, self._show_editing
         )
         self.library_controller = LibraryController(
             library,
@@ -122,11 +109,8 @@ class MainScreen(Screen[None], SessionListener):
             drawing=lambda: view.drawing,
             make_level=self.editing.make_level,
         )
-        self.bookmark = Bookmark(
-            session, self.drafts, ui, library.open_level, library.open_program, library.look_at
-        )
         self.offers = ScreenOffers(ui, lambda: self.is_active)
-        self.learning = LearningController(session, ui, recorder, program, library.open_program)
+        self.learning = LearningController(self.player.learning, session, ui, program)
         self.program_controller = ProgramController(
             program,
             session,
@@ -168,7 +152,7 @@ class MainScreen(Screen[None], SessionListener):
 
     def on_mount(self) -> None:
         """Paint at once; compile and look for drafts afterwards."""
-        self.program.editor.load_text(self._first_text)
+        self.program.editor.load_text(self.player.first_text)
         self.recorder.attach(self.ui, changed=self.scheduler.soon, measured=self.announcer.measured)
         self.set_focus(self.labyrinth)
         self.set_interval(_HEARTBEAT, self._beat)
@@ -183,25 +167,19 @@ class MainScreen(Screen[None], SessionListener):
 
     def _start(self) -> None:
         collect_seldom()
-        self.recorder.level_opened(self.session.opened)
-        self.session.apply(self._first_text)
+        self.player.start()
         if (replay := self._opening.replay) is not None:
             self.spawn(partial(self.replays.open, replay), "replay", exclusive=False)
         else:
-            offered: list[Offering] = [self.library, self.editing, self.bookmark]
-            if (games := self._opening.games) is not None:
-                offered.insert(0, OtherGames(games, self.ui))
+            offered = self.player.offerings(self.editing)
             self.spawn(partial(self.offers.make, *offered), "drafts", exclusive=False)
         self.spawn(self._watch.follow, "watch", exclusive=False)
         if self._opening.welcome:
             self.tour.begin()
 
     async def on_unmount(self) -> None:
-        self.autosave.stop()
         self.editing.close()
-        self.drafts.close()
-        await self.session.close()
-        await self.recorder.close()
+        await self.player.close()
 
     # -- for the parts -------------------------------------------------------------------------
 
@@ -210,7 +188,8 @@ class MainScreen(Screen[None], SessionListener):
         self.scheduler.soon()
 
     def quit(self) -> None:
-        leave(self.ui, self.app.exit, self.drafts, self.autosave.flush, self.editing.flush)
+        player = self.player
+        leave(self.ui, self.app.exit, player.drafts, player.autosave.flush, self.editing.flush)
 
     # -- drawing -------------------------------------------------------------------------------
 
@@ -301,7 +280,7 @@ class MainScreen(Screen[None], SessionListener):
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
-        self.autosave.edited()
+        self.player.autosave.edited()
         self.scheduler.soon()
 
     @on(Editor.Copied)

@@ -107,7 +107,7 @@ programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.sessi
 programs.add("versions", "Earlier versions", "v", lambda s: s.learning.choose_version(),
     "List your earlier programs for this level, and restore one.",
     bar="Versions", spare=8, worker="dialog")
-programs.add("reset", "Reset to the starter", "x", lambda s: s.learning.reset(),
+programs.add("reset", "Reset to the starter", "x", lambda s: s.player.learning.reset(),
     "Restore the level's starter program; yours is kept as an earlier version.", worker="dialog")
 
 learning: Group[MainScreen] = Group("Learning")

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import count_of
 from logical_robots_tui.world.level import SecondGoal
 
 if TYPE_CHECKING:
@@ -90,17 +89,6 @@ def _ink(text: str) -> Content:
     if _MINE in text:
         return Content.styled(text, f"bold {INK.key}")
     return Content.styled(text, INK.faint if text == "─" else INK.text)
-
-
-def brief(bests: Bests, width: int) -> str:
-    if bests.ticks is None or bests.rules is None or bests.distance is None:
-        return ""
-    parts = [count_of(bests.ticks, "tick"), count_of(bests.rules, "rule")]
-    parts.append(f"{bests.distance:.0f} driven")
-    if bests.wins is not None:
-        parts.append(f"{bests.wins}/{bests.starts}")
-    told = (gap.join(parts) for gap in (" · ", "  "))
-    return next((each for each in told if len(each) <= width), " ".join(parts))
 
 
 def _latest(label: str, latest: Measures, former: Bests, trial: Trial | None) -> Content:

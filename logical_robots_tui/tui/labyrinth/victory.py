@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.game.frame import is_match_over, standing_words
-from logical_robots_tui.game.history.marks import ROUNDS, STUCK_AFTER, MarkKind
+from logical_robots_tui.game.history.marks import trouble
+from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.wording import clip, one_line
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
@@ -18,14 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
-
-_BLOCKED = f"stuck: blocked for {STUCK_AFTER} ticks."
-_AGAIN = f"in circles: {ROUNDS} times the same way."
-_TROUBLE: dict[MarkKind, tuple[str, str]] = {
-    "stuck": (f"is {_BLOCKED}", f"are {_BLOCKED}"),
-    "circling": (f"goes round {_AGAIN}", f"go round {_AGAIN}"),
-}
-"""What is said of one robot, and of several."""
 
 
 class VictoryAnnouncer(SessionListener):
@@ -65,9 +58,8 @@ class VictoryAnnouncer(SessionListener):
         if is_match_over(level, frame.tick):
             self._tell(f"The match is over: {one_line(standing_words(level, frame.after))}.")
         for mark in history.marks.at(frame.tick):
-            if (words := _TROUBLE.get(mark.kind)) is not None:
-                names = clip(one_line(", ".join(mark.names)), 60)
-                self._tell(f"{names} {words[len(mark.names) > 1]}")
+            if words := trouble(mark):
+                self._tell(words)
 
     def _brief(self) -> None:
         self._tick = 0
@@ -90,8 +82,7 @@ class VictoryAnnouncer(SessionListener):
 
     def measured(self, level: Level, found: Measures, is_here: bool) -> None:
         if not (is_here and self._pane.banner.display):
-            title = one_line(level.title)
-            self._tell(f"{title}: won from {found.wins} of {found.starts} shifted starts.")
+            self._tell(one_line(robustness_line(level, found)))
 
     def _announce(self) -> None:
         victory, self._waiting = self._waiting, None

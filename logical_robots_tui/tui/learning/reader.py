@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from textual import events
 from textual.app import ComposeResult
@@ -16,6 +16,10 @@ from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX
 from logical_robots_tui.wording import one_line, visible
+
+if TYPE_CHECKING:
+    from logical_robots_tui.player.learning import Learning
+    from logical_robots_tui.world import Level
 
 
 class Reader(Dialog[None]):
@@ -82,22 +86,14 @@ class Hints(Dialog[None]):
 
     BINDINGS = [("h,enter,space", "more"), ("q", "leave")]
 
-    def __init__(
-        self, title: str, hints: Sequence[str], revealed: int, reveal: Callable[[int], None]
-    ) -> None:
-        super().__init__(f"Hints · {title}")
-        self._hints = hints
-        self._revealed = min(revealed, len(hints))
-        self._reveal = reveal
+    def __init__(self, level: Level, learning: Learning) -> None:
+        super().__init__(f"Hints · {level.title}")
+        self._of_all, self._learning = len(level.hints), learning
 
     def content_widgets(self) -> ComposeResult:
         with VerticalScroll():
             yield Static(id="hints")
         yield Static(id="more")
-
-    def on_mount(self) -> None:
-        if not self._revealed:
-            self.action_more()
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._write)
@@ -107,23 +103,22 @@ class Hints(Dialog[None]):
             self.action_more()
 
     def action_more(self) -> None:
-        if self._revealed < len(self._hints):
-            self._revealed += 1
-            self._reveal(self._revealed)
+        if self._learning.reveal_next():
             self._write()
             self.query_one(VerticalScroll).scroll_end(animate=False)
 
     def _write(self) -> None:
         width = max(self.query_one(VerticalScroll).scrollable_content_region.width, 20)
         lines: list[Content] = []
-        for number, hint in enumerate(self._hints[: self._revealed], start=1):
+        revealed = self._learning.revealed
+        for number, hint in enumerate(revealed, start=1):
             first, *rest = wrap(one_line(hint), max(width - 4, 1)) or [""]
             if lines:
                 lines.append(Content(""))
             lines.append(Content.assemble((f"{number:>2}. ", INK.key), (first, INK.text)))
             lines += [Content.styled(f"    {line}", INK.text) for line in rest]
         self.query_one("#hints", Static).update(Content("\n").join(lines))
-        left = len(self._hints) - self._revealed
+        left = self._of_all - len(revealed)
         self.query_one("#keys", Static).update(f"{'h next hint   ' if left else ''}esc close")
         self.query_one("#more", Static).update(
             Content(f"{left} more: press h for the next one." if left else "There are no more.")

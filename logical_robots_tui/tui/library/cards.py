@@ -18,12 +18,12 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from logical_robots_tui.game import Frame
+from logical_robots_tui.game.victory import brief
 from logical_robots_tui.progress import NEW, LevelRecord, State
 from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, Palette
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
-from logical_robots_tui.tui.labyrinth.results import brief
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, World, load_level

@@ -19,10 +19,11 @@ from textual.widgets.option_list import Option
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, list_programs, load_program
 from logical_robots_tui.paths import pasted_path, typed_path
+from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import clip, count_of, one_line, visible_lines
+from logical_robots_tui.wording import clip, one_line, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -227,30 +228,18 @@ class VersionShelf:
 
     def names(self) -> Sequence[str]:
         """Return the times of last use, the newest first."""
-        return [self._name(version) for version in self.versions]
+        return [*map(version_name, self.versions)]
 
     def card(self, name: str) -> Card:
         version = self.take(name)
-        return Card(_verdict(version), version.text)
+        return Card(version_result(version), version.text)
 
     def take(self, name_or_path: str) -> Version:
         """Return the version of that name; raises `InputError`."""
         for version in self.versions:
-            if self._name(version) == name_or_path:
+            if version_name(version) == name_or_path:
                 return version
         raise InputError("There is no such version.")
-
-    def _name(self, version: Version) -> str:
-        return f"{version.kept.astimezone():%d %b %H:%M} #{version.number}"
-
-
-def _verdict(version: Version) -> str:
-    lines = version.text.count("\n") + 1
-    measures = version.measures
-    if measures is None:
-        return "★ won" if version.won else count_of(lines, "line")
-    robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
-    return f"★ {count_of(measures.ticks, 'tick')}{robust}"
 
 
 def _first_comment(source: Source) -> str:

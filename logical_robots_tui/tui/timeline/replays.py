@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Sequence
 from datetime import datetime
 from functools import partial
@@ -11,10 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import Source, Superseded, compile_program, load_program
+from logical_robots_tui.game import Superseded, compile_program
 from logical_robots_tui.mind import ProgramError
-from logical_robots_tui.world import Level, LevelError, load_level
-from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game
@@ -22,40 +19,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.app.ui import Dialogs
-
-
-def level_of(replay: Replay) -> Level:
-    """Return a replay's first level; the shipped level if it is the same."""
-    level = replay.levels[0]
-    try:
-        shipped = load_level(replay.name)
-    except LevelError:
-        return level
-    return shipped if alike(shipped, level) else level
-
-
-def sources_of(replay: Replay, own: Path) -> dict[str, Source]:
-    """Return each team's last program ("" without teams), the player's or shipped if equal."""
-    name = re.sub(r"[^\w.-]+", "-", replay.texts[-1].name, flags=re.ASCII)[:40] or "replay"
-    texts = replay.programs[replay.texts[-1].tick]
-    if "" in texts:
-        teams = [team.name for team in replay.levels[-1].teams]
-        texts = dict.fromkeys(teams or [""], texts[""])
-    return {
-        team: _source_of(f"{name}-{team}" if team else name, part, own)
-        for team, part in texts.items()
-    }
-
-
-def _source_of(name: str, text: str, own: Path) -> Source:
-    try:
-        source = load_program(name, own)
-        if source.text == text:
-            return source
-        name += "-in-replay"
-    except InputError:
-        pass
-    return Source(name, text, own / f"{name}.l", shipped=False)
 
 
 class Replays:

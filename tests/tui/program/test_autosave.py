@@ -36,8 +36,13 @@ if TYPE_CHECKING:
 PLAY = """
 import sys
 from pathlib import Path
+from logical_robots_tui.player.opening import open_game
+from logical_robots_tui.player.recorder import ProgressRecorder
+from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.app import play
-sys.exit(play(sys.argv[1], [sys.argv[2]], Path(sys.argv[3])))
+data_dir = Path(sys.argv[3])
+recorder = ProgressRecorder(data_dir / FILE_NAME)
+sys.exit(play(open_game(recorder.progress, data_dir, sys.argv[1], [sys.argv[2]]), recorder))
 """
 
 
@@ -115,7 +120,7 @@ async def test_the_question_waits_until_no_dialog_lies_over_the_game(
             await game.until(lambda: isinstance(game.app.screen, Help))
         finally:
             hold.release()
-        await game.until(lambda: game.main.drafts._adopted)
+        await game.until(lambda: game.main.player.drafts._adopted)
         await game.ready()
         assert isinstance(game.app.screen, Help)
         await game.press("escape")

@@ -163,8 +163,8 @@ async def test_teams_with_one_file_have_texts_of_their_own(data_dir: Path) -> No
         game.editor.put(RED + "# theirs\n")
         game.main.select("Ada")
         assert game.editor.text == RED + "# mine\n"
-        game.main.autosave.flush()
-        kept = {draft.path[-5:]: draft.text for draft in game.main.drafts._mine.values()}
+        game.main.player.autosave.flush()
+        kept = {draft.path[-5:]: draft.text for draft in game.main.player.drafts._mine.values()}
         assert kept["=blue"] == RED + "# theirs\n"
         assert kept["m=red"] == RED + "# mine\n"
 

@@ -1,0 +1,139 @@
+"""Learning: hints, the lesson, the reference programs, and the player's earlier versions."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game import Source, load_program
+from logical_robots_tui.game.source import is_hidden, reference_names
+from logical_robots_tui.wording import count_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.session import Session
+    from logical_robots_tui.player.session_state import ProgramText, Ui
+    from logical_robots_tui.progress import Version
+
+
+def version_name(version: Version) -> str:
+    return f"{version.kept.astimezone():%d %b %H:%M} #{version.number}"
+
+
+def version_result(version: Version) -> str:
+    measures = version.measures
+    if measures is None:
+        return "★ won" if version.won else count_of(version.text.count("\n") + 1, "line")
+    robust = f", {measures.wins}/{measures.starts}" if measures.wins is not None else ""
+    return f"★ {count_of(measures.ticks, 'tick')}{robust}"
+
+
+class Learning:
+    """Decides what a player may read; tells the reason where there is nothing to read."""
+
+    def __init__(
+        self,
+        session: Session,
+        ui: Ui,
+        recorder: ProgressRecorder,
+        program: ProgramText,
+        open_program: Callable[[Source, str], None],
+        with_keys: Callable[[str], str],
+    ) -> None:
+        self._session, self._ui, self._recorder = session, ui, recorder
+        self._program, self._open_program = program, open_program
+        self._with_keys = with_keys
+
+    @property
+    def _has_won(self) -> bool:
+        return self._recorder.record.state == "won"
+
+    @property
+    def revealed(self) -> tuple[str, ...]:
+        """The hints that the player has seen."""
+        return self._session.level.hints[: self._recorder.record.hints]
+
+    def reveal_next(self) -> bool:
+        """Reveal another hint; return whether there was one."""
+        number = len(self.revealed) + 1
+        is_there = number <= len(self._session.level.hints)
+        if is_there:
+            self._recorder.reveal(number)
+        elif number == 1:
+            self._ui.tell("This level has no hints.")
+        return is_there
+
+    def lesson(self) -> str:
+        """Return the lesson as Markdown, after a victory with what to try next, or ""."""
+        level = self._session.level
+        further = f"## Further\n\n{level.further}" if level.further and self._has_won else ""
+        text = "\n\n".join(filter(None, (level.lesson, further)))
+        if not text:
+            self._ui.tell("This level has no lesson.")
+        return text
+
+    async def solution(self) -> str:
+        """Return the texts of the reference programs, the solution first, or ""; may ask first."""
+        solution = self._session.level.solution
+        if not solution:
+            self._ui.tell("This level has no reference program.")
+            return ""
+        if await asyncio.to_thread(is_hidden, solution):
+            self._ui.tell("You can read the reference programs when you have won this level.")
+            return ""
+        answers = [("no", "No, I'll keep trying"), ("yes", "Yes, show it")]
+        question = self._with_keys(
+            "Do you want to see winning programs before you have won? "
+            "A hint ({hint}) may be all you need."
+        )
+        asked = self._ui.choose
+        if not self._has_won and await asked("Reference programs", question, answers) != "yes":
+            return ""
+        names = await asyncio.to_thread(reference_names, solution)
+        try:
+            sources = [await asyncio.to_thread(load_program, name) for name in names]
+        except InputError as error:
+            self._ui.warn(str(error))
+            return ""
+        return "\n\n".join(source.text for source in sources)
+
+    async def versions(self) -> list[Version]:
+        """Return the player's programs for this level, last used first."""
+        versions = await self._recorder.versions()
+        if not versions:
+            self._ui.tell("No earlier versions yet. Each program that you apply becomes one.")
+        return versions
+
+    def restore(self, version: Version) -> None:
+        """Go back to an earlier version; the present text becomes one."""
+        if version.text != self._program.text:
+            self._recorder.keep(self._program.text, version.text)
+            self._program.put(version.text)
+            self._session.apply(version.text)
+            self._ui.tell("The earlier version is back.")
+
+    async def reset(self) -> None:
+        """Ask, and put the starter program back; the present text becomes an earlier version."""
+        level = self._session.level
+        if not level.starter:
+            self._ui.tell("This level has no starter program.")
+            return
+        try:
+            starter = await asyncio.to_thread(load_program, level.starter)
+        except InputError as error:
+            self._ui.warn(str(error))
+            return
+        if starter.text == self._program.text:
+            self._ui.tell("This is the starter program.")
+            return
+        answers = [("yes", "Yes, start over"), ("no", "No, keep mine")]
+        question = self._with_keys(
+            "Put the starter program back? Yours is kept among the earlier versions ({versions})."
+        )
+        if await self._ui.choose("Reset to the starter", question, answers) == "yes":
+            self._recorder.keep(self._program.text, starter.text)
+            self._open_program(starter, starter.text)
+            self._ui.tell("The starter program is back.")

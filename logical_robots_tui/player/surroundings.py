@@ -1,0 +1,84 @@
+"""What is around a robot, in words: by direction from its heading, and distance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from logical_robots_tui.schema import NO_OBJECT, SENSOR_RANGE, WALL
+from logical_robots_tui.wording import join_names
+from logical_robots_tui.world.sensing import Senses
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from logical_robots_tui.world import Level, WorldState
+    from logical_robots_tui.world.dynamics import AreaState
+    from logical_robots_tui.world.level import Area
+
+_STEP = 30  # degrees between two looks at walls
+_RADAR = 120  # degrees that the radar covers
+_MOST = 24  # things that are named
+
+
+def surroundings(level: Level, state: WorldState, robot_name: str) -> Iterator[str]:
+    """Yield what is ahead and around, then beacons, robots and areas, the nearest first.
+
+    Walls are as far as the forward ray would tell in that direction; what no radar would see from
+    there is said to be out of sight. Names are not escaped.
+    """
+    here = next(n for n, each in enumerate(state.robots) if each.name == robot_name)
+    me, senses, seen = state.robots[here], Senses(level), set()
+    walls = []
+    for turn in sorted(range(_STEP - 180, 181, _STEP), key=lambda each: (abs(each), -each)):
+        robots = list(state.robots)
+        robots[here] = replace(me, angle=me.angle - math.radians(turn))
+        sensor = senses.sense(robots, state.areas, state.tick)[0][here]["sensor"]
+        what, label = sensor["forward_object"], sensor["forward_label"]
+        name = label if what == WALL or label == NO_OBJECT else f"{what} {label}"
+        if what == NO_OBJECT:
+            walls.append(f"{_direction(turn)}: nothing within {SENSOR_RANGE}")
+        else:
+            walls.append(f"{_direction(turn)}: {name} at {sensor['forward_distance']}")
+        if turn % _RADAR == 0:
+            seen |= {(ray["object"], ray["label"]) for ray in sensor["radar"]}
+    yield "; ".join(walls) + "."
+    things = [
+        *(("beacon", beacon.name, beacon.x, beacon.y, "") for beacon in level.beacons),
+        *(("robot", each.name, each.x, each.y, "") for each in state.robots if each is not me),
+        *(
+            ("area", area.name, area.x, area.y, _words(area, now))
+            for area, now in zip(level.areas, state.areas, strict=True)
+        ),
+    ]
+    found = []
+    for kind, name, x, y, more in things:
+        distance = math.hypot(x - me.x, y - me.y)
+        bearing = math.degrees(me.angle - math.atan2(y - me.y, x - me.x))
+        if kind != "area" and (kind, name) not in seen:
+            more = ", out of sight"
+        found.append((distance, f"{_direction(bearing)}: {kind} {name} at {distance:.0f}{more}."))
+    found.sort()
+    yield from (words for _, words in found[:_MOST])
+    if (left := len(found) - _MOST) > 0:
+        yield f"{left} more are farther away."
+
+
+def _direction(degrees: float) -> str:
+    """Return a bearing in words; left is positive."""
+    around = (round(degrees) + 180) % 360 - 180
+    if around in (0, -180):
+        return "behind" if around else "ahead"
+    return f"{abs(around)}° {'left' if around > 0 else 'right'}"
+
+
+def _words(area: Area, now: AreaState) -> str:
+    words = f", radius {area.radius:.0f}"
+    if area.victory_robots:
+        words += f", goal of {join_names(area.victory_robots)}"
+    if area.impenetrable:
+        words += ", solid"
+    if not now.active:
+        words += ", switched off"
+    return words

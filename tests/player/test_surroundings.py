@@ -1,0 +1,88 @@
+"""What is around a robot, in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from logical_robots_tui.game.advancing import start_frame
+from logical_robots_tui.player.surroundings import surroundings
+from logical_robots_tui.world import Level, list_shipped, load_level
+from logical_robots_tui.world.level import Area, Beacon, Robot
+from logical_robots_tui.world.levels.native import read_native
+from logical_robots_tui.world.sensing import Senses
+
+ROOM = read_native(
+    """\
+title = "A room"
+cell = 10
+walls = '''
+##########
+#........#
+#........#
+#....#...#
+#........#
+##########
+'''
+
+[[robots]]
+name = "Pip"
+x = 25
+y = 25
+""",
+    "room",
+    "",
+)
+
+
+def around(level: Level, name: str = "Pip") -> list[str]:
+    return [*surroundings(level, start_frame(level).after, name)]
+
+
+def placed(*beacons: Beacon, angle: float = 0.0) -> Level:
+    (pip,) = ROOM.robots
+    return replace(ROOM, robots=(replace(pip, angle=angle),), beacons=beacons)
+
+
+def test_things_are_told_by_direction_from_the_heading_the_nearest_first() -> None:
+    level = placed(Beacon("Far", 75, 25), Beacon("Near", 25, 40))
+    assert around(level)[1:] == ["90° right: beacon Near at 15.", "ahead: beacon Far at 50."]
+    turned = placed(Beacon("Far", 75, 25), Beacon("Near", 25, 40), angle=math.pi / 2)
+    assert around(turned)[1:] == ["ahead: beacon Near at 15.", "90° left: beacon Far at 50."]
+    back = placed(Beacon("Far", 75, 25), angle=math.pi)
+    assert around(back)[1:] == ["behind: beacon Far at 50."]
+
+
+def test_what_is_behind_a_wall_is_out_of_sight() -> None:
+    assert around(placed(Beacon("Hidden", 88, 46)))[1:] == [
+        "18° right: beacon Hidden at 66, out of sight."
+    ]
+
+
+def test_areas_are_told_with_whom_they_are_a_goal_for_and_whether_they_are_on() -> None:
+    area = Area("Door", 65, 25, 6, victory_robots=("Pip",))
+    gate = Area("Gate", 25, 45, 4, on_beacon="Key", impenetrable=True)
+    assert around(replace(ROOM, areas=(area, gate)))[1:] == [
+        "90° right: area Gate at 20, radius 4, solid, switched off.",
+        "ahead: area Door at 40, radius 6, goal of Pip.",
+    ]
+
+
+def test_other_robots_are_told_and_oneself_is_not() -> None:
+    bo = Robot("Bo", 45, 25)
+    told = around(replace(ROOM, robots=(*ROOM.robots, bo)))
+    assert told[0].startswith("ahead: robot Bo at 12; ")
+    assert told[1:] == ["ahead: robot Bo at 20."]
+
+
+@pytest.mark.parametrize("name", list_shipped())
+def test_the_way_ahead_is_what_the_sensor_reports(name: str) -> None:
+    level = load_level(name)
+    state = start_frame(level).after
+    rows, _ = Senses(level).sense(state.robots, state.areas, 1)
+    for robot, row in zip(state.robots[:3], rows, strict=False):
+        ahead = around(level, robot.name)[0].split(";")[0]
+        distance = row["sensor"]["forward_distance"]
+        assert ahead.rstrip(".").endswith((f" {distance}", f"within {distance}"))
