@@ -107,7 +107,13 @@ class _Judge:
         elif node.holds is False and written.body:
             if not written.collected:
                 said = f"{node.text} is refuted for {given}, but holds"
-                yield Claim((*known, written.body), made, False, said)
+                # A call in the head that has no row leaves the rule without one.
+                others = [
+                    f"other{n}_ == {value}"
+                    for n, (column, value) in enumerate(written.columns.items())
+                    if column not in wanted
+                ]
+                yield Claim((*known, written.body, *others), made, False, said)
             yield from self._refutation(node.children, (), known, made)
 
     # -- refutations -----------------------------------------------------------------------------
