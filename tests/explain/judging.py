@@ -157,7 +157,7 @@ class _Judge:
 
     def _examples(self, node: Node, before: tuple[str, ...], made: str) -> Iterator[Claim]:
         for each in node.children:
-            if each.kind != "rule" and each.span is not None:
+            if each.kind not in ("rule", "contributor") and each.span is not None:
                 for value in each.values[:3]:
                     claim = equal(each.text, value)
                     if claim:
