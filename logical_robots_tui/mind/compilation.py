@@ -138,6 +138,7 @@ class _Compiler:
                     report(found["done"], found["all"])
             if "trace" in found:
                 _log.error("The compiler failed on a program.\n%s", found["trace"])
+                raise _gave_up(is_unfinished=False)
             if "diagnostics" in found:
                 raise ProgramError(tuple(record(Diagnostic, d) for d in found["diagnostics"]))
             return record(kind, found[kind.__name__.lower()])
@@ -231,10 +232,9 @@ def _ended(status: int, limits: Limits) -> ProgramError:
     )
 
 
-def _gave_up() -> ProgramError:
-    return _refusal(
-        "the compiler gave up on this program", "Try a simpler one.", is_unfinished=True
-    )
+def _gave_up(*, is_unfinished: bool = True) -> ProgramError:
+    message = "the compiler gave up on this program"
+    return _refusal(message, "Try a simpler one.", is_unfinished=is_unfinished)
 
 
 def _refusal(

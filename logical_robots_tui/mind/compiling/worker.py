@@ -119,7 +119,7 @@ def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
 def answer(
     request: dict[str, Any], jobs: Mapping[str, Job], report: Report | None = None
 ) -> dict[str, object]:
-    """Return the answer to a request: what was asked for, or diagnostics."""
+    """Return the answer to a request: what was asked for, diagnostics, or the trace of a bug."""
     try:
         job = next((job for field, job in jobs.items() if field in request), None)
         if job is not None:
@@ -133,10 +133,11 @@ def answer(
     except MemoryError:
         raise
     except RecursionError:
-        return _refusal("the program is nested too deeply", "Give parts of it names of their own.")
+        nested = "the program is nested too deeply"
+        deep = Diagnostic(1, 1, nested, "Give parts of it names of their own.")
+        return {"diagnostics": [asdict(deep)]}
     except Exception:  # the package may raise anything, and the process must survive
-        refusal = _refusal("the compiler gave up on this program", "Try a simpler one.")
-        return {**refusal, "trace": traceback.format_exc()}
+        return {"trace": traceback.format_exc()}
 
 
 def _settle(request: dict[str, Any]) -> dict[str, object]:
@@ -247,7 +248,3 @@ def _plain(diagnostic: Diagnostic) -> Diagnostic:
         hint=printable(diagnostic.hint[:_LONGEST_MESSAGE]),
         excerpt=printable(diagnostic.excerpt[:_LONGEST_MESSAGE]),
     )
-
-
-def _refusal(message: str, hint: str) -> dict[str, object]:
-    return {"diagnostics": [asdict(Diagnostic(1, 1, message, hint))]}
