@@ -17,7 +17,12 @@ from logica.type_inference.research import infer, reference_algebra
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.package_patches import deep_copy
-from logical_robots_tui.language.source_text import Prepared, statements, text_meant
+from logical_robots_tui.language.source_text import (
+    Prepared,
+    statements,
+    text_meant,
+    with_whole_brackets,
+)
 from logical_robots_tui.language.tree import Name, Span, Statement
 from logical_robots_tui.schema import VALUE
 
@@ -37,6 +42,9 @@ _LITERALS = {
     "the_null": ("the_null", tree.Null),
 }
 _KEYS = {kind: (outer, inner) for outer, (inner, kind) in _LITERALS.items()}
+
+
+_NOWHERE = Prepared("", "", "", ())
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +74,7 @@ def parse(source: Prepared) -> Parsed:
         if not any(start <= place < end for place in source.broken):
             try:
                 text, beside = _take_from_head(source, start, end)
-                found += _parse_statement(text, start, end)
+                found += _parse_statement(source._replace(text=text), start, end)
                 found += [each for each in beside if each not in found]
                 continue
             except error_messages.COMPLAINTS as error:
@@ -82,7 +90,7 @@ def parse_proposition(source: Prepared) -> tree.Proposition:
         Exception: One of the package's, if it is none.
     """
     text = parser.Strip(parser.HeritageAwareString(source.text))
-    return _Reader(source.text).proposition(parser.ParseProposition(text))
+    return _Reader(source).proposition(parser.ParseProposition(text))
 
 
 def parse_expression(source: Prepared) -> tree.Expression:
@@ -92,12 +100,12 @@ def parse_expression(source: Prepared) -> tree.Expression:
         Exception: One of the package's, if it is none.
     """
     text = parser.Strip(parser.HeritageAwareString(source.text))
-    return _Reader(source.text).expression(parser.ParseExpression(text))
+    return _Reader(source).expression(parser.ParseExpression(text))
 
 
 def parse_trusted(text: str) -> tuple[Statement, ...]:
     """Parse a text of our own, without places."""
-    reader = _Reader("")
+    reader = _Reader(_NOWHERE)
     return tuple(map(reader.statement, parser.ParseFile(text)["rule"]))
 
 
@@ -121,7 +129,7 @@ def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[S
         place, stop = word.span()
         given = source.text[word.end(1) + 1 : stop - 1]
         annotation = f"{_ANNOTATIONS[word[1]]}({predicate.group()}, {given})"
-        reader = _Reader("", whole=Span(place, stop))
+        reader = _Reader(_NOWHERE, whole=Span(place, stop))
         found.append(reader.statement(parser.ParseRule(parser.HeritageAwareString(annotation))))
         text = f"{text[:place]}{' ' * (stop - place)}{text[stop:]}"
     return text, found
@@ -131,9 +139,9 @@ def _depth(text: str) -> int:
     return sum(text.count(each) for each in "([{") - sum(text.count(each) for each in ")]}")
 
 
-def _parse_statement(text: str, start: int, end: int) -> Iterator[Statement]:
-    statement = parser.HeritageAwareString(text[start:end])
-    statement.start, statement.stop, statement.heritage = start, end, text
+def _parse_statement(source: Prepared, start: int, end: int) -> Iterator[Statement]:
+    statement = parser.HeritageAwareString(source.text[start:end])
+    statement.start, statement.stop, statement.heritage = start, end, source.text
     function: list[Raw] | None = parser.ParseFunctionRule(statement)
     if function:
         # The package reads ``head --> value`` as a text of its own, ``head = value``.
@@ -141,11 +149,13 @@ def _parse_statement(text: str, start: int, end: int) -> Iterator[Statement]:
         middle, shift = len(head), value.start - len(head) - len(" = ")
         rule = f"{head} = {value}"
         reader = _Reader(
-            rule, lambda at: at + (head.start if at <= middle else shift), Span(start, end)
+            source._replace(text=rule),
+            lambda at: at + (head.start if at <= middle else shift),
+            Span(start, end),
         )
         yield from map(reader.statement, function)
         return
-    reader = _Reader(text)
+    reader = _Reader(source)
     yield reader.statement(parser.ParseFunctorRule(statement) or parser.ParseRule(statement))
 
 
@@ -156,15 +166,16 @@ class _Reader:
     """Makes typed nodes.
 
     Args:
-        text: The text whose pieces the package's nodes are.
+        source: Its text is the one whose pieces the package's nodes are.
         place: The offset in the program of an offset in the text.
         whole: The span of the statement, if it is not a piece of the text.
     """
 
     def __init__(
-        self, text: str, place: Callable[[int], int] | None = None, whole: Span | None = None
+        self, source: Prepared, place: Callable[[int], int] | None = None, whole: Span | None = None
     ) -> None:
-        self._text, self._place, self._whole = text, place, whole
+        self._text, self._skeleton = source.text, source.skeleton
+        self._place, self._whole = place, whole
 
     def statement(self, raw: Raw) -> Statement:
         head = raw["head"]
@@ -192,20 +203,20 @@ class _Reader:
             read = map(self.proposition, raw["conjunction"]["conjunct"])
             # The package compiles no conjunction inside another in an aggregate.
             members = tuple(part for member in read for part in tree.conjuncts(member))
-            return tree.Conjunction(members, span=tree.span_of(members))
+            return tree.Conjunction(members, span=self._around([], members))
         if "disjunction" in raw:
             members = tuple(map(self.proposition, raw["disjunction"]["disjunct"]))
-            return tree.Disjunction(members, span=tree.span_of(members))
+            return tree.Disjunction(members, span=self._around([], members))
         if "inclusion" in raw:
             collection = self.expression(raw["inclusion"]["list"])
             element = self.expression(raw["inclusion"]["element"])
-            span = tree.span_of([collection, element])
+            span = self._around([], [collection, element])
             return tree.Membership(collection, element, span=span)
         if "unification" in raw:
             pair = raw["unification"]
             left = self.expression(pair["left_hand_side"])
             right = self.expression(pair["right_hand_side"])
-            return tree.Equation(left, right, span=tree.span_of([left, right]))
+            return tree.Equation(left, right, span=self._around([], [left, right]))
         name = self._name(raw["predicate"]["predicate_name"])
         arguments = self._arguments(raw["predicate"]["record"])
         return tree.Atom(name, arguments, span=self._around([name], arguments))
@@ -286,15 +297,15 @@ class _Reader:
             return Span(piece.start, piece.stop)
         return Span(self._place(piece.start), self._place(piece.stop))
 
-    @staticmethod
-    def _around(names: Iterable[object], nodes: Iterable[tree.Node]) -> Span | None:
-        """Return the span of names and the nodes beside them."""
+    def _around(self, names: Iterable[object], nodes: Iterable[tree.Node]) -> Span | None:
+        """Return the span of names and the nodes beside them, with whole brackets."""
         spans = [Span(n.start, n.start + len(n)) for n in names if isinstance(n, Name)]
         spans = [span for span in spans if span.start >= 0]
         spans += [node.span for node in nodes if node.span]
         if not spans:
             return None
-        return Span(min(s.start for s in spans), max(s.stop for s in spans))
+        start, stop = min(s.start for s in spans), max(s.stop for s in spans)
+        return Span(*with_whole_brackets(self._skeleton, start, stop))
 
 
 # -- to the package ------------------------------------------------------------------------------

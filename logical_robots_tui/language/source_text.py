@@ -14,6 +14,7 @@ from logical_robots_tui.language.diagnostics import Diagnostic
 
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
+_BRACKET = re.compile(r"[(){}\[\]]")
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
 _SINGLE_QUOTED = re.compile(r"'(?:\\.|[^'\\\n])*'?")
@@ -93,6 +94,26 @@ def statements(source: Prepared) -> Iterator[tuple[int, int]]:
             first = start + piece.index(bare)
             yield first, first + len(bare)
         start = end + 1
+
+
+def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]:
+    """Return a place with the other halves of its brackets, which the package takes off."""
+    depth = lowest = 0
+    for found in _BRACKET.finditer(skeleton, start, stop):
+        depth += _turn(found.group())
+        lowest = min(lowest, depth)
+    opened = depth - lowest
+    while lowest and start:
+        start -= 1
+        lowest += _turn(skeleton[start])
+    while opened and stop < len(skeleton):
+        opened += _turn(skeleton[stop])
+        stop += 1
+    return start, stop
+
+
+def _turn(character: str) -> int:
+    return -1 if character in _CLOSES else int(character in _CLOSES.values())
 
 
 class _Brackets:

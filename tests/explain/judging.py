@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from itertools import count
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, given, seed, settings
 
 from tests.explain.checking import Checker, Claim, claims_of, wrong_aggregates
 from tests.explain.rules import Aggregate, Written, aggregates, apart, equal, names, parts, spelled
@@ -40,8 +41,10 @@ def judge_until(
         nonlocal total
         total += judge(program)
 
-    while total < number:
-        ask()
+    for turn in count():
+        (seed(turn)(ask) if settings.default.derandomize else ask)()
+        if total >= number:
+            break
 
 
 def false_in(

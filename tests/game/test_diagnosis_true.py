@@ -121,7 +121,7 @@ def _before(finding: Finding, text: str) -> list[str] | None:
     if ":-" not in rule or finding.kind == "always null":
         return None
     body = split(parts(rule.strip()).body, ",")
-    if finding.span.text not in body:
+    if finding.span.text not in body or rule.count(finding.span.text) > 1:
         return None
     before = body[: body.index(finding.span.text)]
     is_bound = {*names(", ".join(before))} >= {*names(finding.span.text)}

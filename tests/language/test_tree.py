@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 
 import pytest
 from hypothesis import given
@@ -23,11 +24,16 @@ Sum(total? += x * 2, best? Max= x) distinct :- Fact(y, x) | Fact(x, y), ~Fact(x:
 Chosen(x) = (if x > 1 then "many" else if x == 1 then "one" else "none");
 Double(x) --> x + x;
 Rest(a:, ..r) :- Other(a:, ..r), Cast(a, "INT64") == 3;
+Close(x) :- ((if x > 1 then 2 else x) ) is not null, (x + 1) * (x - 2) == (if x == 1 then x else 2),
+  (Fact(x, y) | (y == 2)), x == ((1) + 2), ~(Fact(x, y), (x + 1) in [1]), ")" ++ x == (x ++ "(");
 Made := Old(Near: Far, Limit: 3);
 @Limit(Rest, 3);
 @OrderBy(Rest, "a DESC");
 Odd(x) couldbe :- x in [1, 3] && x != 2, n += (1 :- Odd(y)), z == ArgMax{y -> x :- Odd(y)};
 """
+
+
+PAIR = re.compile(r"\([^(){}[\]]*\)|\[[^(){}[\]]*\]|{[^(){}[\]]*}")
 
 
 def programs() -> list[str]:
@@ -42,7 +48,7 @@ def statements(text: str) -> list[tree.Statement]:
 @pytest.mark.parametrize("text", programs())
 def test_what_goes_to_the_package_comes_back_as_it_was(text: str) -> None:
     source = prepare(text)
-    reader, writer = _Reader(source.text), _Writer(source.text)
+    reader, writer = _Reader(source), _Writer(source.text)
     for statement in parse(source).statements:
         assert reader.statement(writer.statement(statement)) == statement
 
@@ -53,6 +59,10 @@ def test_each_name_and_each_span_is_where_it_stands(text: str) -> None:
     for node in tree.walk(parse(source).statements):
         if node.span:
             assert 0 <= node.span.start <= node.span.stop <= len(text)
+            piece = source.skeleton[slice(*node.span)]
+            while PAIR.search(piece):
+                piece = PAIR.sub("", piece)
+            assert not {*"(){}[]"} & {*piece}
         for part in dataclasses.fields(node):
             value = getattr(node, part.name)
             if isinstance(value, tree.Name) and value.start >= 0:

@@ -10,7 +10,7 @@ from logical_robots_tui.explain.why import probing
 from logical_robots_tui.explain.why.probing import Span, TermKind
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import is_built_in
-from logical_robots_tui.language.source_text import Prepared
+from logical_robots_tui.language.source_text import Prepared, with_whole_brackets
 from logical_robots_tui.language.tree import (
     COMPARISONS,
     JUNCTIONS,
@@ -73,7 +73,7 @@ def make_rule(
 def span_of(node: Tree, source: Prepared) -> Span:
     """Return the place of a tree's text."""
     start, stop = tree.span_of(node) or (0, 0)
-    return span_of_text(start, _close_brackets(source.skeleton, start, stop), source.original)
+    return span_of_text(*with_whole_brackets(source.skeleton, start, stop), source.original)
 
 
 def span_of_text(start: int, stop: int, text: str) -> Span:
@@ -85,21 +85,6 @@ def span_of_text(start: int, stop: int, text: str) -> Span:
         is_close = words[-1:] in _OPENS or more[:1] in _OPENS.values()
         words += more if is_close or not (words and more) else f" {more}"
     return Span(start, stop, text.count("\n", 0, start) + 1, words)
-
-
-def _close_brackets(skeleton: str, start: int, stop: int) -> int:
-    open_brackets: list[str] = []
-    for at in range(start, len(skeleton)):
-        character = skeleton[at]
-        if at >= stop and not open_brackets:
-            return at
-        if character in _OPENS:
-            open_brackets.append(_OPENS[character])
-        elif open_brackets and character == open_brackets[-1]:
-            open_brackets.pop()
-            if at >= stop and not open_brackets:
-                return at + 1
-    return max(stop, min(len(skeleton), stop))
 
 
 def as_expression(part: Proposition) -> Expression:
