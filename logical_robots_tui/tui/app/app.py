@@ -147,11 +147,9 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         if isinstance(event, events.Key | events.MouseDown | events.Paste):
             self.main.session.pace.give_way()
             self.main.scheduler.hasten()
-        key = event.key if isinstance(event, events.Key) and self.screen is self.main else ""
-        if not self.main.focuses(key):
-            await super().on_event(event)
-            if typed is not None:
-                self._key_queue.begin(typed)
+        await super().on_event(event)
+        if typed is not None:
+            self._key_queue.begin(typed)
 
     def _is_cut(self, size: Size) -> bool:
         was_cut, self._was_cut = (

@@ -20,7 +20,7 @@ from logical_robots_tui.player.session_state import Opening, SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
-from logical_robots_tui.tui.commands.keymap import KEY_MAP, command, with_keys
+from logical_robots_tui.tui.commands.keymap import command, commands, key_bindings, with_keys
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
@@ -69,7 +69,8 @@ class MainScreen(Screen[None], SessionListener):
         super().__init__(id="main")
         clock = opening.clock
         # A class variable would be shared by all players, and a keymap can't remove a binding.
-        self._bindings = BindingsMap.merge([self._bindings, BindingsMap(KEY_MAP.get().bindings())])
+        self._own_keys = BindingsMap.merge([self._bindings, key_bindings(*commands("screen"))])
+        self._bindings = self._own_keys
         self._opening, self.permissions = opening, opening.permissions
         self.data_dir, self.recorder = opening.data_dir, recorder
         self.ui = ScreenUi(self)
@@ -140,10 +141,18 @@ class MainScreen(Screen[None], SessionListener):
                 self.labyrinth,
                 run=self.action_command,
                 enter=lambda: self.go_to(self.labyrinth),
-                switched=self.announcer.hold,
+                switched=self._editing_switched,
                 changed=self.redraw_lines,
             )
         self._edit_panel.follow()
+
+    def _editing_switched(self, is_on: bool) -> None:
+        self.announcer.hold(is_on)
+        ends_test = [
+            key_bindings(*map(command, ("test", "stop_editing", "edit_level")), does="test")
+        ]
+        keys = ends_test if self.editing.is_testing else []
+        self._bindings = BindingsMap.merge([*keys, self._own_keys])
 
     def compose(self) -> ComposeResult:
         self._fit(self.app.size)
@@ -256,21 +265,6 @@ class MainScreen(Screen[None], SessionListener):
         self.point_at(pane)
         pane.enter()
 
-    def focuses(self, key: str) -> bool:
-        """Focus the pane that a key names, unless the player is typing; return whether it did.
-
-        A binding would run after keys that arrive at the same moment, and take letters as commands.
-        """
-        if isinstance(self.focused, TextArea | Input):
-            return False
-        if self._edit_panel is not None and self._edit_panel.handles(key):
-            return True
-        for pane in self.arrangement.panes:
-            if key in command(pane.command_id).keys:
-                self.go_to(pane)
-                return True
-        return False
-
     def on_descendant_focus(self) -> None:
         if self.arrangement.focused():
             self.tour.end()
@@ -334,6 +328,6 @@ class MainScreen(Screen[None], SessionListener):
         entry = command(command_id)
         if entry.scope != "level":
             entry.run(self, self.spawn)
-        elif self.editing.is_on:
+        elif self.editing.is_on or self.editing.is_testing:
             entry.run(self.editing, self.spawn)
             self.editing.changed()

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
 from types import MappingProxyType
 
-from textual.binding import Binding
+from textual.binding import Binding, BindingsMap
 
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.player.settings import Complain, Keys, toml_line
@@ -24,18 +24,6 @@ class KeyMap:
         palette = found["palette"]
         instead = key_name(palette.keys[0]) if palette.keys else palette.bar
         self.by_id = {entry.id: entry._replace(without_key=instead) for entry in found.values()}
-
-    def bindings(self) -> Iterator[Binding]:
-        for entry in self.by_id.values():
-            if entry.keys and entry.scope == "screen":
-                yield Binding(
-                    ",".join(entry.keys),
-                    f"command('{entry.id}')",
-                    entry.title,
-                    tooltip=entry.help,
-                    show=False,
-                    id=entry.id,
-                )
 
     @property
     def changeable(self) -> dict[str, Command]:
@@ -87,6 +75,15 @@ def commands(*scopes: Scope) -> list[Command]:
 
 def command(command_id: str) -> Command:
     return KEY_MAP.get().by_id[command_id]
+
+
+def key_bindings(*entries: Command, does: str = "") -> BindingsMap:
+    """Return what binds the keys of commands to them, or to another one."""
+    return BindingsMap(
+        Binding(",".join(entry.keys), f"screen.command('{does or entry.id}')", show=False)
+        for entry in entries
+        if entry.keys
+    )
 
 
 def with_keys(text: str) -> str:

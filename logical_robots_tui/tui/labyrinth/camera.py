@@ -33,7 +33,7 @@ class Sight(Enum):
 
 
 class Overlay(Protocol):
-    """Draws over the picture, and receives the mouse; points are map units."""
+    """Draws over the picture, and receives mouse and arrow keys; points are map units."""
 
     @property
     def cursor(self) -> tuple[float, float]:
@@ -53,6 +53,9 @@ class Overlay(Protocol):
 
     def open(self) -> None:
         """There was a double click."""
+
+    def step(self, across: int, down: int, *, far: bool) -> None:
+        """An arrow key was pressed, perhaps with shift."""
 
 
 class Camera(NamedTuple):

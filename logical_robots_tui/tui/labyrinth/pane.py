@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from textual import on
+from textual.binding import BindingsMap
 from textual.content import Content
 from textual.widgets import Static
 
@@ -36,6 +37,10 @@ class LabyrinthPane(Pane, can_focus=True):
         ("right", "pan(1, 0)"),
         ("up", "pan(0, -1)"),
         ("down", "pan(0, 1)"),
+        ("shift+left", "pan(-1, 0, True)"),
+        ("shift+right", "pan(1, 0, True)"),
+        ("shift+up", "pan(0, -1, True)"),
+        ("shift+down", "pan(0, 1, True)"),
     ]
 
     def __init__(self, clock: Clock = CLOCK) -> None:
@@ -45,6 +50,7 @@ class LabyrinthPane(Pane, can_focus=True):
         self.banner = VictoryBanner()
         self._shown: tuple[Level, Frame] | None = None
         super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
+        self._own_keys = self._bindings
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self.select(self.view.selected))
@@ -96,7 +102,14 @@ class LabyrinthPane(Pane, can_focus=True):
         self.briefing.close()
         self.banner.close()
 
-    def action_pan(self, across: int, down: int) -> None:
+    def take_keys(self, keys: BindingsMap | None = None) -> None:
+        """Let keys be commands while the pane has the focus, beside its own."""
+        self._bindings = BindingsMap.merge([keys or BindingsMap(), self._own_keys])
+
+    def action_pan(self, across: int, down: int, far: bool = False) -> None:
+        if self.view.overlay is not None:
+            self.view.overlay.step(across, down, far=far)
+            return
         columns, rows = self.view.size
         self.view.pan(across * columns / 8, down * rows / 8)
 

@@ -45,7 +45,7 @@ class LevelController(SessionListener):
     Attributes:
         is_on: Whether keys and mouse edit the level.
         is_testing: Whether it is being played for a test.
-        units: Map units per column of the view; a thing can be picked from that far away.
+        units: Gives the map units per column of the view; a thing can be picked from that far away.
         levels: The level that is or was edited last, in its versions.
         file: Where the player may save, or None.
         findings: Likely mistakes; None while they are looked for.
@@ -64,7 +64,7 @@ class LevelController(SessionListener):
     ) -> None:
         self.session, self.ui = session, ui
         self._own, self._drafts, self._open_level, self.changed = own, drafts, open_level, changed
-        self.units = 1.0
+        self.units: Callable[[], float] = lambda: 1.0
         self._saving = asyncio.Lock()
         self._autosave = Autosave(
             drafts,
@@ -136,14 +136,15 @@ class LevelController(SessionListener):
             self.ui.spawn(self._ask_what_to_keep, "dialog", exclusive=True)
 
     def test(self) -> None:
+        """Play the level from its start, or return from that."""
+        if self.is_testing:
+            self.session.restart()
+            self.open()
+            return
         self.is_testing = True
         self.leave()
         self.session.restart()
         self.session.run()
-
-    def end_test(self) -> None:
-        self.session.restart()
-        self.open()
 
     async def make_level(self) -> None:
         from logical_robots_tui.tui.level_editor.forms import ask_for_level
@@ -194,7 +195,7 @@ class LevelController(SessionListener):
     def use(self) -> None:
         """Act as the mouse button at the cursor."""
         if self.editor.stroke is None:
-            self.editor.press(*self.editor.cursor, self.units)
+            self.editor.press(*self.editor.cursor, self.units())
         else:
             self.editor.release()
             self.change_game()

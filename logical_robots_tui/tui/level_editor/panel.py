@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from textual.binding import BindingsMap
 from textual.content import Content
 from textual.widget import Widget
 
 from logical_robots_tui.editing.editor import PAINTING, Tool
 from logical_robots_tui.editing.level_text import Thing
 from logical_robots_tui.editing.strokes import Point
-from logical_robots_tui.tui.commands.keymap import command, commands
+from logical_robots_tui.tui.commands.keymap import command, commands, key_bindings
 from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
@@ -147,9 +148,7 @@ def _setting(keys: str, text: str) -> Content:
     return Content.assemble((keys, INK.key), " ", (text, INK.number))
 
 
-_BACK_FROM_TEST = ("test", "stop_editing")
 _FAR = 8  # cursor steps with shift
-_WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 
 
 class EditPanel:
@@ -174,8 +173,9 @@ class EditPanel:
         self._tools, self._info = ToolLine(controller), InfoLine(controller)
         self._shown = False, False
         self._cursor: Point = (0.0, 0.0)
-        self._ids = dict.fromkeys(command("edit_level").keys, "stop_editing")
-        self._ids |= {key: entry.id for entry in commands("level") for key in entry.keys}
+        ends = key_bindings(command("edit_level"), does="stop_editing")
+        self._keys = BindingsMap.merge([key_bindings(*commands("level")), ends])
+        controller.units = lambda: self._units
 
     def follow(self) -> None:
         """Show what the controller has now."""
@@ -189,7 +189,6 @@ class EditPanel:
         if is_on:
             session, editor = self._controller.session, self._controller.editor
             pane.view.show(editor.level, session.frame, hurried=session.running)
-            self._controller.units = self._units
             if editor.cursor != self._cursor:
                 self._cursor = editor.cursor
                 self._keep_in_sight(*editor.cursor)
@@ -201,11 +200,13 @@ class EditPanel:
         pane, (is_on, is_testing) = self._pane, self._shown
         if is_on:
             pane.view.overlay = self
+            pane.take_keys(self._keys)
             pane.select(None)
             pane.close_overlays()
             pane.note("editing")
         else:
             pane.view.overlay = None
+            pane.take_keys()
             key = command("test").key_name
             pane.note(f"test: {key} ends it" if is_testing else "")
             pane.view.redraw()
@@ -215,29 +216,12 @@ class EditPanel:
         else:
             self._changed()
 
-    def handles(self, key: str) -> bool:
-        """Act on a key; return whether it means something here."""
-        controller = self._controller
-        if controller.is_testing and self._ids.get(key) in _BACK_FROM_TEST:
-            controller.end_test()
-            return True
-        if not controller.is_on or not self._pane.has_focus:
-            return False
-        if key.removeprefix("shift+") in _WAYS:
-            self._move(key)
-        elif key in self._ids:
-            controller.units = self._units
-            self._run(self._ids[key])
-        else:
-            return False
-        return True
-
-    def _move(self, key: str) -> None:
+    def step(self, across: int, down: int, *, far: bool) -> None:
+        """Move the cursor by a cell of the picture or of the grid, whichever is larger."""
         editor, view = self._controller.editor, self._pane.view.view
         if view is None:
             return
-        across, down = _WAYS[key.removeprefix("shift+")]
-        times = _FAR if key.startswith("shift+") else 1
+        times = _FAR if far else 1
         grid = editor.settings.grid
         wide = math.ceil(view.units / grid) * grid
         high = math.ceil(view.units * CELL_ASPECT / grid) * grid

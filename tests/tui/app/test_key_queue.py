@@ -35,6 +35,24 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
         await game.until(lambda: game.tick == 3)
 
 
+async def test_keys_that_come_with_the_one_for_a_pane_are_meant_for_it(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        before = game.editor.text
+        press_at_once(game, *"2x", "escape", *"1n")
+        await game.until(lambda: game.tick == 1)
+        assert len(game.editor.text) == len(before) + 1
+
+
+async def test_keys_that_come_with_the_one_for_the_level_editor_edit(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        press_at_once(game, *"Mb", "shift+right", "enter", "enter", *"uMn")
+        await game.until(lambda: game.tick == 1)
+        assert not game.main.editing.is_on
+        assert game.main.editing.levels.edits.can_redo
+
+
 def holds(field: Input, text: str) -> bool:
     return field.value == text
 

@@ -16,7 +16,7 @@ from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.help import Palette
-from logical_robots_tui.tui.commands.keymap import KeyMap
+from logical_robots_tui.tui.commands.keymap import key_bindings
 from logical_robots_tui.tui.commands.table import COMMANDS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
@@ -102,10 +102,9 @@ def test_each_command_can_be_asked_for_without_function_keys() -> None:
 
 
 def test_bindings_name_every_key_once() -> None:
-    bindings = KeyMap(COMMANDS).bindings()
-    assert sorted(key for binding in bindings for key in binding.key.split(",")) == sorted(
-        key for entry in SCREEN for key in entry.keys
-    )
+    bindings = key_bindings(*SCREEN).key_to_bindings
+    assert sorted(bindings) == sorted(key for entry in SCREEN for key in entry.keys)
+    assert all(len(bound) == 1 for bound in bindings.values())
 
 
 @pytest.mark.parametrize(
