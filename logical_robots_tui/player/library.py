@@ -40,16 +40,21 @@ class Library:
         self._drafts, self._autosave, self._program = drafts, autosave, program
         self.programs = data_dir / "programs"
 
-    async def next_level(self) -> None:
+    async def following(self) -> str | None:
+        """Return the name of the level after this one, if there is one."""
         listed = list_arenas if self._session.level.teams else list_levels
         names = await asyncio.to_thread(listed)
         here = self._session.level.name
-        following = names[names.index(here) + 1 :] if here in names else names[:1]
-        if not following:
+        after = names[names.index(here) + 1 :] if here in names else names
+        return after[0] if after else None
+
+    async def next_level(self) -> None:
+        name = await self.following()
+        if name is None:
             self._ui.tell("This was the last level.")
             return
         try:
-            level = await asyncio.to_thread(load_level, following[0])
+            level = await asyncio.to_thread(load_level, name)
         except InputError as error:
             self._ui.warn(str(error))
             return

@@ -59,7 +59,12 @@ class FrameRate:
 
     @property
     def is_hurried(self) -> bool:
-        return self._clock.now() - self._hurried_at < _HURRY
+        return self.calm < _HURRY
+
+    @property
+    def calm(self) -> float:
+        """Seconds since the last key or click."""
+        return self._clock.now() - self._hurried_at
 
     def hurry(self) -> None:
         self._hurried_at = self._clock.now()

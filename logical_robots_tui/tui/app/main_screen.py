@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -127,8 +128,17 @@ class MainScreen(Screen[None], SessionListener):
         self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
         self.replays = Replays(session, ui, data_dir / "replays")
         self.search = Search(session, ui, self.timeline_controller.go_to)
-        covered = partial(self.arrangement.covers, self.labyrinth)
-        self.announcer = VictoryAnnouncer(session, self.labyrinth, recorder, self.tell, covered)
+        self.announcer = VictoryAnnouncer(
+            session,
+            self.labyrinth.briefing,
+            recorder,
+            ui,
+            self.offers,
+            pause=lambda: self.scheduler.rate.calm if self.is_typing else math.inf,
+            is_test=lambda: self.editing.is_testing,
+            following=library.following,
+            run=self.action_command,
+        )
         heard = [self.editing, recorder, self.announcer, self.timeline_controller, self]
         session.listeners += heard
 
@@ -215,14 +225,18 @@ class MainScreen(Screen[None], SessionListener):
         is_read = session.running and not self.scheduler.rate.is_hurried
         if not is_read or session.clock.now() - self._lines_drawn_at > _READABLE:
             self.redraw_lines()
-        self.labyrinth.banner.follow(self.recorder)
+        self.announcer.follow()
         self.inspector.follow()
+
+    @property
+    def is_typing(self) -> bool:
+        return isinstance(self.focused, TextArea | Input)
 
     def redraw_lines(self) -> None:
         self._lines_drawn_at = self.session.clock.now()
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
-        typing = isinstance(self.focused, (TextArea, Input))
+        typing = self.is_typing
         own, busy = getattr(self.focused, "bar_keys", ()), self.session.busy
         edits = self.editing.is_on and self.labyrinth.has_focus
         self._bar.show(typing=typing, running=busy, editing=edits, own=own)

@@ -73,7 +73,10 @@ class ScreenUi(Dialogs):
         self._screen.app.push_screen(dialog, closed)
 
     async def ask(self, dialog: Screen[Result]) -> Result | None:
-        return await self._screen.app.push_screen_wait(dialog)
+        # `push_screen_wait` would also run what the app has queued; when the game ends meanwhile,
+        # the end of its screens would be cancelled with this work.
+        answer = self._screen.app.push_screen(dialog, wait_for_dismiss=True)
+        return await asyncio.shield(answer)
 
     async def choose(
         self, title: str, question: str, answers: Sequence[tuple[str, str]]
@@ -83,7 +86,7 @@ class ScreenUi(Dialogs):
         return await self.ask(Question(title, question, answers))
 
 
-_NOTICING = 0.7
+NOTICING = 0.7
 """Seconds for a player to notice a question; earlier keys were meant for the game.
 
 Seeing something new and stopping a key press takes about half a second.
@@ -108,7 +111,7 @@ class ScreenOffers:
     async def at_hand(self, find: Callable[[], Awaitable[Found]]) -> Found:
         """Return what `find` finds while nothing covers the game."""
         while True:
-            await self._free()
+            await self.free()
             found = await find()
             if self._is_free():
                 return found
@@ -119,16 +122,21 @@ class ScreenOffers:
         """Return the name of the answer, or None; the answer ``show`` shows `text`."""
         from logical_robots_tui.tui.layout.dialogs import Question
 
-        await self._free()
-        self._asked = Question(title, question, answers, text=text, noticing=_NOTICING)
-        return await self._ui.ask(self._asked)
+        await self.free()
+        return await self.put(Question(title, question, answers, text=text, noticing=NOTICING))
+
+    async def put(self, question: Question) -> str | None:
+        """Return the name of the answer, or None; keys before there are answers are ignored."""
+        self._asked = question
+        return await self._ui.ask(question)
 
     def ignores(self, event: events.Key | events.Paste) -> bool:
         """Return whether a key arrived before the player could see the question."""
         asked = self._asked
         return asked is not None and asked.is_active and event.time < asked.answered_from
 
-    async def _free(self) -> None:
+    async def free(self) -> None:
+        """Wait until nothing covers the game."""
         while not self._is_free():
             self._resumed.clear()
             await self._resumed.wait()

@@ -70,11 +70,6 @@ def briefing(screen: MainScreen) -> None:
         screen.tell("This level has no briefing.")
 
 
-def results(screen: MainScreen) -> None:
-    screen.labyrinth.banner.toggle(screen.recorder)
-    screen.go_to(screen.labyrinth)
-
-
 def copy_result(screen: MainScreen) -> None:
     from logical_robots_tui.game.victory import result_line
 
@@ -104,7 +99,7 @@ def next_team(screen: MainScreen) -> None:
 def leave(screen: MainScreen) -> None:
     if screen.arrangement.active is screen.labyrinth:
         screen.labyrinth.select(None)
-        screen.labyrinth.close_overlays()
+        screen.labyrinth.briefing.close()
     screen.go_to(screen.labyrinth)
 
 

@@ -21,7 +21,7 @@ async def graph(screen: MainScreen) -> None:
         screen.tell(NO_PROGRAM)
         return
     known = program.predicate(screen.inspector.inspected)
-    chosen = await screen.app.push_screen_wait(Graph(program, known.name if known else "Robot"))
+    chosen = await screen.ui.ask(Graph(program, known.name if known else "Robot"))
     predicate = program.predicate(chosen) if chosen is not None else None
     if predicate is not None and predicate.kind == "prelude":
         screen.tell(f"{predicate.reason} It is in the prelude.")
@@ -64,7 +64,7 @@ async def search_rows(screen: MainScreen) -> None:
 
     if (table := _table(screen)) is not None:
         question = "Only rows with this text; nothing shows all"
-        text = await screen.app.push_screen_wait(LinePrompt(question, table.how.search))
+        text = await screen.ui.ask(LinePrompt(question, table.how.search))
         if text is not None:
             table.rearrange(replace(table.how, search=text))
 

@@ -116,7 +116,7 @@ learning.add("hint", "Hints", "h", lambda s: s.learning.hints(),
     "Reveal the hints of the level, one at a time.", bar="Hint")
 learning.add("lesson", "Lesson", "t", lambda s: s.learning.lesson(),
     "Read what the level teaches and, when you have won, what to try next.", bar="Lesson", spare=6)
-learning.add("results", "Results", "m", general.results,
+learning.add("results", "Results", "m", lambda s: s.announcer.results(),
     "Compare your best results with those of the reference programs.", bar="Results", spare=7)
 learning.add("copy_result", "Copy my result", "", general.copy_result,
     "Copy the result of your last victory here as a line of text to share.")

@@ -1,4 +1,4 @@
-"""The labyrinth pane: the picture, and over it the briefing and the banner of victory."""
+"""The labyrinth pane: the picture, and over it the briefing and the card of a robot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
-from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
+from logical_robots_tui.tui.labyrinth.briefing import Briefing
 from logical_robots_tui.tui.labyrinth.camera import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.arrangement import Pane
@@ -47,9 +47,8 @@ class LabyrinthPane(Pane, can_focus=True):
         self.view = LabyrinthView(clock)
         self.card = RobotCard()
         self.briefing = Briefing(self.view)
-        self.banner = VictoryBanner()
         self._shown: tuple[Level, Frame] | None = None
-        super().__init__(self.view, self.card, self.briefing, self.banner, title="Labyrinth")
+        super().__init__(self.view, self.card, self.briefing, title="Labyrinth")
         self._own_keys = self._bindings
 
     def on_mount(self) -> None:
@@ -97,10 +96,6 @@ class LabyrinthPane(Pane, can_focus=True):
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.briefing.place()
         self.select(self.view.selected)
-
-    def close_overlays(self) -> None:
-        self.briefing.close()
-        self.banner.close()
 
     def take_keys(self, keys: BindingsMap | None = None) -> None:
         """Let keys be commands while the pane has the focus, beside its own."""

@@ -1,12 +1,19 @@
-"""Results of a level as lines of text: a table, and scales with the reference programs."""
+"""The results of a level: what was won and how well, beside the reference programs."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+import random
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Horizontal
 from textual.content import Content
+from textual.widgets import Button, Static
 
+from logical_robots_tui.tui.commands.keymap import command
+from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world.level import SecondGoal
 
@@ -21,7 +28,7 @@ _LABEL = 11
 
 
 def results_lines(recorder: ProgressRecorder) -> list[Content]:
-    """Return lines of equal width: victory, bests (new ones starred), solution, scales, trial.
+    """Return lines of equal width: victory, bests (new ones marked), solution, scales, trial.
 
     If several programs won together, the last one alone is measured, from the start.
     """
@@ -33,11 +40,7 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
     rows.append(_row("your bests", _numbers(bests), INK.text))
     if references:
         rows.append(_row("reference", _numbers(next(iter(references))), INK.dim))
-        rows.append(
-            Content.styled(f"{'':<{_LABEL}}{_MINE} your best  {_REFERENCE} references", INK.dim)
-        )
     rows += scale_lines(references, bests)
-    rows += goal_lines(recorder.goals, bests.goals)
     if recorder.trial is not None:
         told = f"trial of shifted starts: {recorder.trial.tried} so far …"
         rows.append(Content.styled(f"{told:^{_LABEL + sum(_WIDTHS)}}", INK.dim))
@@ -46,7 +49,14 @@ def results_lines(recorder: ProgressRecorder) -> list[Content]:
 
 
 _SCALE = 21
-_MINE, _REFERENCE = "●", "┼"
+_MINE, _REFERENCE, _NEW, _REACHED, OPEN = "●", "┼", "▲", "✓", "☐"
+_LEGEND = {
+    _NEW: "new best",
+    _REACHED: "goal reached",
+    OPEN: "goal open",
+    _MINE: "your best",
+    _REFERENCE: "reference",
+}
 
 
 def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Content]:
@@ -75,14 +85,19 @@ def _scale(title: str, known: list[int], mine: int | None) -> Content:
 
 
 def goal_lines(goals: Iterable[SecondGoal], reached: Collection[str]) -> Iterator[Content]:
-    told = [
-        Content.styled(f"✓ {goal.words}", f"bold {INK.good}")
-        if goal.words in reached
-        else Content.styled(f"· {goal.words}", INK.text)
-        for goal in goals
-    ]
-    if told:
-        yield Content.styled(f"{'goals':<{_LABEL}}", INK.dim).append(Content("   ").join(told))
+    """Yield a line for each goal, ticked if it is reached."""
+    for goal in goals:
+        if goal.words in reached:
+            yield Content.styled(f"{_REACHED} {goal.words}", f"bold {INK.good}")
+        else:
+            yield Content.styled(f"{OPEN} {goal.words}", INK.text)
+
+
+def legend(rows: Iterable[Content]) -> Content:
+    """Return what the signs in some lines mean."""
+    shown = "".join(row.plain for row in rows)
+    told = [f"{sign} {meaning}" for sign, meaning in _LEGEND.items() if sign in shown]
+    return Content.styled("   ".join(told), INK.dim)
 
 
 def _ink(text: str) -> Content:
@@ -104,7 +119,9 @@ def _latest(label: str, latest: Measures, former: Bests, trial: Trial | None) ->
     row = Content.styled(f"{label:<{_LABEL}}", f"bold {INK.key}")
     for cell, width, is_fresh in zip(cells, _WIDTHS, fresh, strict=True):
         style = f"bold {INK.good}" if is_fresh else INK.text
-        row = row.append(Content.styled(f"{cell:>{width - 2}}{' ★' if is_fresh else '  '}", style))
+        row = row.append(
+            Content.styled(f"{cell:>{width - 2}}{f' {_NEW}' if is_fresh else '  '}", style)
+        )
     return row
 
 
@@ -121,3 +138,107 @@ def _numbers(found: Bests | Measures) -> tuple[str, str, str, str]:
 
 def _number(value: int | None) -> str:
     return "·" if value is None else str(value)
+
+
+_CONFETTI = "·*✦•˚+"
+_COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
+_DENSITY = 0.14
+_ROOMY = 30  # lines of the terminal from which confetti falls above and below as well
+
+
+class Results(Question):
+    """What was won and how well, and what to do next: each answer is a command, with its key.
+
+    Args:
+        recorder: Has the results.
+        said: What is celebrated, or "" to look results up.
+        answers: Ids of commands, with the labels of their buttons.
+        seed: For the confetti.
+        noticing: Seconds before there are answers.
+    """
+
+    DEFAULT_CSS = """
+    Results > #box { width: auto; max-width: 100%; max-height: 100%; padding: 0 2; }
+    Results Static { width: auto; }
+    Results #answers { width: auto; margin: 1 0; }
+    """
+
+    def __init__(
+        self,
+        recorder: ProgressRecorder,
+        said: str,
+        answers: Sequence[tuple[str, str]],
+        *,
+        seed: int = 0,
+        noticing: float = 0.0,
+    ) -> None:
+        keyed = [(name, f"{label}  {command(name).key_name}") for name, label in answers]
+        super().__init__("Victory" if said else "Results", "", keyed, noticing=noticing)
+        self._recorder, self._said, self._seed = recorder, said, seed
+        self._rows = self._table()
+
+    def content_widgets(self) -> ComposeResult:
+        yield Static(id="said")
+        yield Static(id="goals")
+        with Horizontal(id="answers"):
+            for name, label in self._answers:
+                yield Button(Content(label), id=f"answer-{name}", compact=True)
+        yield Static(id="table")
+
+    def on_mount(self) -> None:
+        super().on_mount()
+        self._tell()
+
+    def follow(self) -> None:
+        """Show what is measured meanwhile."""
+        if self.is_attached and (rows := self._table()) != self._rows:
+            self._rows = rows
+            self._tell()
+
+    def _table(self) -> list[Content]:
+        recorder = self._recorder
+        rows = [*results_lines(recorder), *goal_lines(recorder.goals, recorder.record.bests.goals)]
+        if self._said and recorder.is_reference:
+            return [Content.styled("Won by a reference program: not counted.", INK.dim), *rows]
+        return rows
+
+    def _tell(self) -> None:
+        number = len(self._recorder.goals)
+        table, goals = self._rows[: len(self._rows) - number], self._rows[-number:][:number]
+        meant = legend(self._rows)
+        width = max(each.cell_length for each in (meant, *self._rows))
+        lines = [Content.styled(self._said, f"bold {INK.key}")] if self._said else []
+        if lines and self.app.size.height >= _ROOMY:
+            lines = [Content(""), *lines, Content("")]
+        chance = random.Random(self._seed)  # noqa: S311 - confetti
+        said = Content("\n").join(_with_confetti(line, width, chance) for line in lines)
+        self.query_one("#said", Static).update(said)
+        self.query_one("#goals", Static).update(Content("\n").join(goals))
+        self.query_one("#table", Static).update(Content("\n").join([*table, Content(""), meant]))
+        self.query_one("#said").display, self.query_one("#goals").display = bool(lines), bool(goals)
+
+    def on_key(self, event: events.Key) -> None:
+        """Answer by the key of a command, which the player may have changed."""
+        for name, _ in self._answers:
+            if event.key in command(name).keys:
+                event.stop()
+                self.dismiss(name)
+                return
+        if event.key in ("left", "right"):
+            super().on_key(event)
+
+
+def _with_confetti(middle: Content, width: int, chance: random.Random) -> Content:
+    left = max((width - middle.cell_length) // 2 - 2, 0)
+    right = max(width - middle.cell_length - left - 4, 0)
+    if not middle.cell_length:
+        return _confetti(width, chance)
+    return Content("  ").join([_confetti(left, chance), middle, _confetti(right, chance)])
+
+
+def _confetti(width: int, chance: random.Random) -> Content:
+    parts = [
+        (chance.choice(_CONFETTI), chance.choice(_COLOURS)) if chance.random() < _DENSITY else " "
+        for _ in range(width)
+    ]
+    return Content.assemble(*parts)

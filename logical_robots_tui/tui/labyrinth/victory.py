@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
+import math
+from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Frame
@@ -10,7 +12,7 @@ from logical_robots_tui.game.frame import is_match_over, standing_words
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
-from logical_robots_tui.wording import one_line
+from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
@@ -18,21 +20,42 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.progress import Measures
-    from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
+    from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
+    from logical_robots_tui.tui.labyrinth.briefing import Briefing
+    from logical_robots_tui.tui.labyrinth.results import Results
+
+_PAUSE = 1.0
+"""Seconds without a key after which a text that is typed may be interrupted."""
 
 
 class VictoryAnnouncer(SessionListener):
+    """Tells the task at a level's start, and what happens; celebrates victories.
+
+    Args:
+        pause: How many seconds ago a text was typed; inf if none is.
+        is_test: Whether a level that is edited is being tried.
+        following: Finds the name of the next level, if there is one.
+        run: Runs a command.
+    """
+
     def __init__(
         self,
         session: Session,
-        pane: LabyrinthPane,
+        briefing: Briefing,
         recorder: ProgressRecorder,
-        tell: Callable[[str], None],
-        is_hidden: Callable[[], bool],
+        ui: ScreenUi,
+        offers: ScreenOffers,
+        *,
+        pause: Callable[[], float],
+        is_test: Callable[[], bool],
+        following: Callable[[], Awaitable[str | None]],
+        run: Callable[[str], None],
     ) -> None:
-        self._session, self._pane, self._recorder = session, pane, recorder
-        self._tell, self._is_hidden = tell, is_hidden
+        self._session, self._briefing, self._recorder = session, briefing, recorder
+        self._ui, self._offers = ui, offers
+        self._pause, self._is_test, self._following, self._run = pause, is_test, following, run
         self._waiting: Victory | None = None
+        self._results: Results | None = None
         self._is_held = False
         self._tick = 0
 
@@ -41,7 +64,6 @@ class VictoryAnnouncer(SessionListener):
 
     def restarted(self) -> None:
         self._waiting = None
-        self._pane.banner.close()
         self._brief()
 
     def tick_shown(self, frame: Frame) -> None:
@@ -50,21 +72,22 @@ class VictoryAnnouncer(SessionListener):
         if before and not frame.tick:
             self._brief()
         elif frame.tick and not before:
-            self._pane.briefing.close()
+            self._briefing.close()
         history = self._session.history
         if frame.tick != before + 1 or history is None:
             return
         level = self._session.level
         if is_match_over(level, frame.tick):
-            self._tell(f"The match is over: {one_line(standing_words(level, frame.after))}.")
+            standing = one_line(standing_words(level, frame.after))
+            self._ui.tell(f"The match is over: {standing}.")
         for mark in history.marks.at(frame.tick):
             if words := trouble(mark):
-                self._tell(words)
+                self._ui.tell(words)
 
     def _brief(self) -> None:
         self._tick = 0
         if not self._is_held:
-            self._pane.briefing.tell(self._session.level)
+            self._briefing.tell(self._session.level)
 
     def won(self, victory: Victory) -> None:
         """Announce a victory, now or once level editing ends."""
@@ -81,17 +104,53 @@ class VictoryAnnouncer(SessionListener):
             self._announce()
 
     def measured(self, level: Level, found: Measures, is_here: bool) -> None:
-        if not (is_here and self._pane.banner.display):
-            self._tell(one_line(robustness_line(level, found)))
+        is_shown = self._results is not None and self._results.is_attached
+        if not (is_here and is_shown):
+            self._ui.tell(one_line(robustness_line(level, found)))
+
+    def follow(self) -> None:
+        """Show in the results what is measured meanwhile."""
+        if self._results is not None:
+            self._results.follow()
+
+    def results(self) -> None:
+        """Show the best results of the level."""
+        from logical_robots_tui.tui.labyrinth.results import Results
+
+        answers = [("solution", "References"), ("versions", "Versions"), ("results", "Close")]
+        self._results = Results(self._recorder, "", answers)
+        self._ui.show(self._results, self._obey)
 
     def _announce(self) -> None:
+        if self._waiting is not None:
+            self._briefing.close()
+            self._ui.spawn(self._celebrate, "victory", exclusive=True)
+
+    async def _celebrate(self) -> None:
+        from logical_robots_tui.tui.app.ui import NOTICING
+        from logical_robots_tui.tui.labyrinth.results import Results
+
+        has_next = await self._following() is not None
+        await self._offers.free()
+        while (pause := self._pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
+            await asyncio.sleep(_PAUSE - pause)
         victory, self._waiting = self._waiting, None
         if victory is None:
             return
-        who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
-        self._pane.briefing.close()
         if victory.refusal:
-            self._tell(victory.refusal)
-        self._pane.banner.celebrate(victory.tick, who, self._recorder)
-        if self._is_hidden():
-            self._tell(f"★ {who}: {victory.tick} ticks ★")
+            self._ui.tell(victory.refusal)
+        who = "You are there" if len(victory.level.robots) == 1 else "Everybody is there"
+        said = f"★ {clip(who, 50)} — {count_of(victory.tick, 'tick')} ★"
+        answers = [("restart", "Again"), ("leave", "Stay")]
+        if self._is_test():
+            answers[:0] = [("test", "Edit")]
+        else:
+            answers[:0] = [("next_level", "Next level")] * has_next
+            answers[-1:-1] = [("lesson", "Lesson")] * bool(victory.level.lesson)
+        noticing = NOTICING if pause < math.inf else 0.0
+        self._results = Results(self._recorder, said, answers, seed=victory.tick, noticing=noticing)
+        self._obey(await self._offers.put(self._results))
+
+    def _obey(self, answer: str | None) -> None:
+        if answer not in (None, "results", "leave"):
+            self._run(answer)

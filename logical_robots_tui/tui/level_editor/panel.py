@@ -202,7 +202,7 @@ class EditPanel:
             pane.view.overlay = self
             pane.take_keys(self._keys)
             pane.select(None)
-            pane.close_overlays()
+            pane.briefing.close()
             pane.note("editing")
         else:
             pane.view.overlay = None

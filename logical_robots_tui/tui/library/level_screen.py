@@ -126,15 +126,16 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         records = await self._recorder.ask(
             lambda progress: {key: progress.record(key) for key in keys}
         )
-        for index, name in enumerate(card.name for card in self._all):
-            card = replace(self._all[index], record=records[keys[index]])
+        pairs = zip(self._all, keys, strict=True)
+        self._all = [replace(card, record=records[key]) for card, key in pairs]
+        self._tell_head()
+        for index, card in enumerate(self._all):
             try:
                 level = await asyncio.to_thread(_level_of, card)
                 self._all[index] = replace(card, level=level)
             except LogicalRobotsError as error:
                 self._all[index] = replace(card, complaint=str(error))
-            self._update(name, self._all[index])
-        self._tell_head()
+            self._update(card.name, self._all[index])
         self._is_read = True
         in_background(self, self._draw_all, "pictures", exclusive=True)
 
@@ -200,8 +201,8 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             if card.level is not None:
                 bests = card.record.bests
                 scales = scale_lines(references_for(card.level).values(), bests)
-                goals = goal_lines(card.level.second_goals, bests.goals)
-                told = Content("\n").join([told, *scales, *goals])
+                goals = Content("   ").join(goal_lines(card.level.second_goals, bests.goals))
+                told = Content("\n").join([told, *scales, goals])
         self.query_one("#detail", Static).update(told)
 
     @on(Input.Changed, "#filter")

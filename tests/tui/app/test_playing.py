@@ -9,7 +9,9 @@ import pytest
 from textual import events
 from textual.widgets._toast import Toast
 
+from logical_robots_tui.game.source import load_program
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.paths import shipped_folder
 from tests.game.playing import SLOW as ENDLESS
 from tests.tui.conftest import PAPER, SLOW, STILL, WRONG, opened
 from tests.waiting import PATIENCE
@@ -156,7 +158,7 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
 
 
 @pytest.mark.usefixtures("trials")
-async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
+async def test_the_buttons_of_a_victory_can_be_clicked(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
         await game.press(*["plus"] * 6, "space")
@@ -165,8 +167,8 @@ async def test_the_banner_of_victory_can_be_clicked(data_dir: Path) -> None:
         await game.until(lambda: recorder.latest and recorder.latest.wins is not None)
         await game.until(lambda: not game.shows("so far"))
         lines = game.screen().splitlines()
-        row = next(row for row, line in enumerate(lines) if "again" in line and "stay" in line)
-        await game.click(offset=(lines[row].index("again") + 1, row))
+        row = next(row for row, line in enumerate(lines) if "Again" in line and "Stay" in line)
+        await game.click(offset=(lines[row].index("Again") + 1, row))
         await game.until(lambda: game.tick == 0)
         await game.sees_no("Everybody is there")
 
@@ -216,11 +218,32 @@ async def test_names_of_a_level_are_text_and_nothing_else(data_dir: Path, tmp_pa
 async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
-        await game.press(*["plus"] * 6, "space", "2")
-        await game.sees("Everybody is there")
-        await game.press("r", "greater_than_sign", "space")
+        await game.press(*["plus"] * 6, "space", "2", "r")
+        await game.until(lambda: game.session.won_at is not None)
+        await game.press("greater_than_sign", "space")
         await game.until(lambda: game.editor.text.startswith("r> "))
+        assert not game.shows("Everybody is there")
+        await game.sees("Everybody is there")
+        await game.press("r", "greater_than_sign", "enter")  # too early to be an answer
+        await game.sees("Again")
         assert game.session.won_at is not None
+        assert game.editor.text.startswith("r> Free")
+        await game.press("r")
+        await game.until(lambda: game.tick == 0)
+        assert game.app.screen is game.main
+
+
+async def test_one_key_leads_from_a_victory_to_the_next_level(data_dir: Path) -> None:
+    file = shipped_folder("levels") / "01-first-steps.toml"
+    async with opened(data_dir, level=file, text=load_program("first-steps").text) as game:
+        await game.ready()
+        game.session.pace.speed = None
+        await game.press("2", "f5")
+        await game.sees("Next level")
+        await game.press("greater_than_sign")
+        await game.until(lambda: game.session.level.name == "02-open-space")
+        assert game.app.screen is game.main
+        assert ">" not in game.editor.text.splitlines()[0]
 
 
 async def test_two_messages_stand_apart(data_dir: Path) -> None:

@@ -59,8 +59,8 @@ def test_equal_references_are_one_mark() -> None:
 
 
 def test_second_goals_are_ticked_when_they_are_reached() -> None:
-    (line,) = goal_lines(GOALS, ["never blocked"])
-    assert line.plain == "goals      · at most 1 rule   ✓ never blocked"
+    lines = goal_lines(GOALS, ["never blocked"])
+    assert [line.plain for line in lines] == ["☐ at most 1 rule", "✓ never blocked"]
     assert list(goal_lines([], ["never blocked"])) == []
 
 
@@ -75,12 +75,12 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
     async with opened(data_dir, level=Path(level.source), size=size) as game:
         await game.until(lambda: game.main.recorder.record.state == "won")
         await game.press("1", "m")
-        told = [f"✓ {goal.words}", f"· {other.words}", "1500●", "1300●", "● your best"]
+        told = [f"✓ {goal.words}", f"☐ {other.words}", "1500●", "1300●", "● your best"]
         told += [f"  {each.ticks}" for each in references_for(level).values()]
         for words in told:
             await game.until(partial(game.shows, words))
         assert all(cell_len(line) == len(line) for line in game.screen().splitlines())
-        await game.press("l")
+        await game.press("m", "l")
         await game.until(lambda: isinstance(game.app.screen, LevelScreen))
         for words in ("1500●", f"✓ {goal.words}"):
             await game.until(partial(game.shows, words))
@@ -101,7 +101,8 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
 ) -> None:
     async with opened(data_dir, level=with_goals, text=AHEAD, size=size) as game:
         await game.ready()
-        await game.sees("☆ at most 1 rule")
+        await game.sees("☐ at most 1 rule")
         await game.press(*["plus"] * 6, "space")
-        await game.sees("✓ at most 1 rule   · at most 20 ticks")
+        await game.sees("✓ at most 1 rule")
+        await game.sees("☐ at most 20 ticks")
     assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == ("at most 1 rule",)

@@ -10,6 +10,7 @@ from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import load_program, measuring
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
+from logical_robots_tui.tui.labyrinth.results import Results
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
@@ -34,6 +35,12 @@ async def win(game: Opened) -> None:
     await game.press(*["plus"] * 6, "space")
     await game.until(lambda: game.session.won_at is not None)
     await game.until(lambda: game.main.recorder.record.state == "won")
+    await game.until(lambda: isinstance(game.app.screen, Results))
+
+
+async def stay(game: Opened) -> None:
+    await game.press("escape")
+    await game.until(lambda: game.app.screen is game.main)
 
 
 async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, short: Path) -> None:
@@ -109,6 +116,7 @@ async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
         await game.sees(solution[:40])
         await game.press("escape")
         await win(game)
+        await stay(game)
         await game.press("W")
         await game.sees(solution[:40])
         assert isinstance(game.app.screen, Reader)
@@ -123,7 +131,7 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
         await game.until(lambda: game.main.recorder.record.state == "won")
         await win(game)
         await game.sees("this run")
-        await game.until(lambda: game.shows("1 ★"))  # one rule beats five
+        await game.until(lambda: game.shows("1 ▲"))  # one rule beats five
         latest = game.main.recorder.latest
         assert latest is not None
         assert (latest.ticks, latest.rules) == (game.session.won_at, 1)
@@ -161,7 +169,7 @@ async def test_a_program_that_was_changed_on_the_way_is_measured_from_the_start(
 
 
 @pytest.mark.usefixtures("trials")
-async def test_what_is_measured_while_the_banner_is_closed_is_told(
+async def test_what_is_measured_after_the_results_are_closed_is_told(
     data_dir: Path, short: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     closed, measure = asyncio.Event(), measuring.measure
@@ -173,8 +181,7 @@ async def test_what_is_measured_while_the_banner_is_closed_is_told(
     monkeypatch.setattr(measuring, "measure", measured_then)
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await win(game)
-        await game.press("escape")
-        await game.until(lambda: not game.main.labyrinth.banner.display)
+        await stay(game)
         closed.set()
         await game.sees("of 20 shifted starts")
 
@@ -295,6 +302,7 @@ async def test_what_is_wrong_with_the_disk_is_told_once_and_the_game_goes_on(
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.sees("Your progress can't be saved")
         await win(game)
+        await stay(game)
         await game.press("h")
         await game.until(lambda: isinstance(game.app.screen, Hints))
         assert len([n for n in game.app._notifications if "progress" in n.message]) == 1

@@ -9,6 +9,7 @@ import pytest
 from logical_robots_tui.game.pace import FLAT_OUT
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.paths import shipped_folder
+from logical_robots_tui.tui.labyrinth.results import Results
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
@@ -55,6 +56,6 @@ async def test_the_first_win_takes_few_keys(data_dir: Path, size: tuple[int, int
         await press("end", "backspace", "6", "0", "ctrl+r")
         await game.until(lambda: "distance < 60" in (game.session.state.applied or ""))
         await press("escape", "space")
-        await game.until(lambda: game.main.labyrinth.banner.display)
+        await game.until(lambda: isinstance(game.app.screen, Results))
         assert game.session.won_at is not None
     assert len(pressed) <= MOST_KEYS, pressed

@@ -11,6 +11,7 @@ from textual.widgets import Input, Select
 
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.game.victory import is_by_the_book
+from logical_robots_tui.tui.labyrinth.results import Results
 from logical_robots_tui.tui.level_editor.forms import FindingList
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import load_level
@@ -133,9 +134,9 @@ async def test_a_victory_while_the_level_is_edited_is_kept_at_once_and_told_afte
         await s.press("space")
         await game.until(lambda: game.main.recorder.record.state == "won")
         assert game.main.editing.is_on
-        assert not game.main.labyrinth.banner.display
+        assert not isinstance(game.app.screen, Results)
         await s.press("escape")
-        await game.until(lambda: game.main.labyrinth.banner.display)
+        await game.until(lambda: isinstance(game.app.screen, Results))
         assert not game.main.editing.is_on
 
 
