@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.game import Breakpoint, Game, Hit, Source
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.mind import Predicate, Program
+    from logical_robots_tui.mind import Diagnostic, Predicate, Program
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.player.session_state import SessionListener, Spawn, Work
     from logical_robots_tui.world import Level
@@ -71,6 +71,7 @@ class Session:
         self._changed = changed
         self._program: Program | None = None
         self._won: tuple[Texts, int] | None = None
+        self._written = self._checking = ""
 
     # -- queries -------------------------------------------------------------------------------
 
@@ -169,8 +170,17 @@ class Session:
             self.use(self._program)
             return
         self.state = self.state.compiling(text)
+        if self._checking not in ("", text):
+            self._spawn(nothing, "check", exclusive=True)
         self._changed()
         self._spawn(partial(self._compile, text, texts), "compile", exclusive=True)
+
+    def check(self, text: str) -> None:
+        """Find the errors of a text that is being written, in the background."""
+        self._written = text
+        if not self._checking and text not in (self.state.tried, self.state.applied):
+            self._checking = text
+            self._spawn(partial(self._check, text), "check", exclusive=True)
 
     def use(self, program: Program) -> None:
         from logical_robots_tui.game import Game  # loading it would delay the first picture
@@ -303,6 +313,27 @@ class Session:
             return
         self.use(program)
 
+    async def _check(self, text: str) -> None:
+        sources = self.sources
+        try:
+            program = await compile_program(sources.with_text(text))
+            found = self._warnings(program.for_team(sources.team))
+        except ProgramError as error:
+            found = sources.mistakes(error)
+        finally:
+            if self._checking == text:
+                self._checking = ""
+        if sources is not self.sources:
+            return
+        if self._written != text:
+            self.check(self._written)
+        elif text not in (self.state.tried, self.state.applied):
+            self.state = self.state._replace(checked=text, found=found)
+            self._changed()
+
+    def _warnings(self, program: Program) -> tuple[Diagnostic, ...]:
+        return warnings_in(program, self.level, web=is_web_file(self.opened.source))
+
     def _compiled(self, text: str, done: int, of_all: int) -> None:
         if self.state.phase == "compiling" and self.state.tried == text:
             self.state = self.state._replace(compiled=(done, of_all))
@@ -310,8 +341,7 @@ class Session:
 
     def _think_with(self, program: Program) -> Program:
         program = self._program = self.sources.seen(program)
-        warnings = warnings_in(program, self.level, web=is_web_file(self.opened.source))
-        self.state = ProgramState.of_applied(program.text, warnings)
+        self.state = ProgramState.of_applied(program.text, self._warnings(program))
         return program
 
     def _show(self, game: Game, frame: Frame) -> None:

@@ -167,6 +167,7 @@ class ProgramState(NamedTuple):
     """The state of the program; `tried` was compiled last, the robots use `applied`.
 
     `mistakes` are errors of `tried`, or warnings if it runs; `compiled` is (done, total).
+    `checked` is a text that is being written, compiled only to find its errors and warnings.
     """
 
     phase: Phase = "fresh"
@@ -175,16 +176,25 @@ class ProgramState(NamedTuple):
     mistakes: tuple[Diagnostic, ...] = ()
     warnings: tuple[Diagnostic, ...] = ()
     compiled: tuple[int, int] = (0, 0)
+    checked: str | None = None
+    found: tuple[Diagnostic, ...] = ()
 
     @classmethod
     def of_applied(cls, text: str, warnings: tuple[Diagnostic, ...]) -> ProgramState:
         return cls("applied", text, text, warnings, warnings)
 
     def compiling(self, text: str) -> ProgramState:
-        return self._replace(phase="compiling", tried=text, mistakes=(), compiled=(0, 0))
+        return ProgramState("compiling", text, self.applied, warnings=self.warnings)
+
+    @property
+    def newest(self) -> tuple[str, tuple[Diagnostic, ...]]:
+        """The text that was compiled last, for whatever purpose, with what is wrong with it."""
+        return (self.tried, self.mistakes) if self.checked is None else (self.checked, self.found)
 
     def seen_from(self, text: str) -> ProgramState:
         """Return the state for an editor's text; errors vanish once the robots' text is back."""
+        if self.checked is not None and text in (self.tried, self.applied):
+            return self._replace(checked=None, found=()).seen_from(text)
         if self.phase != "mistake" or text == self.tried or text != self.applied:
             return self
         return self._replace(phase="applied", tried=text, mistakes=self.warnings)

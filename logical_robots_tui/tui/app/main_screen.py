@@ -289,6 +289,7 @@ class MainScreen(Screen[None], SessionListener):
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
         self.player.autosave.edited()
+        self.program_controller.edited()
         self.scheduler.soon()
 
     @on(Editor.Copied)

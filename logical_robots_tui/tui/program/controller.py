@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.program.pane import ProgramPane
 
 _LONGEST = 30
+_RESTING = 0.5  # seconds without a key after which a text is checked
 
 
 class ProgramController:
@@ -48,6 +49,14 @@ class ProgramController:
         self._permissions, self._enter, self._suspend = permissions, enter, suspend
         self._wanted = ""
         self._is_copy_told = False
+        self._check: asyncio.TimerHandle | None = None
+
+    def edited(self) -> None:
+        """Check the text soon after the last key."""
+        if self._check is not None:
+            self._check.cancel()
+        loop = asyncio.get_running_loop()
+        self._check = loop.call_later(_RESTING, lambda: self._session.check(self._pane.text))
 
     def keep_copy(self, text: str) -> None:
         """Also write copied text to a file, because terminals don't confirm a copy."""

@@ -26,7 +26,7 @@ from logical_robots_tui.tui.program.completion import (
     words_for,
 )
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
-from logical_robots_tui.tui.program.mistakes import mark
+from logical_robots_tui.tui.program.mistakes import Mark, sign
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 from logical_robots_tui.wording import visible
 
@@ -158,7 +158,7 @@ class Editor(TextArea):
         self._states = LineStates()
         self._last_key_at = float("-inf")
         self._syntax: dict[str, Style] = {}
-        self._marks: Mapping[int, bool] = {}
+        self._marks: Mapping[int, Sequence[Mark]] = {}
         self._pointed_out: Selection | None = None
         self.completion = Completion()
         self.completes = True
@@ -207,8 +207,8 @@ class Editor(TextArea):
         self._states.forget()
         super().redo()
 
-    def mark(self, marks: Mapping[int, bool]) -> None:
-        """Mark lines, numbered from 0: True marks an error, False a warning."""
+    def mark(self, marks: Mapping[int, Sequence[Mark]]) -> None:
+        """Underline places, and mark their lines, numbered from 0."""
         if marks != self._marks:
             self._marks = marks
             self.notify_style_update()
@@ -384,8 +384,8 @@ class Editor(TextArea):
         state = self._states.at(line_index, self.document.get_line)
         for start, end, kind in pieces(line, state):
             text.stylize(self._syntax[kind], start, end)
-        if self._marks.get(line_index):
-            text.stylize(self._syntax["mistake"])
+        for start, end, is_wrong in self._marks.get(line_index, ()):
+            text.stylize(self._syntax["mistake" if is_wrong else "odd"], start, end)
         return text
 
     def render_line(self, y: int) -> Strip:
@@ -397,8 +397,8 @@ class Editor(TextArea):
         if row not in self._marks:
             return strip
         begins = None if column else row
-        is_wrong = self._marks[row]
-        return mark(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
+        is_wrong = any(mark.is_wrong for mark in self._marks[row])
+        return sign(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
 
 
 def _without_comment(line: str) -> str:

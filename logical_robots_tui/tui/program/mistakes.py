@@ -1,29 +1,54 @@
-"""Errors: signs beside the lines of a program, and a strip of messages below the text."""
+"""Errors: signs beside lines, underlined places, and a list of messages below the text."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich.segment import Segment
-from rich.style import Style
+from rich.style import Style as RichStyle
+from textual import events
 from textual.content import Content
 from textual.message import Message
 from textual.strip import Strip
+from textual.style import Style
 from textual.widgets import Static
 
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import clip, one_line
+from logical_robots_tui.wording import clip, count_of, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Diagnostic
 
 _MOST_SHOWN = 3
 _LONGEST = 400
+_WORD = re.compile(r"\w+")
+
+
+class Mark(NamedTuple):
+    """A wrong or odd place in a line, from its first column to before the last."""
+
+    start: int
+    stop: int
+    is_wrong: bool
+
+
+def mark_of(mistake: Diagnostic, line: str) -> Mark:
+    """Return the place of a mistake: its excerpt if it is there, or else a word or a character."""
+    start = min(mistake.column - 1, max(len(line) - 1, 0))
+    if mistake.excerpt and line.startswith(mistake.excerpt, start):
+        length = len(mistake.excerpt)
+    else:
+        word = _WORD.match(line, start)
+        length = len(word.group()) if word else 1
+    return Mark(start, start + length, mistake.severity == "error")
 
 
 class MistakeStrip(Static):
-    """The messages of the errors; a click goes to the first one."""
+    """How many errors there are, and messages of some; a click goes to one."""
 
     DEFAULT_CSS = """
     MistakeStrip {
@@ -35,8 +60,11 @@ class MistakeStrip(Static):
 
     _shown: tuple[Diagnostic, ...] = ()
 
+    @dataclass
     class Chosen(Message):
-        """The player goes to the error."""
+        """The player goes to an error, at a line and column from 0."""
+
+        place: tuple[int, int]
 
     def show(self, mistakes: tuple[Diagnostic, ...], row: int) -> None:
         if len(mistakes) > _MOST_SHOWN:
@@ -47,12 +75,28 @@ class MistakeStrip(Static):
         self.display = bool(mistakes)
         self.set_class(all(mistake.severity == "warning" for mistake in mistakes), "-odd")
         lines = [_describe(mistake) for mistake in mistakes[:_MOST_SHOWN]]
-        if len(mistakes) > _MOST_SHOWN:
-            lines.append(Content.styled(f"and {len(mistakes) - _MOST_SHOWN} more", INK.dim))
+        if len(mistakes) > 1:
+            lines.insert(0, _count(mistakes))
         self.update(Content("\n").join(lines))
 
-    def on_click(self) -> None:
-        self.post_message(self.Chosen())
+    def on_click(self, event: events.Click) -> None:
+        place = event.style.meta.get("place") or next(map(_place, self._shown), None)
+        if place is not None:
+            self.post_message(self.Chosen(place))
+
+
+def _count(mistakes: tuple[Diagnostic, ...]) -> Content:
+    wrong = sum(mistake.severity == "error" for mistake in mistakes)
+    told = [(wrong, "mistake"), (len(mistakes) - wrong, "warning")]
+    words = ", ".join(count_of(number, what) for number, what in told if number)
+    return Content.assemble(
+        (words, f"bold {INK.bad if wrong else INK.warn}"),
+        (f"   {command('mistake').key_name} goes to the next one", INK.dim),
+    )
+
+
+def _place(mistake: Diagnostic) -> tuple[int, int]:
+    return mistake.line - 1, mistake.column - 1
 
 
 def _describe(mistake: Diagnostic) -> Content:
@@ -65,19 +109,13 @@ def _describe(mistake: Diagnostic) -> Content:
         content = content.append("\n  ").append(
             Content.styled(clip(one_line(mistake.hint), _LONGEST), INK.warn)
         )
-    return content
+    return content.stylize(Style.from_meta({"place": _place(mistake)}))
 
 
-def mark(
-    strip: Strip, row: int | None, gutter: int, styles: Mapping[str, Style], *, is_wrong: bool
+def sign(
+    strip: Strip, row: int | None, gutter: int, styles: Mapping[str, RichStyle], *, is_wrong: bool
 ) -> Strip:
-    """Mark a line in its gutter, and an error's ground; row None continues a wrapped line."""
-    sign, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
-    label = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{sign} "
-    rest = strip.crop(gutter)
-    if is_wrong:
-        paper = styles["mistake"]
-        rest = Strip(
-            [Segment(text, (style or Style()) + paper, control) for text, style, control in rest]
-        )
-    return Strip([Segment(label, styles[ink]), *rest])
+    """Put a sign into the gutter of a line; row None continues a wrapped line."""
+    label, ink = ("✗", "mistake-gutter") if is_wrong else ("!", "odd-gutter")
+    told = " " * gutter if row is None else f"{row + 1:>{gutter - 2}}{label} "
+    return Strip([Segment(told, styles[ink]), *strip.crop(gutter)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
 from logical_robots_tui.tui.program.editor import Editor, follow_rows
-from logical_robots_tui.tui.program.mistakes import MistakeStrip
+from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip, mark_of
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level
@@ -140,20 +140,21 @@ class ProgramPane(Pane):
         self.note(f"{self._verdict(state)} · {clip(one_line(name), 24)}{star}")
         if state != self._state:
             self._state = state
-            self._mistakes = {found: found for found in state.mistakes}
-            self._tried = self._lines = state.tried.split("\n")
-            self._follow_text(state)
+            tried, mistakes = state.newest
+            self._mistakes = {found: found for found in mistakes}
+            self._tried = self._lines = tried.split("\n")
+            self._follow_text(mistakes)
 
     @on(TextArea.Changed)
     def _text_changed(self) -> None:
-        if self._state is not None and self._state.mistakes:
-            self._follow_text(self._state)
+        if self._state is not None and (mistakes := self._state.newest[1]):
+            self._follow_text(mistakes)
 
-    def _follow_text(self, state: ProgramState) -> None:
+    def _follow_text(self, mistakes: Iterable[Diagnostic]) -> None:
         """Show the errors where their lines are now; a changed line shows none."""
         lines = self.text.split("\n")
         if lines == self._tried:
-            self._mistakes = {found: found for found in state.mistakes}
+            self._mistakes = {found: found for found in mistakes}
         else:
             now = self._mistakes.values()
             rows = follow_rows([mistake.line - 1 for mistake in now], self._lines, lines)
@@ -163,10 +164,10 @@ class ProgramPane(Pane):
                 if row is not None
             }
         self._lines = lines
-        marks: dict[int, bool] = {}
+        marks: dict[int, list[Mark]] = {}
         for mistake in self._untouched():
             row = mistake.line - 1
-            marks[row] = marks.get(row, False) or mistake.severity == "error"
+            marks.setdefault(row, []).append(mark_of(mistake, lines[row]))
         self.editor.mark(marks)
         self._tell()
 
@@ -178,9 +179,15 @@ class ProgramPane(Pane):
         )
 
     def go_to_mistake(self) -> None:
-        mistake = next(iter(self._mistakes.values()), None)
-        if mistake is not None:
-            self.editor.move_cursor((mistake.line - 1, mistake.column - 1), center=True)
+        """Move to the next mistake, after the last one to the first."""
+        places = sorted((each.line - 1, each.column - 1) for each in self._mistakes.values())
+        here = self.editor.cursor_location
+        if places:
+            self.go_to(next((place for place in places if place > here), places[0]))
+        self.enter()
+
+    def go_to(self, place: tuple[int, int]) -> None:
+        self.editor.move_cursor(place, center=True)
         self.enter()
 
     def show_place(self, start: int, stop: int) -> None:
@@ -220,8 +227,8 @@ class ProgramPane(Pane):
         self.screen.set_focus(self.editor)
 
     @on(MistakeStrip.Chosen)
-    def _mistake_chosen(self) -> None:
-        self.go_to_mistake()
+    def _mistake_chosen(self, event: MistakeStrip.Chosen) -> None:
+        self.go_to(event.place)
 
     def _verdict(self, state: ProgramState) -> str:
         if state.phase in ("fresh", "compiling"):
@@ -232,6 +239,7 @@ class ProgramPane(Pane):
             found = count_of(len(state.mistakes), "mistake")
             return found if state.applied is None else f"{found}, the old version runs on"
         if text != state.applied:
-            return "not applied"
+            found = count_of(len(state.found), "mistake") if text == state.checked else ""
+            return f"not applied, {found}" if state.found and found else "not applied"
         warnings = len(state.mistakes)
         return f"applied, {count_of(warnings, 'warning')}" if warnings else "applied"

@@ -53,7 +53,6 @@ _NIGHT = {
     "tab-here": "#232b45",
     "selection": "#33437a",
     "bracket": "#3b4464",
-    "mistake": "#4a1f2b",
     "mistake-strip": "#2a1820",
     "odd-strip": "#26221a",
 }
@@ -92,7 +91,6 @@ _ANSI = {
     "tab-here": "ansi_default",
     "selection": "ansi_blue",
     "bracket": "ansi_bright_black",
-    "mistake": "ansi_default",
     "mistake-ink": "ansi_bright_white",
     "mistake-strip": "ansi_default",
     "odd-strip": "ansi_default",
@@ -144,7 +142,6 @@ def colours_in(theme: Theme) -> dict[str, str]:
         "tab-here": tinted(given["primary"], 0.2),
         "selection": tinted(given["primary"], 0.3),
         "bracket": tinted(text.hex6, 0.25),
-        "mistake": tinted(given["error"], 0.25),
         "mistake-ink": given["surface"],
         "mistake-strip": tinted(given["error"], 0.1),
         "odd-strip": tinted(given["warning"], 0.1),
@@ -241,7 +238,8 @@ SYNTAX = {
     "annotation": "$ink-annotation",
     "field": "$ink-field",
     "operator": "$ink-operator",
-    "mistake": "on $mistake",
+    "mistake": f"underline {INK.bad}",
+    "odd": f"underline {INK.warn}",
     "odd-gutter": f"bold {INK.warn}",
     "mistake-gutter": f"bold $mistake-ink on {INK.bad}",
 }

@@ -9,8 +9,9 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
+from logical_robots_tui.mind import Diagnostic
 from logical_robots_tui.tui.program.editor import follow_rows, indentation_after, shift_lines
-from logical_robots_tui.tui.program.mistakes import mark
+from logical_robots_tui.tui.program.mistakes import mark_of, sign
 from tests.mind.hostile.bounds import bounded_work
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)
@@ -80,6 +81,23 @@ def test_a_line_that_stands_beside_what_changed_is_found_as_it_was(
 def test_a_wrapped_line_has_its_sign_only_where_it_begins(row: int | None, told: str) -> None:
     line = Strip([Segment("12  "), Segment("A(x)")])
     styles = dict.fromkeys(("mistake", "mistake-gutter"), Style())
-    found = mark(line, row, 4, styles, is_wrong=True)
+    found = sign(line, row, 4, styles, is_wrong=True)
     assert found.text == told
     assert found.cell_length == line.cell_length
+
+
+@pytest.mark.parametrize(
+    ("column", "excerpt", "line", "marked"),
+    [
+        (3, "Bat", "a Bat(x)", "Bat"),
+        (3, "", "a Bat(x)", "Bat"),
+        (6, "gone", "a Bat(x)", "("),
+        (9, "", "a Bat(x)", ")"),
+    ],
+)
+def test_what_is_wrong_in_a_line_is_underlined(
+    column: int, excerpt: str, line: str, marked: str
+) -> None:
+    mark = mark_of(Diagnostic(1, column, "wrong", excerpt=excerpt), line)
+    assert line[mark.start : mark.stop] == marked
+    assert mark.is_wrong
