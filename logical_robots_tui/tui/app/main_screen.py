@@ -24,6 +24,7 @@ from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
 from logical_robots_tui.tui.commands.keymap import command, commands, key_bindings, with_keys
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
+from logical_robots_tui.tui.labyrinth.briefing import Briefing, BriefingCard
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
@@ -85,8 +86,13 @@ class MainScreen(Screen[None], SessionListener):
         self.scheduler.pace = self.session.pace
         self._status, self._tabs, self._bar = StatusLine(), PaneTabs(), CommandBar()
         self._too_small = Static(id="too-small", markup=False)
-        self.labyrinth, self.timeline = LabyrinthPane(clock), Timeline()
-        self.inspector = InspectorPane(self.session, lambda: self.point_at(self.inspector))
+        self.briefing = Briefing(
+            lambda: self.arrangement.layout.is_roomy and self.inspector.display
+        )
+        self.labyrinth, self.timeline = LabyrinthPane(self.briefing, clock), Timeline()
+        self.inspector = InspectorPane(
+            self.session, lambda: self.point_at(self.inspector), self.briefing.over
+        )
         self.arrangement = Arrangement((self.labyrinth, self.program, self.inspector))
         self._edit_panel: EditPanel | None = None
         self._make_controllers()
@@ -130,7 +136,7 @@ class MainScreen(Screen[None], SessionListener):
         self.search = Search(session, ui, self.timeline_controller.go_to)
         self.announcer = VictoryAnnouncer(
             session,
-            self.labyrinth.briefing,
+            self.briefing,
             recorder,
             ui,
             self.offers,
@@ -282,6 +288,8 @@ class MainScreen(Screen[None], SessionListener):
     def on_descendant_focus(self) -> None:
         if self.arrangement.focused():
             self.tour.end()
+        if self.inspector.has_focus_within:
+            self.briefing.close()
         self.redraw_lines()
 
     # -- messages ------------------------------------------------------------------------------
@@ -295,6 +303,10 @@ class MainScreen(Screen[None], SessionListener):
     @on(Editor.Copied)
     def _text_copied(self, event: Editor.Copied) -> None:
         self.program_controller.keep_copy(event.text)
+
+    @on(BriefingCard.Closed)
+    def _briefing_closed(self) -> None:
+        self.briefing.close()
 
     @on(Timeline.Pointed)
     def _tick_pointed(self, event: Timeline.Pointed) -> None:

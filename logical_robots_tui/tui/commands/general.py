@@ -24,7 +24,7 @@ def editor(screen: MainScreen) -> Editor:
 
 
 def run(screen: MainScreen) -> None:
-    screen.labyrinth.briefing.close()
+    screen.briefing.close()
     state = screen.session.state
     if screen.session.game is None and state.phase == "mistake":
         screen.warn(f"The program has a mistake in line {state.mistakes[0].line}.")
@@ -32,12 +32,12 @@ def run(screen: MainScreen) -> None:
 
 
 def step(screen: MainScreen, ticks: int = 1) -> None:
-    screen.labyrinth.briefing.close()
+    screen.briefing.close()
     screen.session.step(ticks)
 
 
 async def run_until(screen: MainScreen) -> None:
-    screen.labyrinth.briefing.close()
+    screen.briefing.close()
     await screen.timeline_controller.ask_how_far()
 
 
@@ -66,7 +66,7 @@ def copy(screen: MainScreen) -> None:
 
 
 def briefing(screen: MainScreen) -> None:
-    if not screen.labyrinth.briefing.toggle():
+    if not screen.briefing.toggle():
         screen.tell("This level has no briefing.")
 
 
@@ -99,7 +99,7 @@ def next_team(screen: MainScreen) -> None:
 def leave(screen: MainScreen) -> None:
     if screen.arrangement.active is screen.labyrinth:
         screen.labyrinth.select(None)
-        screen.labyrinth.briefing.close()
+        screen.briefing.close()
     screen.go_to(screen.labyrinth)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from textual import on
 from textual.containers import Horizontal
+from textual.widget import Widget
 from textual.widgets import OptionList
 from textual.worker import Worker
 
@@ -59,15 +60,15 @@ class InspectorPane(Pane):
     InspectorPane.-roomy DecisionPage { width: 2fr; border-left: solid $ink-faint; }
     """
 
-    def __init__(self, session: Session, reveal: Callable[[], None]) -> None:
-        """`reveal` brings the pane into view."""
+    def __init__(self, session: Session, reveal: Callable[[], None], briefing: Widget) -> None:
+        """`reveal` brings the pane into view, which `briefing` may cover."""
         self._session, self._reveal = session, reveal
         self.questions = Questions(session)
         self._list = PredicateList()
         first = PAGES[0]
         self._pages = {first.id: first.load()(first, self.questions)}
         self._row = Horizontal(*self._pages.values(), id="pages")
-        super().__init__(Horizontal(self._list, self._row), title="Inspector")
+        super().__init__(Horizontal(self._list, self._row), briefing, title="Inspector")
         self._is_roomy = False
         self._selected = first.id
         self._survey: Survey | None = None

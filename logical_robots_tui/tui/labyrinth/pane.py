@@ -43,12 +43,12 @@ class LabyrinthPane(Pane, can_focus=True):
         ("shift+down", "pan(0, 1, True)"),
     ]
 
-    def __init__(self, clock: Clock = CLOCK) -> None:
+    def __init__(self, briefing: Briefing, clock: Clock = CLOCK) -> None:
         self.view = LabyrinthView(clock)
         self.card = RobotCard()
-        self.briefing = Briefing(self.view)
+        self.briefing = briefing
         self._shown: tuple[Level, Frame] | None = None
-        super().__init__(self.view, self.card, self.briefing, title="Labyrinth")
+        super().__init__(self.view, self.card, briefing.beside, title="Labyrinth")
         self._own_keys = self._bindings
 
     def on_mount(self) -> None:
@@ -61,7 +61,6 @@ class LabyrinthPane(Pane, can_focus=True):
         """Show a tick; hurried if the next one follows at once."""
         self._shown = (level, frame)
         self.view.show(level, frame, hurried=hurried)
-        self.briefing.place()
         self.select(self.view.selected)
 
     def select(self, robot_name: str | None) -> None:
@@ -94,7 +93,6 @@ class LabyrinthPane(Pane, can_focus=True):
         }
         note = words[camera.sight]
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
-        self.briefing.place()
         self.select(self.view.selected)
 
     def take_keys(self, keys: BindingsMap | None = None) -> None:
