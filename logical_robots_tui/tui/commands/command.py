@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, TypeAlias, TypeVar
 
@@ -37,6 +38,7 @@ class Command(NamedTuple):
         act: Does it, given the main screen, or the edit mode for one of the level editor.
         bar: Label in the command bar, or "" to leave it out; not shown beside an equal key.
         spare: How early the bar drops it when there is little room; 0 is never.
+        also: Other words that the palette finds it by.
         worker: The group of workers that an asynchronous `act` runs in, one at a time; "" for
             one that is not asynchronous.
     """
@@ -52,6 +54,7 @@ class Command(NamedTuple):
     place: Place = "outside"
     spare: int = 0
     worker: str = ""
+    also: str = ""
     without_key: str = "^P"
 
     def run(self, target: object, spawn: Spawn) -> None:
@@ -65,12 +68,33 @@ class Command(NamedTuple):
         """The first key as printed on a keyboard, or `without_key`."""
         return key_name(self.keys[0]) if self.keys else self.without_key
 
+    def match(self, words: Sequence[str]) -> float:
+        """How well words fit: 0.0 unless each begins a word of the title, the help or `also`."""
+        title, also = self.title.casefold(), f"{self.id.replace('_', ' ')} {self.also}".casefold()
+        scores = [
+            max(
+                1.0 * title.startswith(word),
+                0.9 * _has(title, word),
+                0.8 * _has(also, word),
+                0.7 * title.replace(" ", "").startswith(word),
+                0.4 * _has(self.help.casefold(), word),
+            )
+            for word in words
+        ]
+        if not scores or not all(scores):
+            return 0.0
+        return sum(scores) / len(scores) - 0.001 * len(title)  # a short title fits as a whole
+
     def bar_key(self, *, typing: bool) -> str:
         """Return the key to show in the command bar, or "" if none works while typing."""
         keys = [
             key for key in self.keys if not typing or (len(key_name(key)) > 1 and key != "space")
         ]
         return key_name(keys[0]) if keys else ""
+
+
+def _has(text: str, word: str) -> bool:
+    return re.search(rf"(?<!\w){re.escape(word)}", text) is not None
 
 
 class Group(Generic[Target]):
@@ -92,10 +116,11 @@ class Group(Generic[Target]):
         place: Place = "outside",
         spare: int = 0,
         worker: str = "",
+        also: str = "",
     ) -> None:
         """Declare a command; `keys` are separated by spaces, `text` is the help."""
         about = name, title, text, self.title, self.scope, tuple(keys.split())
-        self.commands.append(Command(*about, act, bar, place, spare, worker))
+        self.commands.append(Command(*about, act, bar, place, spare, worker, also))
 
 
 def key_name(key: str) -> str:

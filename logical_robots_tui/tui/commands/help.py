@@ -186,9 +186,9 @@ class CommandProvider(Provider):
                 )
 
     async def search(self, query: str) -> Hits:
-        matcher = self.matcher(query)
+        words = query.casefold().split()
         for entry in self.offered():
-            score = max(matcher.match(entry.title), matcher.match(entry.help) * 0.5)
+            score = entry.match(words)
             if score > 0 and entry.id != "palette":
                 yield Hit(
                     score, self._line(entry), self._caller(entry), text=entry.title, help=entry.help

@@ -20,24 +20,24 @@ if TYPE_CHECKING:
 running: Group[MainScreen] = Group("Running")
 running.add("run", "Run or pause", "space f5", general.run,
     "Run the robots or pause them; also cancels a computation under way.",
-    bar="Run", place="anywhere")
+    bar="Run", place="anywhere", also="start play pause stop go")
 running.add("step", "Step", "n full_stop f8", general.step, "Compute one tick.", bar="Step")
 running.add("back", "Step back", "p comma", lambda s: s.session.back(),
     "Go back one tick.", bar="Back", spare=2)
 running.add("restart", "Restart", "r", lambda s: s.session.restart(),
     "Start the level again at tick 0, with the same program.", bar="Restart")
 running.add("slower", "Slower", "minus", lambda s: s.session.slower(),
-    "Choose the next lower speed.", bar="-", spare=3)
+    "Choose the next lower speed.", bar="-", spare=3, also="speed")
 running.add("faster", "Faster", "plus equals_sign", lambda s: s.session.faster(),
-    "Choose the next higher speed; the highest is unlimited.", bar="Speed", spare=3)
+    "Choose the next higher speed; the highest is unlimited.", bar="Speed", spare=3, also="speed")
 
 time: Group[MainScreen] = Group("Time")
 time.add("step_ten", "Ten steps", "N", lambda s: general.step(s, 10), "Go forward ten ticks.")
 time.add("back_ten", "Ten steps back", "P", lambda s: s.session.back(10), "Go back ten ticks.")
 time.add("first", "First tick", "left_parenthesis", lambda s: s.timeline_controller.first(),
-    "Go to the first tick, or the earliest that the history still holds.")
+    "Go to the first tick, or the earliest that the history still holds.", also="start beginning")
 time.add("last", "Last tick", "right_parenthesis", lambda s: s.timeline_controller.last(),
-    "Go to the last tick of the history.")
+    "Go to the last tick of the history.", also="end")
 time.add("go_to", "Go to tick…", "g", lambda s: s.timeline_controller.ask_for_tick(),
     "Go to any tick of the history.", worker="dialog")
 time.add("run_until", "Run until tick…", "U", general.run_until,
@@ -55,82 +55,91 @@ time.add("next_match", "Next match", "semicolon", lambda s: s.search.go(1),
 time.add("previous_match", "Previous match", "colon", lambda s: s.search.go(-1),
     "Go to the previous tick in which the question that was searched for holds.", worker="seek")
 time.add("breakpoints", "Breakpoints", "B", lambda s: s.timeline_controller.breakpoints(),
-    "List, add, switch off or delete breakpoints: events and questions that end a run.")
+    "List, add, switch off or delete breakpoints: events and questions that end a run.",
+    also="stop debug")
 time.add("other_future", "Other future", "F", lambda s: s.timeline_controller.change_course(),
-    "Switch to the future that was left when the program changed, and to its program.")
+    "Switch to the future that was left when the program changed, and to its program.",
+    also="branch")
 time.add("compare", "Compare futures", "C", lambda s: s.timeline_controller.compare(),
     "Go to the first tick in which the two futures differ, and show how and why.")
 time.add("save_replay", "Save a replay", "", lambda s: s.replays.save(),
     "Save all ticks of the timeline in a file, to play again, to verify or to share.",
-    worker="replay")
+    worker="replay", also="export record share")
 time.add("timeline", "Timeline", "T", lambda s: s.set_focus(s.timeline),
     "Focus the timeline; arrows, page up and down, home and end move along it.")
 
 programs: Group[MainScreen] = Group("Program and level")
 programs.add("apply", "Apply the program", "ctrl+r f4", lambda s: s.session.apply(s.program.text),
     "Compile the text in the editor; the robots use it from the next tick on.",
-    bar="Apply", place="anywhere")
+    bar="Apply", place="anywhere", also="compile use")
 programs.add("mistake", "Go to the mistake", "ctrl+g", lambda s: general.program(s).go_to_mistake(),
     "Go to the place where the program can't be compiled.")
 programs.add("definition", "Go to the definition", "ctrl+right_square_bracket f12",
     general.definition, "Go to the definition of the predicate under the cursor.")
 programs.add("find", "Find and replace", "ctrl+f ctrl+o", lambda s: s.program_controller.find(),
-    "Find a text in the program, or replace it everywhere.", worker="dialog")
+    "Find a text in the program, or replace it everywhere.", worker="dialog", also="search")
 programs.add("find_next", "Find next", "f3", lambda s: s.program_controller.find_next(),
     "Go to the next match.")
 programs.add("select_all", "Select all", "f7", lambda s: general.editor(s).select_all(),
     "Select the whole text of the program.")
 programs.add("external_editor", "External editor", "E",
     lambda s: s.program_controller.edit_elsewhere(),
-    "Edit the text in the editor that $VISUAL or $EDITOR names.")
+    "Edit the text in the editor that $VISUAL or $EDITOR names.", also="vim nano")
 programs.add("wrap", "Wrap lines", "", general.wrap,
     "Wrap lines of the program that are too long for the pane, or cut them.")
 programs.add("rename", "Rename the predicate", "", lambda s: s.program_controller.rename(),
     "Rename the predicate under the cursor wherever it is used.", worker="dialog")
 programs.add("level", "Choose a level", "l", lambda s: s.library_controller.choose_level(),
     "Show all levels and what you have won, or type the path of a level file.",
-    bar="Level", spare=2, worker="dialog")
+    bar="Level", spare=2, worker="dialog", also="open map labyrinth")
 programs.add("next_level", "Next level", "greater_than_sign", lambda s: s.library.next_level(),
     "Go to the level after this one.", worker="dialog")
 programs.add("daily", "Labyrinth of the day", "", lambda s: s.library.open_daily(),
-    "Open the labyrinth that everybody has today, in one of three sizes.", worker="dialog")
+    "Open the labyrinth that everybody has today, in one of three sizes.", worker="dialog",
+    also="today challenge")
 programs.add("program", "Choose a program", "o", lambda s: s.library_controller.choose_program(),
-    "Choose a program, or type the path of a program file.", bar="Open", spare=4, worker="dialog")
+    "Choose a program, or type the path of a program file.", bar="Open", spare=4, worker="dialog",
+    also="open load")
 programs.add("save", "Save the program", "ctrl+s", lambda s: s.library_controller.save(),
     "Save the text in the editor in its file, or under a name if that is not your own.",
     bar="Save", place="editor", worker="dialog")
 programs.add("save_as", "Save the program as…", "s f2", lambda s: s.library_controller.save_as(),
     "Save the text in the editor as a program of your own, under any name.",
-    bar="Save as", spare=9, worker="dialog")
+    bar="Save as", spare=9, worker="dialog", also="export")
 programs.add("revert", "Revert to the file", "", lambda s: s.program.put(s.session.source.text),
     "Replace the text in the editor by that of its file; undo brings yours back.")
 programs.add("versions", "Earlier versions", "v", lambda s: s.learning.choose_version(),
     "List your earlier programs for this level, and restore one.",
-    bar="Versions", spare=8, worker="dialog")
+    bar="Versions", spare=8, worker="dialog", also="history undo earlier")
 programs.add("reset", "Reset to the starter", "x", lambda s: s.player.learning.reset(),
-    "Restore the level's starter program; yours is kept as an earlier version.", worker="dialog")
+    "Restore the level's starter program; yours is kept as an earlier version.", worker="dialog",
+    also="restart starter")
 
 learning: Group[MainScreen] = Group("Learning")
-learning.add("briefing", "Briefing", "b", general.briefing, "Show or hide the task of the level.")
+learning.add("briefing", "Briefing", "b", general.briefing, "Show or hide the task of the level.",
+    also="task goal")
 learning.add("hint", "Hints", "h", lambda s: s.learning.hints(),
-    "Reveal the hints of the level, one at a time.", bar="Hint")
+    "Reveal the hints of the level, one at a time.", bar="Hint", also="help")
 learning.add("lesson", "Lesson", "t", lambda s: s.learning.lesson(),
-    "Read what the level teaches and, when you have won, what to try next.", bar="Lesson", spare=6)
+    "Read what the level teaches and, when you have won, what to try next.", bar="Lesson", spare=6,
+    also="learn")
 learning.add("results", "Results", "m", lambda s: s.announcer.results(),
-    "Compare your best results with those of the reference programs.", bar="Results", spare=7)
+    "Compare your best results with those of the reference programs.", bar="Results", spare=7,
+    also="score best")
 learning.add("copy_result", "Copy my result", "", general.copy_result,
-    "Copy the result of your last victory here as a line of text to share.")
+    "Copy the result of your last victory here as a line of text to share.", also="share export")
 learning.add("solution", "Reference programs", "W", lambda s: s.learning.solution(),
     "Read the program that the lesson explains, and others; asks first if you have not won.",
-    worker="dialog")
+    worker="dialog", also="answer")
 learning.add("stop_measuring", "Stop the robustness test", "", general.stop_measuring,
     "Stop trying the program from shifted starts.")
 
 making: Group[MainScreen] = Group("Making levels")
 making.add("edit_level", "Edit the level", "M", lambda s: s.editing.open(),
-    "Edit the labyrinth, even while the robots run; the same key ends it.")
+    "Edit the labyrinth, even while the robots run; the same key ends it.", also="map walls")
 making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
-    "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog")
+    "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog",
+    also="create map")
 
 editing: Group[LevelController] = Group("In the level editor", "level")
 editing.add("hand", "Hand", "h", lambda e: e.take("hand"),
@@ -206,13 +215,14 @@ view.add("next_team", "Program of the next team", "", general.next_team,
 view.add("hide_teams", "Hide the other teams", "", lambda s: s.team_choice.toggle_others(),
     "Hide what the other teams think, or show it again.")
 view.add("why", "Why", "w", lambda s: s.inspector.why(),
-    "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why")
+    "Prove what the robot did at this tick, or why a predicate has its rows, as a tree.", bar="Why",
+    also="explain proof")
 view.add("ask", "Ask", "slash", lambda s: s.inspector.ask(),
-    "Ask any question in Logica about this tick.", bar="Ask", spare=4)
+    "Ask any question in Logica about this tick.", bar="Ask", spare=4, also="query question")
 view.add("watch", "Watch", "V", lambda s: s.inspector.go_to("watch"),
     "Show what is pinned: its value at this tick and in the ticks around it.")
 view.add("diagnose", "Diagnosis", "", lambda s: s.inspector.go_to("diagnosis"),
-    "Scan the whole run for likely mistakes.")
+    "Scan the whole run for likely mistakes.", also="problems lint")
 view.add("leave", "Leave the editor", "escape", general.leave,
     "Go from the editor to the labyrinth, where single letters are commands.",
     bar="Leave", place="editor")
@@ -223,7 +233,7 @@ view.add("previous_pane", "Previous pane", "left_square_bracket",
     lambda s: s.go_to(s.arrangement.beside_active(-1)), "Go to the previous pane.")
 view.add("view", "View", "f", lambda s: s.labyrinth.view.look_at_next(),
     "Show the whole labyrinth, follow a robot, or show only what the robots sense.",
-    bar="View", spare=2)
+    bar="View", spare=2, also="camera follow")
 view.add("zoom_in", "Zoom in", "z", lambda s: s.labyrinth.view.zoom(1),
     "Show less of the labyrinth, larger.")
 view.add("zoom_out", "Zoom out", "Z", lambda s: s.labyrinth.view.zoom(-1),
@@ -231,7 +241,7 @@ view.add("zoom_out", "Zoom out", "Z", lambda s: s.labyrinth.view.zoom(-1),
 view.add("next_robot", "Next robot", "a", lambda s: s.labyrinth.view.select_next(),
     "Select the next robot: highlight its light, and show a card about it.")
 view.add("maximise", "Enlarge the pane", "k ctrl+t", lambda s: s.arrangement.toggle_large(),
-    "Give the focused pane the whole screen, or share it again.")
+    "Give the focused pane the whole screen, or share it again.", also="zoom full")
 view.add("hide", "Hide the pane", "j", lambda s: s.go_to(s.arrangement.hide(s.arrangement.active)),
     "Hide the focused pane; if one is hidden, show all again.")
 view.add("wider_program", "Wider program", "D", lambda s: s.arrangement.change(4, 0),
@@ -263,7 +273,8 @@ inspecting.add("other_values", "Other values…", "exclamation_mark",
 inspecting.add("graph", "Dependency graph", "R", rows.graph,
     "Show which predicate uses which, and open one of them.", worker="dialog")
 inspecting.add("sql", "SQL and query plan", "K", rows.sql,
-    "Show what each predicate costs, and SQL and query plan of the one inspected.", worker="sql")
+    "Show what each predicate costs, and SQL and query plan of the one inspected.", worker="sql",
+    also="query plan")
 inspecting.add("only_robot", "Rows of one robot", "O",
     rows.of_table(lambda s, table: table.toggle_robot(s.inspector.robot)),
     "Show only the rows of the selected robot, or all again.")
@@ -275,8 +286,9 @@ inspecting.add("transpose", "Transpose the table", "J",
     rows.of_table(lambda _, table: table.transpose()),
     "Show each column as a line, or as a column again.")
 inspecting.add("copy_rows", "Copy rows", "c", rows.copy_rows,
-    "Copy the rows as CSV, to the terminal's clipboard and into a file.")
-inspecting.add("save_rows", "Save rows", "S", rows.save_rows, "Save the rows as CSV and as JSON.")
+    "Copy the rows as CSV, to the terminal's clipboard and into a file.", also="export csv")
+inspecting.add("save_rows", "Save rows", "S", rows.save_rows, "Save the rows as CSV and as JSON.",
+    also="export csv json")
 inspecting.add("break_here", "Break here", "asterisk", rows.break_here,
     "Set a breakpoint: this predicate or column changes, or the question holds.")
 
@@ -286,14 +298,17 @@ others.add("help", "Help", "question_mark f1", general.help_,
 others.add("palette", "Commands", "ctrl+p", general.palette,
     "Find any command by typing a part of its name.", bar="Commands", place="anywhere", spare=4)
 others.add("theme", "Theme…", "", general.theme,
-    "Choose the colours of the screen, dark or light; the choice is kept.")
+    "Choose the colours of the screen, dark or light; the choice is kept.",
+    also="colours colors dark light settings")
 others.add("screenshot", "Screenshot", "", general.save_picture,
-    "Save the screen as SVG and as text, in the data folder.")
+    "Save the screen as SVG and as text, in the data folder.", also="picture export svg")
 others.add("tour", "Guided tour", "", lambda s: s.tour.begin(),
-    "Explain the parts of the screen, one by one.")
-others.add("redraw", "Redraw", "ctrl+l", general.redraw, "Paint the whole screen again.")
+    "Explain the parts of the screen, one by one.", also="tutorial introduction")
+others.add("redraw", "Redraw", "ctrl+l", general.redraw, "Paint the whole screen again.",
+    also="refresh repaint")
 others.add("quit", "Quit", "q", lambda s: s.quit(),
-    "Leave the game. Unsaved text is kept and offered the next time.", bar="Quit", spare=1)
+    "Leave the game. Unsaved text is kept and offered the next time.", bar="Quit", spare=1,
+    also="exit close")
 
 writing: Group[MainScreen] = Group("In the program", "text")
 writing.add("complete", "Complete the word", "ctrl+space", general.complete,

@@ -369,3 +369,27 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
         await game.sees('R remembers ""')
         await game.click("#robots", offset=(3, 2))
         await game.until(lambda: view.selected == "Q")
+
+
+@pytest.mark.parametrize(
+    ("typed", "first"),
+    [
+        ("daily", "daily"),
+        ("replay", "save_replay"),
+        ("theme", "theme"),
+        ("speed", "slower"),
+        ("export", "save_rows"),
+        ("colours", "theme"),
+        ("next lev", "next_level"),
+        ("why", "why"),
+        ("step", "step"),
+    ],
+)
+def test_the_palette_finds_by_words_the_best_first(typed: str, first: str) -> None:
+    found = [(entry.match(typed.split()), entry.id) for entry in COMMANDS]
+    best = max(score for score, _ in found)
+    assert next(name for score, name in found if score == best) == first
+
+
+def test_scattered_letters_find_nothing() -> None:
+    assert not [entry.id for entry in COMMANDS if entry.match(["rpl"]) or entry.match(["ettings"])]

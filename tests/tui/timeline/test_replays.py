@@ -80,13 +80,14 @@ async def test_a_victory_in_a_replay_is_nobody_s(
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.ready()
         game.session.run_until(100)
-        await game.until(lambda: game.session.won_at and not game.session.busy)
+        await game.sees("Again")
+        await game.press("escape")
         replay = await saved(game)
     async with played(replay, tmp_path / "elsewhere") as game:
         await game.sees("Replay of")
         assert game.session.won_at == replay.last
         assert game.main.recorder.record.state != "won"
-        await game.sees_no("again")
+        await game.sees_no("Again")
 
 
 async def test_before_the_first_tick_there_is_nothing_to_save(data_dir: Path) -> None:
