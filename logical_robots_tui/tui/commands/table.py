@@ -80,8 +80,6 @@ programs.add("find", "Find and replace", "ctrl+f ctrl+o", lambda s: s.program_co
     "Find a text in the program, or replace it everywhere.", worker="dialog", also="search")
 programs.add("find_next", "Find next", "f3", lambda s: s.program_controller.find_next(),
     "Go to the next match.")
-programs.add("select_all", "Select all", "f7", lambda s: general.editor(s).select_all(),
-    "Select the whole text of the program.")
 programs.add("external_editor", "External editor", "E",
     lambda s: s.program_controller.edit_elsewhere(),
     "Edit the text in the editor that $VISUAL or $EDITOR names.", also="vim nano")
@@ -327,13 +325,21 @@ writing.add("redo_edit", "Redo in the program", "ctrl+y", lambda s: general.edit
 writing.add("comment", "Comment lines", "ctrl+underscore",
     lambda s: general.editor(s).action_toggle_comment(), "Comment or uncomment lines.")
 writing.add("indent", "Indent", "tab", lambda s: general.editor(s).action_indent(),
-    "Indent the selected lines.")
+    "Complete the word that is begun, or indent the selected lines.")
 writing.add("dedent", "Unindent", "shift+tab", lambda s: general.editor(s).action_dedent(),
     "Unindent the selected lines.")
 writing.add("cut", "Cut", "ctrl+x", lambda s: general.editor(s).action_cut(),
     "Cut the selection, or the line.")
 writing.add("paste", "Paste", "ctrl+v", lambda s: general.editor(s).action_paste(),
     "Paste what was cut or copied last.")
+writing.add("select_all", "Select all", "ctrl+a f7", lambda s: general.editor(s).select_all(),
+    "Select the whole text of the program.")
+writing.add("move_up", "Move lines up", "alt+up",
+    lambda s: general.editor(s).action_move_lines(-1), "Move the selected lines up.")
+writing.add("move_down", "Move lines down", "alt+down",
+    lambda s: general.editor(s).action_move_lines(1), "Move the selected lines down.")
+writing.add("duplicate_lines", "Duplicate lines", "ctrl+d",
+    lambda s: general.editor(s).action_duplicate_lines(), "Insert the selected lines once more.")
 writing.add("select_line", "Select the line", "f6",
     lambda s: general.editor(s).action_select_line(), "Select the cursor's line.")
 writing.add("text_start", "Start of the program", "ctrl+home",

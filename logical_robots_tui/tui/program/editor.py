@@ -124,6 +124,8 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
 _A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
+_UNFINISHED = re.compile(r"(?:\w|\w\.)$")
+_WORD_AFTER = re.compile(r"\w*")
 _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 """Comments and empty lines at the start of a program, if anything follows."""
 
@@ -141,6 +143,10 @@ class Editor(TextArea):
         ("shift+tab", "dedent"),
         ("ctrl+home", "go_to_start"),
         ("ctrl+end", "go_to_end"),
+        ("ctrl+a", "select_all"),
+        ("alt+up", "move_lines(-1)"),
+        ("alt+down", "move_lines(1)"),
+        ("ctrl+d", "duplicate_lines"),
     ]
 
     @dataclass
@@ -227,6 +233,12 @@ class Editor(TextArea):
             event.prevent_default()
             return
         action = self._actions.get(event.key)
+        if action is None and event.key.startswith("alt+"):
+            event.stop()
+            event.prevent_default()  # Alt types no letter
+            return
+        if action == "indent" and not hurried and self._can_complete():
+            action = "complete_or_take"
         if event.key not in ("escape", "enter", "ctrl+j") and action is None:
             return
         if action == "copy" and not self.selected_text:
@@ -256,6 +268,24 @@ class Editor(TextArea):
     def word(self) -> str:
         row, column = self.cursor_location
         return word_around(self.document.get_line(row), column)
+
+    def _can_complete(self) -> bool:
+        is_within = self.selection.is_empty and not self.word_after
+        return is_within and _UNFINISHED.search(self.before_cursor) is not None
+
+    @property
+    def word_after(self) -> str:
+        """What follows the cursor in its word."""
+        row, column = self.cursor_location
+        return _WORD_AFTER.match(self.document.get_line(row), column)[0]  # type: ignore[index] # it may be empty
+
+    def action_complete_or_take(self) -> None:
+        """Offer words for what is begun; take the only one, and indent if there is none."""
+        self.action_complete()
+        if not self.completion.names:
+            self.action_indent()
+        elif len(self.completion.names) == 1:
+            self._complete()
 
     def action_complete(self) -> None:
         words = words_for(self.text, Place(*self.cursor_location))
@@ -334,6 +364,47 @@ class Editor(TextArea):
 
     def action_dedent(self) -> None:
         self._change_lines(shift_lines(self._chosen_lines(), back=True))
+
+    def action_cursor_line_end(self, select: bool = False) -> None:
+        """Move to the end of the row, and from there to that of the line."""
+        row, column = self.cursor_location
+        place = self.get_cursor_line_end_location()
+        if place == (row, column):
+            place = row, len(self.document.get_line(row))
+        self.move_cursor(place, select=select)
+
+    def action_cursor_line_start(self, select: bool = False) -> None:
+        """Move to the start of the row; from there to the line's first letter, or its start."""
+        row, column = self.cursor_location
+        row_start: int = self.navigator.get_location_home((row, column))[1]
+        line = self.document.get_line(row)
+        first = len(line) - len(line.lstrip())
+        if not row_start or column == row_start:
+            row_start = 0 if column == first else first
+        self.move_cursor((row, row_start), select=select)
+
+    def action_move_lines(self, by: int) -> None:
+        """Move the chosen lines up or down by one."""
+        first, last = self._chosen_rows()
+        other = first - 1 if by < 0 else last + 1
+        if not 0 <= other < self.document.line_count:
+            return
+        chosen, passed = self._chosen_lines(), self.document.get_line(other)
+        lines = [*chosen, passed] if by < 0 else [passed, *chosen]
+        start, end = self.selection
+        top, bottom = min(first, other), max(last, other)
+        end_of_text = (bottom, len(self.document.get_line(bottom)))
+        self.replace("\n".join(lines), (top, 0), end_of_text)
+        self.selection = Selection((start[0] + by, start[1]), (end[0] + by, end[1]))
+
+    def action_duplicate_lines(self) -> None:
+        """Insert the chosen lines once more, below; the cursor goes with them."""
+        _, last = self._chosen_rows()
+        chosen, (start, end) = self._chosen_lines(), self.selection
+        below = (last, len(self.document.get_line(last)))
+        self.replace("\n".join(["", *chosen]), below, below)
+        by = len(chosen)
+        self.selection = Selection((start[0] + by, start[1]), (end[0] + by, end[1]))
 
     def action_go_to_start(self) -> None:
         self.move_cursor(self.document.start)

@@ -378,7 +378,7 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
         ("replay", "save_replay"),
         ("theme", "theme"),
         ("speed", "slower"),
-        ("export", "save_rows"),
+        ("export", "copy_rows"),
         ("colours", "theme"),
         ("next lev", "next_level"),
         ("why", "why"),
