@@ -14,7 +14,7 @@ from logical_robots_tui import list_levels, load_level
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.player.settings import read_settings
-from logical_robots_tui.tui.commands.command import key_name
+from logical_robots_tui.tui.commands.command import Command, Scope, key_name
 from logical_robots_tui.tui.commands.keymap import KeyMap
 from logical_robots_tui.tui.commands.table import COMMANDS
 from tests.house.examples import PAGES, blocks
@@ -30,14 +30,21 @@ KEYS = ("<!-- keys: made from the commands of the game -->\n", "<!-- end of keys
 LEVELS = ("<!-- levels: made from the files of the levels -->\n", "<!-- end of levels -->\n")
 
 
-def keys_table() -> str:
-    """The commands that are offered at the bottom of the screen, as a table."""
-    rows = [
-        f"| {' '.join(f'`{key_name(key)}`' for key in entry.keys)} | {entry.help} |"
-        for entry in COMMANDS
-        if entry.bar and entry.scope == "screen"
-    ]
-    return "\n".join(["", "| key | what it does |", "|---|---|", *rows, "", ""])
+def keys_table(scope: Scope) -> str:
+    """The commands that have a key, as a table for each heading of the help."""
+    lines = [""]
+    groups: dict[str, list[Command]] = {}
+    for entry in COMMANDS:
+        if entry.keys and entry.scope == scope:
+            groups.setdefault(entry.group, []).append(entry)
+    for group, entries in groups.items():
+        lines += [f"### {group}", ""] if len(groups) > 1 else []
+        lines += ["| key | what it does |", "|---|---|"]
+        for entry in entries:
+            keys = " ".join(f"`{key_name(key)}`" for key in entry.keys)
+            lines.append(f"| {keys} | {entry.help} |")
+        lines.append("")
+    return "\n".join([*lines, ""])
 
 
 def levels_table() -> str:
@@ -51,17 +58,23 @@ def levels_table() -> str:
 
 
 @pytest.mark.parametrize(
-    ("marks", "wanted"), [(KEYS, keys_table()), (LEVELS, levels_table())], ids=["keys", "levels"]
+    ("page", "marks", "wanted"),
+    [
+        (PLAYING, KEYS, keys_table("screen")),
+        (DOCS / "programs.md", KEYS, keys_table("text")),
+        (PLAYING, LEVELS, levels_table()),
+    ],
+    ids=["keys", "keys of the editor", "levels"],
 )
 def test_a_table_is_what_the_game_has(
-    marks: tuple[str, str], wanted: str, pytestconfig: pytest.Config
+    page: Path, marks: tuple[str, str], wanted: str, pytestconfig: pytest.Config
 ) -> None:
-    before, begin, rest = PLAYING.read_text().partition(marks[0])
+    before, begin, rest = page.read_text().partition(marks[0])
     table, end, after = rest.partition(marks[1])
     assert begin
     assert end
     if pytestconfig.getoption("--update-snapshots"):
-        PLAYING.write_text(before + begin + wanted + end + after)
+        page.write_text(before + begin + wanted + end + after)
     else:
         assert table == wanted
 
