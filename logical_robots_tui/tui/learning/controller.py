@@ -45,7 +45,7 @@ class LearningController:
         if not versions:
             return
         here = [version for version in versions if version.text == self._program.text]
-        shelf = VersionShelf(versions)
+        shelf = VersionShelf(versions, self._program.text)
         name = shelf.names()[versions.index(here[0])] if here else ""
         version = await self._ui.ask(Chooser[Version](shelf, name))
         if version is not None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
@@ -23,7 +25,7 @@ from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import clip, one_line, visible_lines
+from logical_robots_tui.wording import clip, one_line, visible, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -39,7 +41,7 @@ _PREVIEW_FROM = 70  # columns
 @dataclass(frozen=True, slots=True)
 class Card:
     headline: str
-    preview: str
+    preview: str | Content
     is_error: bool = False
 
 
@@ -53,6 +55,10 @@ class Shelf(Protocol[T_co]):
     @property
     def placeholder(self) -> str:
         """The placeholder of the filter."""
+
+    @property
+    def does(self) -> str:
+        """What is done with the chosen entry."""
 
     def names(self) -> Sequence[str]:
         """Return the names of the entries."""
@@ -81,10 +87,9 @@ class Chooser(Dialog[T], Generic[T]):
         Binding("pagedown", "go('page_down')", priority=True),
     ]
 
-    keys = "enter open   ↑↓ choose   esc close"
-
     def __init__(self, shelf: Shelf[T], current: str) -> None:
         super().__init__(shelf.title)
+        self.keys = f"enter {shelf.does}   ↑↓ choose   esc close"
         self._shelf = shelf
         self._current = current
         self._cards: dict[str, Card] = {}
@@ -162,9 +167,11 @@ class Chooser(Dialog[T], Generic[T]):
 
     def _preview(self, name: str | None) -> None:
         card = self._cards.get(name) if name else None
-        text = visible_lines(card.preview) if card else "" if name else "Nothing has this name."
-        style = INK.bad if card and card.is_error else INK.text
-        self._preview_text.update(Content.styled(text, style))
+        preview = card.preview if card else "" if name else "Nothing has this name."
+        if isinstance(preview, str):
+            style = INK.bad if card and card.is_error else INK.text
+            preview = Content.styled(visible_lines(preview), style)
+        self._preview_text.update(preview)
 
     @on(Input.Changed, "#filter")
     def _filter_changed(self) -> None:
@@ -201,6 +208,7 @@ class ProgramShelf:
     own: Path
     title: str = "Choose a program"
     placeholder: str = "type to filter, or the path of a .l file"
+    does: str = "open"
 
     def names(self) -> Sequence[str]:
         return list_programs(self.own)
@@ -220,11 +228,13 @@ class ProgramShelf:
 
 @dataclass(frozen=True)
 class VersionShelf:
-    """The player's versions for a level."""
+    """The player's versions for a level, with what would change if one came back."""
 
     versions: Sequence[Version]
+    now: str
     title: str = "Earlier versions"
     placeholder: str = "type to filter"
+    does: str = "restore"
 
     def names(self) -> Sequence[str]:
         """Return the times of last use, the newest first."""
@@ -232,7 +242,12 @@ class VersionShelf:
 
     def card(self, name: str) -> Card:
         version = self.take(name)
-        return Card(version_result(version), version.text)
+        rows = list(_changes(self.now, version.text))
+        added, removed = (sum(row.startswith(sign) for row in rows) for sign in "+-")
+        headline = f"{version_result(version)}   +{added} -{removed}" if rows else "as it is now"
+        ink = {"+": INK.good, "-": INK.bad, "@": INK.faint}
+        told = [Content.styled(visible(row), ink.get(row[:1], INK.dim)) for row in rows]
+        return Card(headline, Content("\n").join(told) if rows else version.text)
 
     def take(self, name_or_path: str) -> Version:
         """Return the version of that name; raises `InputError`."""
@@ -240,6 +255,13 @@ class VersionShelf:
             if version_name(version) == name_or_path:
                 return version
         raise InputError("There is no such version.")
+
+
+def _changes(now: str, then: str) -> Iterator[str]:
+    """Yield the lines that restoring a text adds and removes, with some around them."""
+    found = difflib.unified_diff(now.splitlines(), then.splitlines(), n=2, lineterm="")
+    for row in islice(found, 2, None):
+        yield f"@ line {row.split()[1][1:].partition(',')[0]}" if row.startswith("@@") else row
 
 
 def _first_comment(source: Source) -> str:

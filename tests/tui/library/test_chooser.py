@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from functools import partial
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 import pytest
 from textual import events
+from textual.content import Content
 from textual.widgets import Input, OptionList
 
 from logical_robots_tui.game import list_programs, load_program, save_program
 from logical_robots_tui.paths import ARENAS, shipped_folder
-from logical_robots_tui.tui.library.chooser import Chooser
+from logical_robots_tui.progress import Version
+from logical_robots_tui.tui.library.chooser import Chooser, VersionShelf
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.tui.library.save_dialog import SaveAs
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.world import list_arenas, list_levels, load_level
 from tests.tui.conftest import LEVELS, PAPER, STILL, opened, source_of
 from tests.tui.dialogs import complaint, dialog, fill
@@ -339,3 +343,16 @@ async def test_the_key_in_the_editor_saves_what_is_the_players_and_asks_for_what
         game.session.saved_as(load_program("obstacle-avoider"))
         await game.press("ctrl+s")
         await game.until(lambda: isinstance(game.app.screen, SaveAs))
+
+
+def test_a_version_shows_what_would_change() -> None:
+    then = Version(1, "a\nb\nc\nold\ne\n", datetime(2026, 1, 1, tzinfo=UTC), won=True)
+    (name,) = (shelf := VersionShelf([then], "a\nb\nc\nd\nnew\ne\n")).names()
+    card = shelf.card(name)
+    assert card.headline == "★ won   +1 -2"
+    assert isinstance(card.preview, Content)
+    assert card.preview.plain.split("\n") == ["@ line 2", " b", " c", "-d", "-new", "+old", " e"]
+    inks = {span.style for span in card.preview.spans}
+    assert {INK.good, INK.bad} <= inks
+    same = VersionShelf([then], then.text).card(name)
+    assert (same.headline, same.preview) == ("as it is now", then.text)
