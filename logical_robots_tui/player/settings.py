@@ -10,7 +10,10 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_origin, g
 
 from platformdirs import user_config_path
 
-from logical_robots_tui.toml_files import Bounds, Kind, TomlFile, TomlFileError
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.paths import read_text
+from logical_robots_tui.toml_files import Bounds, Kind, TomlFile, TomlFileError, parse_toml
+from logical_robots_tui.writing import write_atomically
 
 Keys: TypeAlias = Mapping[str, tuple[str, ...]]  # by the names of commands
 Complain: TypeAlias = Callable[[str, str], None]  # takes a name in [keys], and what is wrong
@@ -21,6 +24,7 @@ Theme: TypeAlias = Literal[
     "catppuccin-macchiato", "solarized-light", "solarized-dark", "rose-pine", "rose-pine-moon",
     "rose-pine-dawn", "atom-one-dark", "atom-one-light", "ansi-dark", "ansi-light",
 ]  # fmt: skip
+_MOST_BYTES = 1_000_000
 DrawingStyle: TypeAlias = Literal["quadrants", "halves", "sextants", "ascii"]
 
 
@@ -84,6 +88,29 @@ def read_settings(path: Path, read_keys: Callable[[Mapping[str, Any], Complain],
     found = file.table(hints, file.data)
     keys = read_keys(found.get("keys", {}), lambda name, said: file.problem(("keys", name), said))
     return Settings(**found | {"keys": keys, "complaints": file.problems})
+
+
+def write_setting(path: Path, name: str, value: object) -> None:
+    """Write one setting into a file, which keeps its comments; None leaves it to the game.
+
+    Raises:
+        InputError: The file is not valid, or can't be written.
+    """
+    import tomlkit  # loading it takes longer than reading
+
+    try:
+        text = read_text(path, _MOST_BYTES) if path.exists() else ""
+        parse_toml(text)
+        document = tomlkit.parse(text)
+        if value is not None:
+            document[name] = value
+        elif name in document:
+            document.remove(name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, tomlkit.dumps(document))
+    except (OSError, InputError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"The setting can't be saved in {path}: {reason}") from error
 
 
 def as_toml(settings: Settings) -> Iterator[str]:

@@ -7,16 +7,23 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual.binding import Binding
 from textual.errors import NoWidget
 from textual.geometry import Region, Size
-from textual.theme import Theme
 
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
-from logical_robots_tui.player.settings import Settings, read_settings, settings_path
+from logical_robots_tui.player.settings import (
+    Settings,
+    read_settings,
+    rows,
+    settings_path,
+    write_setting,
+)
 from logical_robots_tui.processes import lifeline
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.main_screen import MainScreen
@@ -66,7 +73,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             # The terminal's own colours would stand among greys; they become greys, too.
             self.set_reactive(LogicalRobotsApp.ansi_color, False)
         self._settings = settings or Settings()
-        self._first_theme = self._settings.theme or theme
+        self._chosen_theme = theme
         KEY_MAP.set(KeyMap(COMMANDS, self._settings.keys))
         recorder = recorder or ProgressRecorder(opening.data_dir / FILE_NAME)
         self.main = MainScreen(opening, recorder)
@@ -74,6 +81,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self.animation_level = "none"
         self._key_queue = KeyQueue(self)
         self._interrupted_at = float("-inf")
+        self._writing = asyncio.Lock()
         self._was_cut = False
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
@@ -87,7 +95,7 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         self._event_loop = asyncio.get_running_loop()
         lifeline.keep_beating(self._event_loop)
         self.register_theme(NIGHT)
-        wanted = self._first_theme
+        wanted = self._settings.theme or self._chosen_theme
         if not wanted and self.console.color_system == "standard" and not self.no_color:
             wanted = "ansi-dark"  # of dark colours among 16 there would be only black
         self.theme = wanted if wanted in self.available_themes else NIGHT.name
@@ -105,30 +113,62 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             self.watch_terminal()
         if self._games is not None:
             self.set_interval(_LOOK_FOR_WISHES, self._end_if_asked)
-        self._follow(self._settings)
-        self.theme_changed_signal.subscribe(self, self._keep_theme)
+        for row in rows():
+            if row.name != "theme":  # it was there before the first picture
+                self._follow(row.name, getattr(self._settings, row.name))
+        for complaint in self._settings.complaints[:_COMPLAINTS]:
+            self.main.warn(complaint)
 
     def _end_if_asked(self) -> None:
         if self._games is not None and self._games.is_to_end:
             os.kill(os.getpid(), signal.SIGHUP)
 
-    def _follow(self, settings: Settings) -> None:
-        self.main.scheduler.rate.frames = settings.frames
-        view = self.main.labyrinth.view
-        if settings.drawing:
-            view.drawing = Drawing(settings.drawing)
-        view.rays, view.trails = settings.cones, settings.trails
-        view.drags_robots = settings.drag_robots
-        self.main.program.editor.completes = settings.completion
-        self.main.program.editor.soft_wrap = settings.wrap
-        for complaint in settings.complaints[:_COMPLAINTS]:
-            self.main.warn(complaint)
+    def _follow(self, name: str, value: Any) -> None:
+        """Do as a setting says; None leaves everything as it is."""
+        view, editor = self.main.labyrinth.view, self.main.program.editor
+        match name:
+            case "theme" if value:
+                self.theme = value
+            case "drawing" if value:
+                view.drawing = Drawing(value)
+            case "frames":
+                self.main.scheduler.rate.frames = value
+            case "cones":
+                view.rays = value
+            case "trails":
+                view.trails = value
+            case "drag_robots":
+                view.drags_robots = value
+            case "completion":
+                editor.completes = value
+            case "wrap":
+                editor.soft_wrap = value
 
-    def _keep_theme(self, theme: Theme) -> None:
-        if not self._settings.theme:
-            self.main.recorder.choose_theme(theme.name)
-        elif theme.name != self._settings.theme:
-            self.main.tell(f"Next time {self._settings.theme} again: the configuration says so.")
+    def change_setting(self, name: str, value: Any) -> None:
+        """Follow a changed setting at once, and keep it in the player's file."""
+        self._settings = self._settings._replace(**{name: value})
+        chosen = {"theme": self._chosen_theme or NIGHT.name, "drawing": self._suited_drawing.value}
+        self._follow(name, chosen.get(name) if value is None else value)
+        if self.main.permissions.programs:
+            self.main.spawn(partial(self._write, name), "settings", exclusive=False)
+
+    async def _write(self, name: str) -> None:
+        async with self._writing:  # the whole file is read and written
+            value = getattr(self._settings, name)
+            try:
+                await asyncio.to_thread(write_setting, settings_path(), name, value)
+            except InputError as error:
+                self.main.warn(str(error))
+
+    def choose_theme(self, name: str | None) -> None:
+        """Keep a theme: in the settings if one is set there, else with the progress."""
+        if name is None:
+            return
+        if self._settings.theme:
+            self.change_setting("theme", name)
+        else:
+            self.theme = self._chosen_theme = name
+            self.main.recorder.choose_theme(name)
 
     async def on_event(self, event: events.Event) -> None:
         """Handle an event; keys and mouse buttons take priority over all other work."""
@@ -183,7 +223,11 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
         return self.main.labyrinth.view.region if self.screen is self.main else None
 
     def suit_terminal(self) -> None:
-        self.main.labyrinth.view.drawing = drawing_for(
+        self.main.labyrinth.view.drawing = self._suited_drawing
+
+    @property
+    def _suited_drawing(self) -> Drawing:
+        return drawing_for(
             os.environ, self.console.color_system, self.console.encoding, colourless=self.no_color
         )
 
@@ -215,6 +259,16 @@ class LogicalRobotsApp(DiffApp, inherit_bindings=False):
             super().copy_to_clipboard(text)
         else:
             self._clipboard = text
+
+    def action_settings(self) -> None:
+        from logical_robots_tui.tui.app.settings_screen import SettingsScreen
+
+        self.main.ui.show(SettingsScreen(lambda: self._settings, self.change_setting))
+
+    def action_themes(self) -> None:
+        from logical_robots_tui.tui.app.settings_screen import ThemeList
+
+        self.main.ui.show(ThemeList(sorted(self.available_themes), self.theme), self.choose_theme)
 
     def action_interrupt(self) -> None:
         now = self.clock.now()

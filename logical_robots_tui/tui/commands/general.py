@@ -145,14 +145,6 @@ def palette(screen: MainScreen) -> None:
     screen.app.push_screen(Palette([provider], placeholder="Find a command…"))
 
 
-def theme(screen: MainScreen) -> None:
-    from textual.theme import ThemeProvider
-
-    from logical_robots_tui.tui.commands.help import Palette
-
-    screen.app.push_screen(Palette([ThemeProvider], placeholder="Find a theme…"))
-
-
 def save_picture(screen: MainScreen) -> None:
     """Save the screen as it is after the next refresh, when the palette is gone."""
     screen.call_after_refresh(_save_picture, screen)

@@ -295,9 +295,14 @@ others.add("help", "Help", "question_mark f1", general.help_,
     "Show all keys and what the signs in the labyrinth mean.", bar="Help")
 others.add("palette", "Commands", "ctrl+p", general.palette,
     "Find any command by typing a part of its name.", bar="Commands", place="anywhere", spare=4)
-others.add("theme", "Theme…", "", general.theme,
+others.add("theme", "Theme…", "", lambda s: s.run_action("app.themes"),
     "Choose the colours of the screen, dark or light; the choice is kept.",
-    also="colours colors dark light settings")
+    worker="dialog",
+    also="colours colors dark light")
+others.add("settings", "Settings…", "", lambda s: s.run_action("app.settings"),
+    "Change the settings and see at once what they do; they are kept in your file.",
+    worker="dialog",
+    also="config options preferences")
 others.add("screenshot", "Screenshot", "", general.save_picture,
     "Save the screen as SVG and as text, in the data folder.", also="picture export svg")
 others.add("tour", "Guided tour", "", lambda s: s.tour.begin(),

@@ -5,10 +5,24 @@ from __future__ import annotations
 from asyncio import Event, gather
 from typing import TYPE_CHECKING, get_args
 
+import pytest
 from textual.theme import BUILTIN_THEMES
 from textual.widgets import Static
 
-from logical_robots_tui.player.settings import DrawingStyle, Settings, Theme
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.player.recorder import THEME, ProgressRecorder
+from logical_robots_tui.player.settings import (
+    DrawingStyle,
+    Setting,
+    Settings,
+    Theme,
+    read_settings,
+    rows,
+    write_setting,
+)
+from logical_robots_tui.progress import FILE_NAME
+from logical_robots_tui.tui.app.settings_screen import SettingsScreen, ThemeList, next_value
+from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.theme.themes import NIGHT
@@ -16,6 +30,8 @@ from tests.tui.conftest import STILL, opened
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.tui.conftest import Opened
 
 
 def test_the_choices_are_what_the_screen_can_do() -> None:
@@ -95,3 +111,93 @@ async def test_a_level_is_edited_with_the_keys_that_are_set(data_dir: Path) -> N
         assert game.main.editing.is_on
         await game.press("f9")
         await game.until(lambda: not game.main.editing.is_on)
+
+
+@pytest.fixture
+def settings_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    file = tmp_path / "config" / "config.toml"
+    monkeypatch.setattr("logical_robots_tui.tui.app.app.settings_path", lambda: file)
+    return file
+
+
+async def change(game: Opened, name: str, *keys: str) -> None:
+    """Open the settings, go to one, and press keys there."""
+    await game.press("ctrl+p")
+    await game.sees("Find a command")
+    await game.press(*"settings", "enter")
+    await game.until(lambda: isinstance(game.app.screen, SettingsScreen))
+    names = [row.name for row in rows()]
+    await game.press(*["down"] * names.index(name), *keys, "escape")
+    await game.until(lambda: game.app.screen is game.main)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_a_setting_is_followed_at_once_and_kept(
+    data_dir: Path, settings_file: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, text=STILL, size=size) as game:
+        await game.ready()
+        await change(game, "cones", "right")
+        assert not game.main.labyrinth.view.rays
+        await game.until(settings_file.exists)
+        game.main.labyrinth.view.trails = False  # by its key: other settings leave it so
+        await change(game, "frames", "left", "left")
+        assert game.main.scheduler.rate.frames == 28
+        await change(game, "drawing", "right")
+        assert game.main.labyrinth.view.drawing is Drawing.QUADRANTS
+        await game.until(lambda: "drawing" in settings_file.read_text())
+        assert not game.main.labyrinth.view.trails
+    kept = read_settings(settings_file, lambda *_: {})
+    assert (kept.cones, kept.frames, kept.drawing) == (False, 28, "quadrants")
+    assert not kept.complaints
+
+
+def test_writing_a_setting_keeps_the_rest_of_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "config.toml"
+    file.write_text('# mine\nframes = 10 # few\n\n[keys]\nrun = ["space"]\n')
+    write_setting(file, "frames", 20)
+    write_setting(file, "theme", "nord")
+    assert file.read_text() == (
+        '# mine\nframes = 20 # few\ntheme = "nord"\n\n[keys]\nrun = ["space"]\n'
+    )
+    write_setting(file, "theme", None)
+    assert "theme" not in file.read_text()
+    file.write_text("frames = = 3")
+    with pytest.raises(InputError, match=r"can't be saved in .*config.toml.*not valid TOML"):
+        write_setting(file, "frames", 20)
+    assert file.read_text() == "frames = = 3"
+
+
+@pytest.mark.parametrize("row", rows(), ids=lambda row: row.name)
+def test_changing_a_setting_goes_through_all_its_values(row: Setting) -> None:
+    value, seen = row.default, []
+    for _ in range(30):
+        value = next_value(row, value, 1)
+        assert value is None or row.kind.allows(value)
+        seen.append(value)
+    assert next_value(row, next_value(row, row.default, 1), -1) == row.default
+    assert {*row.kind.choices} <= {*seen}
+
+
+async def test_a_theme_is_previewed_and_kept_or_not(data_dir: Path, settings_file: Path) -> None:
+    async with opened(data_dir, text=STILL) as game:
+        await game.ready()
+        before = game.app.theme
+        screen = game.main
+        command("theme").run(screen, screen.spawn)
+        await game.until(lambda: isinstance(game.app.screen, ThemeList))
+        assert game.shows(f"▸ {before}")
+        await game.press("down")
+        await game.until(lambda: game.app.theme != before)
+        await game.press("escape")
+        await game.until(lambda: game.app.theme == before and game.app.screen is screen)
+        command("theme").run(screen, screen.spawn)
+        await game.until(lambda: isinstance(game.app.screen, ThemeList))
+        await game.press("down", "enter")
+        await game.until(lambda: game.app.screen is screen)
+        chosen = game.app.theme
+        assert chosen != before
+    recorder = ProgressRecorder(data_dir / FILE_NAME)
+    assert recorder.progress.fact(THEME) == chosen
+    recorder.progress.close()
+    assert not [*settings_file.parent.glob("*")]

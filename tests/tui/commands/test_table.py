@@ -43,6 +43,7 @@ ONLY_IN_THE_PALETTE = {
         "revert",
         "save_replay",
         "screenshot",
+        "settings",
         "select_all",
         "stop_measuring",
         "theme",
@@ -219,7 +220,7 @@ async def test_each_command_for_writing_does_what_its_key_does(data_dir: Path) -
             editor.put("  one,Sq\nthree\n")
             if entry.id == "redo_edit":
                 editor.undo()
-            editor.move_cursor((0, 6) if entry.id == "redo_edit" else (0, 8))
+            editor.move_cursor({"redo_edit": (0, 6), "move_up": (1, 0)}.get(entry.id, (0, 8)))
             if entry.id == "copy":
                 editor.selection = Selection((0, 2), (0, 5))
             game.app.copy_to_clipboard("before")
@@ -377,6 +378,7 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
         ("daily", "daily"),
         ("replay", "save_replay"),
         ("theme", "theme"),
+        ("settings", "settings"),
         ("speed", "slower"),
         ("export", "copy_rows"),
         ("colours", "theme"),

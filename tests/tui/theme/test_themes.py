@@ -11,6 +11,7 @@ from textual.theme import BUILTIN_THEMES
 
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME
+from logical_robots_tui.tui.app.settings_screen import ThemeList
 from logical_robots_tui.tui.inspector.predicate_list import PredicateList
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, contrast, palette_of
 from tests.tui.conftest import opened
@@ -77,15 +78,17 @@ async def test_a_theme_is_chosen_from_the_palette_and_kept(data_dir: Path) -> No
         await game.press("ctrl+p")
         await game.sees("Find a command")
         await game.press(*"theme", "enter")
-        await game.sees("Find a theme")
-        await game.press(*"solarized-light", "enter")
-        await game.until(lambda: game.app.theme == "solarized-light" and not game.shows("Find a"))
+        await game.until(lambda: isinstance(game.app.screen, ThemeList))
+        while game.app.theme != "solarized-light":
+            await game.press("down")
+        await game.press("enter")
+        await game.until(lambda: game.app.screen is game.main)
         for word in words:
             assert colours_of(game, word)
             assert not colours_of(game, word) & before[word], word
         assert game.main.labyrinth.view._palette.light
         for theme in ("ansi-light", "night", "gruvbox"):
-            game.app.theme = theme
+            game.app.choose_theme(theme)
             await game.sees("FreedomMotion")
         await game.until(lambda: game.app.theme == "gruvbox")
     recorder = ProgressRecorder(data_dir / FILE_NAME)
