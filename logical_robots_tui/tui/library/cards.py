@@ -28,6 +28,9 @@ from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, World, load_level
 
+DAILY = "daily"
+"""The name of the card for the labyrinth of the day, which is made when it is chosen."""
+
 LINES_AROUND = 4
 """Lines of a card without the picture: two of the frame, the idea and the results."""
 
@@ -63,6 +66,8 @@ class LevelCard:
 
     @property
     def title(self) -> str:
+        if self.name == DAILY:
+            return "Labyrinth of the day"
         if self.file is not None:
             return one_line(self.level.title) if self.level else self.name
         number, _, rest = self.name.partition("-")
@@ -72,6 +77,8 @@ class LevelCard:
     @property
     def idea(self) -> str:
         """The level's idea, or why it can't be used."""
+        if self.name == DAILY:
+            return "Everybody has the same one today, in three sizes."
         if self.complaint or self.level is None:
             return one_line(self.complaint)
         if self.file is not None and not self.level.idea:
@@ -82,6 +89,8 @@ class LevelCard:
     @property
     def sign(self) -> str:
         """The player's achievement, or a mark for levels where teams compete."""
+        if self.name == DAILY:
+            return "◇ today"
         is_arena = self.level is not None and self.level.teams
         return "◇ arena" if is_arena else SIGNS[self.record.state]
 

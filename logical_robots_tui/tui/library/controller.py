@@ -35,14 +35,16 @@ class LibraryController:
         self._drawing, self._make_level = drawing, make_level
 
     async def choose_level(self) -> None:
-        from logical_robots_tui.tui.library.level_screen import LevelScreen, NewLevel
+        from logical_robots_tui.tui.library.level_screen import LevelScreen
 
         choice = LevelScreen(
             self._session.opened, self._recorder, self._drawing(), self._own_levels
         )
         level = await self._ui.ask(choice)
-        if isinstance(level, NewLevel):
+        if level == "new":
             await self._make_level()
+        elif level == "daily":
+            await self._library.open_daily()
         elif level is not None:
             await self._library.open_level(level)
 

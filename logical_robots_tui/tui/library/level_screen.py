@@ -6,7 +6,7 @@ import asyncio
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 from textual import events, on
 from textual.binding import Binding, BindingType
@@ -20,11 +20,17 @@ from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
 from logical_robots_tui.tui.layout.dialogs import Dialog
-from logical_robots_tui.tui.library.cards import LevelCard, LevelCards, miniature, shipped_level
+from logical_robots_tui.tui.library.cards import (
+    DAILY,
+    LevelCard,
+    LevelCards,
+    miniature,
+    shipped_level,
+)
 from logical_robots_tui.tui.library.chooser import is_path
 from logical_robots_tui.tui.theme.themes import INK, palette_of
 from logical_robots_tui.wording import count_of, one_line
-from logical_robots_tui.world import Level, list_arenas, list_shipped, load_level
+from logical_robots_tui.world import Level, list_arenas, list_levels, list_shipped, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES
 
 if TYPE_CHECKING:
@@ -35,11 +41,11 @@ if TYPE_CHECKING:
 _ROOMY = 24  # lines of the screen from which there is space for the results of the chosen level
 
 
-class NewLevel:
-    """The request to create a level."""
+Wish: TypeAlias = Literal["new", "daily"]
+"""What may be chosen instead of a level: a level of one's own, or the labyrinth of the day."""
 
 
-class LevelScreen(Dialog["Level | NewLevel"]):
+class LevelScreen(Dialog["Level | Wish"]):
     DEFAULT_CSS = """
     LevelScreen > #box { width: 100%; max-width: 100%; height: 100%; max-height: 100%;
         border: none; padding: 0; }
@@ -101,7 +107,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             in_background(self, self._draw_all, "pictures", exclusive=True)
 
     def action_new(self) -> None:
-        self.dismiss(NewLevel())
+        self.dismiss("new")
 
     def action_go(self, motion: str) -> None:
         across, page = self._cards.across, self._cards.page
@@ -116,6 +122,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
             for name, file in own.items()
             if name not in shipped
         ]
+        self._all.insert(len(list_levels()), LevelCard(DAILY))
         self._filter(here)
 
     async def _read_all(self) -> None:
@@ -130,6 +137,8 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         self._all = [replace(card, record=records[key]) for card, key in pairs]
         self._tell_head()
         for index, card in enumerate(self._all):
+            if card.name == DAILY:
+                continue
             try:
                 level = await asyncio.to_thread(_level_of, card)
                 self._all[index] = replace(card, level=level)
@@ -178,7 +187,7 @@ class LevelScreen(Dialog["Level | NewLevel"]):
 
     def _tell_head(self) -> None:
         arenas = set(list_arenas())
-        to_win = [card for card in self._all if card.name not in arenas]
+        to_win = [card for card in self._all if card.name not in (*arenas, DAILY)]
         won = sum(card.record.state == "won" for card in to_win)
         self.query_one("#head", Static).update(
             Content.assemble(
@@ -222,7 +231,9 @@ class LevelScreen(Dialog["Level | NewLevel"]):
         wanted, card = self._typed, self._chosen
         if not is_path(wanted):
             wanted = "" if card is None else str(card.file or card.name)
-        if wanted:
+        if wanted == DAILY:
+            self.dismiss("daily")
+        elif wanted:
             in_background(self, partial(self.leave_with, _load, wanted), "take", exclusive=True)
 
 

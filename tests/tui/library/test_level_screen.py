@@ -16,6 +16,7 @@ from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures,
 from logical_robots_tui.tui.labyrinth.drawing import DARK, Drawing
 from logical_robots_tui.tui.library import level_screen as screen
 from logical_robots_tui.tui.library.cards import (
+    DAILY,
     LINES_AROUND,
     LevelCard,
     LevelCards,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from tests.tui.conftest import Opened
 
 COURSE = list_levels()
-NAMES = [*COURSE, *list_arenas()]
+NAMES = [*COURSE, DAILY, *list_arenas()]
 
 
 async def open_levels(game: Opened) -> LevelCards:
@@ -43,8 +44,12 @@ async def open_levels(game: Opened) -> LevelCards:
     await game.until(lambda: isinstance(game.app.screen, LevelScreen))
     cards = game.app.screen.query_one(LevelCards)
     await game.until(lambda: len(cards._cards) == len(NAMES))
-    await game.until(lambda: all(card.level or card.complaint for card in cards._cards))
+    await game.until(lambda: all(has_been_read(card) for card in cards._cards))
     return cards
+
+
+def has_been_read(card: LevelCard) -> bool:
+    return bool(card.level or card.complaint or card.name == DAILY)
 
 
 def has_picture(cards: LevelCards, name: str) -> bool:
@@ -60,6 +65,9 @@ async def test_every_level_has_a_card_with_its_picture_and_idea(
         cards = await open_levels(game)
         for index, name in enumerate(NAMES):
             cards.choose(index)
+            if name == DAILY:
+                await game.sees("Labyrinth of the da")
+                continue
             await game.until(partial(has_picture, cards, name))
             await game.until(partial(game.shows, load_level(name).title[:20]))
             await game.sees("○ new")
@@ -85,7 +93,7 @@ async def test_arenas_are_the_last_ones_and_name_the_teams(data_dir: Path) -> No
     async with opened(data_dir) as game:
         cards = await open_levels(game)
         await game.press(*"arena")
-        await game.until(lambda: [card.name for card in cards._cards] == NAMES[len(COURSE) :])
+        await game.until(lambda: [card.name for card in cards._cards] == list_arenas())
         await game.sees("◇ arena")
         await game.sees("teams: red, gold, blue, green")
 
@@ -163,8 +171,17 @@ async def test_what_is_typed_while_levels_are_read_costs_no_picture(
         await game.until(partial(has_picture, cards, NAMES[1]))
         line.value = ""
         await game.until(lambda: len(cards._cards) == len(NAMES) + 1)
-        for name in NAMES:
+        for name in (*COURSE, *list_arenas()):
             await game.until(partial(has_picture, cards, name))
+
+
+async def test_the_labyrinth_of_the_day_stands_among_the_levels(data_dir: Path) -> None:
+    async with opened(data_dir) as game:
+        await open_levels(game)
+        await game.press(*"daily")
+        await game.sees("◇ today")
+        await game.press("enter")
+        await game.sees("which size?")
 
 
 async def test_the_level_at_hand_is_chosen_at_first(data_dir: Path) -> None:
