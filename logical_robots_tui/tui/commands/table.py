@@ -75,9 +75,11 @@ programs.add("apply", "Apply the program", "ctrl+r f4", lambda s: s.session.appl
 programs.add("mistake", "Go to the mistake", "ctrl+g", lambda s: general.program(s).go_to_mistake(),
     "Go to the place where the program can't be compiled.")
 programs.add("definition", "Go to the definition", "ctrl+right_square_bracket f12",
-    general.definition, "Go to the definition of the predicate under the cursor.")
+    general.definition, "Go to the definition of the predicate under the cursor.",
+    bar="Definition", place="editor", spare=7)
 programs.add("find", "Find and replace", "ctrl+f ctrl+o", lambda s: s.program_controller.find(),
-    "Find a text in the program, or replace it everywhere.", worker="dialog", also="search")
+    "Find a text in the program, or replace it everywhere.",
+    bar="Find", place="editor", spare=5, worker="dialog", also="search")
 programs.add("find_next", "Find next", "f3", lambda s: s.program_controller.find_next(),
     "Go to the next match.")
 programs.add("external_editor", "External editor", "E",
@@ -315,7 +317,7 @@ others.add("quit", "Quit", "q", lambda s: s.quit(),
 
 writing: Group[MainScreen] = Group("In the program", "text")
 writing.add("complete", "Complete the word", "ctrl+space", general.complete,
-    "Offer predicates, functions and fields that fit.")
+    "Offer predicates, functions and fields that fit.", bar="Complete", place="editor", spare=6)
 writing.add("copy", "Copy", "ctrl+c", general.copy, "Copy the selection.")
 writing.add("delete_to_end", "Delete to line end", "ctrl+k",
     lambda s: general.editor(s).action_delete_to_end_of_line_or_delete_line(),

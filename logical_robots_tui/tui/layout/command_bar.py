@@ -89,8 +89,8 @@ class CommandBar(Labels):
 
     def render(self) -> Content:
         unwanted = "outside" if self._typing else "editor"
-        offered = [entry for entry in commands("screen", "level") if entry.bar]
-        shown = [e for e in offered if e.scope == "screen" and e.place != unwanted]
+        offered = [entry for entry in commands() if entry.bar]
+        shown = [e for e in offered if e.scope != "level" and e.place != unwanted]
         if self._edits and not self._typing:
             kept = [entry for entry in shown if entry.id in _WHILE_EDITING]
             editing = [entry for entry in offered if entry.scope == "level"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
@@ -15,12 +16,26 @@ from textual.screen import ModalScreen, Screen
 from textual.widgets import Button, Input, OptionList, Static
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
 
 Result = TypeVar("Result")
+
+
+_KEY = re.compile(r"((?:\S+ or )?\S+)(.*)")
+
+
+def keys_in_style(text: str) -> Content:
+    """Return a line such as ``enter open   esc close`` with its keys as in the command bar."""
+    pairs = (_KEY.fullmatch(part) for part in text.split("   "))
+    return Content("   ").join(
+        Content.assemble((pair[1], f"bold {INK.key}"), (pair[2], INK.text))
+        for pair in pairs
+        if pair
+    )
 
 
 class ClosedOnce(Screen[Result]):
@@ -47,7 +62,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
         border: round $frame-here; border-title-color: $ink-title; background: $surface;
     }
     Dialog #complaint { color: $ink-bad; height: auto; max-height: 6; display: none; }
-    Dialog #keys { color: $ink-dim; height: 1; margin-top: 1; text-wrap: nowrap; }
+    Dialog #keys { height: 1; margin-top: 1; text-wrap: nowrap; }
     Dialog Input {
         border: none; height: 1; padding: 0 1; background: $panel; margin-bottom: 1;
     }
@@ -70,7 +85,7 @@ class Dialog(ModalScreen["Result | None"], ClosedOnce["Result | None"], Generic[
             yield from self.content_widgets()
             yield self._complaint
             if self.keys:
-                yield Static(self.keys, id="keys", markup=False)
+                yield Static(keys_in_style(self.keys), id="keys")
 
     def content_widgets(self) -> ComposeResult:
         raise NotImplementedError

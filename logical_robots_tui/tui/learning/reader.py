@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Markdown, Static
 
-from logical_robots_tui.tui.layout.dialogs import Dialog
+from logical_robots_tui.tui.layout.dialogs import Dialog, keys_in_style
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX
 from logical_robots_tui.wording import one_line, visible
@@ -119,7 +119,8 @@ class Hints(Dialog[None]):
             lines += [Content.styled(f"    {line}", INK.text) for line in rest]
         self.query_one("#hints", Static).update(Content("\n").join(lines))
         left = self._of_all - len(revealed)
-        self.query_one("#keys", Static).update(f"{'h next hint   ' if left else ''}esc close")
+        keys = keys_in_style(f"{'h next hint   ' if left else ''}esc close")
+        self.query_one("#keys", Static).update(keys)
         self.query_one("#more", Static).update(
             Content(f"{left} more: press h for the next one." if left else "There are no more.")
         )

@@ -21,7 +21,7 @@ from logical_robots_tui.game import (
     subjects,
 )
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.layout.dialogs import Dialog, Listing, Prompt
+from logical_robots_tui.tui.layout.dialogs import Dialog, Listing, Prompt, keys_in_style
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level
@@ -266,7 +266,9 @@ class BreakpointForm(Dialog[Breakpoint]):
         self._list_names()
 
     def on_descendant_focus(self) -> None:
-        self.query_one("#keys", Static).update(_KEYS[isinstance(self.focused, OptionList)])
+        self.query_one("#keys", Static).update(
+            keys_in_style(_KEYS[isinstance(self.focused, OptionList)])
+        )
 
     @property
     def _event(self) -> Event:
