@@ -115,10 +115,10 @@ def fit(status: Status, width: int) -> Content:
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
         (3, Content.styled(tick, INK.text)),
+        (1, Content.styled(clip(one_line(status.title), 40), INK.text)),
         (5, _standing(status.standing).append(_goals(status.goals, long=True))),
         (6, thought),
         (4, Content.styled(_speed(status), INK.number)),
-        (1, Content.styled(clip(one_line(status.title), 40), INK.text)),
         (0, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
     gap, left = 3, width - 2
