@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from textwrap import wrap
 from typing import NamedTuple
 
 from textual.content import Content
@@ -191,18 +192,19 @@ def word_around(line: str, column: int) -> str:
 
 
 _MOST = 60
-_WIDTH = 58
+_WIDEST, _MARGIN = 90, 6  # columns of the list, and those left beside it
+_LONGEST = 40  # characters of a shape before what is said of it stands below
 
 
 class Completion(Listing, can_focus=False):
     """The list of offered words; the editor keeps the focus and forwards keys."""
 
-    DEFAULT_CSS = f"""
-    Completion {{
-        overlay: screen; display: none; width: {_WIDTH}; height: auto; max-height: 12;
+    DEFAULT_CSS = """
+    Completion {
+        overlay: screen; display: none; height: auto; max-height: 12;
         constrain: inside inside; border: round $frame-here; padding: 0; background: $panel;
-    }}
-    Completion > .option-list--option-highlighted {{ background: $here; color: $here-ink; }}
+    }
+    Completion > .option-list--option-highlighted { background: $here; color: $here-ink; }
     """
 
     def __init__(self) -> None:
@@ -214,8 +216,10 @@ class Completion(Listing, can_focus=False):
         self.display = bool(words)
         if not words:
             return
+        lines = list(lines_of(self._words, min(self.screen.size.width - _MARGIN, _WIDEST)))
+        self.styles.width = max(line.get_optimal_width({}, 0) for line in lines) + 4
         self.clear_options()
-        self.add_options([Option(_line(word)) for word in self._words])
+        self.add_options([Option(line) for line in lines])
         self.highlighted = 0
         self.absolute_offset = at + Offset(0, 1)
 
@@ -232,7 +236,14 @@ class Completion(Listing, can_focus=False):
         return self._words[number] if number is not None and number < len(self._words) else None
 
 
-def _line(word: Word) -> Content:
-    shape = clip(word.shape, 30)
-    told = clip(word.told, _WIDTH - 34)
-    return Content.assemble((f"{shape:<31}", INK.text), (told, INK.dim))
+def lines_of(words: Sequence[Word], width: int) -> Iterator[Content]:
+    """Yield each word with all that is said of it, in so many columns."""
+    shapes = [len(word.shape) for word in words if len(word.shape) <= _LONGEST]
+    beside = max(shapes, default=0) + 2
+    for word in words:
+        if len(word.shape) <= _LONGEST and beside + len(word.told) <= width:
+            first, told = f"{word.shape:<{beside}}", [word.told]
+        else:
+            first = f"{clip(word.shape, width)}\n"
+            told = wrap(word.told, width - 2, initial_indent="  ", subsequent_indent="  ")
+        yield Content.assemble((first, INK.text), ("\n".join(told), INK.dim))

@@ -55,8 +55,11 @@ class ProgramController:
         """Check the text soon after the last key."""
         if self._check is not None:
             self._check.cancel()
-        loop = asyncio.get_running_loop()
-        self._check = loop.call_later(_RESTING, lambda: self._session.check(self._pane.text))
+        self._check = asyncio.get_running_loop().call_later(_RESTING, self._check_now)
+
+    def _check_now(self) -> None:
+        if self._pane.is_attached:
+            self._session.check(self._pane.text)
 
     def keep_copy(self, text: str) -> None:
         """Also write copied text to a file, because terminals don't confirm a copy."""

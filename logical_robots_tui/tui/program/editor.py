@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -122,6 +123,7 @@ def rename(text: str, old: str, new: str) -> tuple[str, int]:
 
 
 _A_PASTE = 0.005  # keys that follow each other faster, in seconds, were not typed
+_A_PAUSE = 0.05  # seconds after the last key of a burst
 _OPENING = re.compile(r"[A-Za-z_]\w*\.$|(?<![\w.])[A-Z]$")
 """What opens the list of words when it is typed."""
 _UNFINISHED = re.compile(r"(?:\w|\w\.)$")
@@ -169,6 +171,7 @@ class Editor(TextArea):
         self.completion = Completion()
         self.completes = True
         self._opens_list = False
+        self._burst: asyncio.TimerHandle | None = None
 
     def on_mount(self) -> None:
         self._apply_theme(self.app.current_theme)
@@ -225,7 +228,13 @@ class Editor(TextArea):
         hurried = event.time - self._last_key_at < _A_PASTE
         self._last_key_at = event.time
         typed = event.character or ""
-        self._opens_list = self.completes and not hurried and (typed == "." or typed.isupper())
+        if self._burst is not None:
+            self._burst.cancel()
+        self._opens_list = self.completes and (typed == "." or typed.isupper())
+        if self._opens_list and hurried:  # of a paste, or of a slow line: the last key decides
+            self._opens_list = False
+            loop = asyncio.get_running_loop()
+            self._burst = loop.call_later(_A_PAUSE, self._open_list)
         if hurried and event.key in ("enter", "tab"):  # of a paste: they choose no word
             self.completion.close()
         if self.completion.display and self._takes(event.key):
@@ -293,7 +302,13 @@ class Editor(TextArea):
 
     def on_text_area_changed(self) -> None:
         opens, self._opens_list = self._opens_list, False
-        if self.completion.display or (opens and _OPENING.search(self.before_cursor)):
+        if self.completion.display or opens:
+            self._open_list()
+
+    def _open_list(self) -> None:
+        if not self.is_attached:
+            return  # the game has ended meanwhile
+        if self.completion.display or _OPENING.search(self.before_cursor):
             self.action_complete()
             if self.completion.names[:1] == [self.word]:
                 self.completion.close()

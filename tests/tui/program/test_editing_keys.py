@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual import events
 
+from logical_robots_tui.tui.program.completion import Word, lines_of
 from tests.tui.conftest import opened
 
 if TYPE_CHECKING:
@@ -102,3 +103,28 @@ async def test_tab_completes_what_is_begun_and_indents_elsewhere(data_dir: Path)
         await put(game, "R(x) :- zzz", 0, 11)
         await slowly(game, "tab")
         await game.until(lambda: game.editor.text == "R(x) :- zzz ")
+
+
+async def test_words_are_offered_after_a_burst_of_keys(data_dir: Path) -> None:
+    async with opened(data_dir, text="") as game:
+        await put(game, "", 0, 0)
+        await game.press(*"x == sensor.")
+        await game.until(lambda: game.editor.completion.display)
+        assert game.editor.text == "x == sensor."
+        await game.press("escape")
+        await put(game, "", 0, 0)
+        await game.press(*"S(x); y")
+        await game.later(1)
+        assert not game.editor.completion.display
+
+
+@pytest.mark.parametrize("width", [34, 74, 90])
+def test_nothing_that_is_said_of_a_word_is_cut(width: int) -> None:
+    words = [
+        Word("Least", "Least(x, y, ...)", "the least of its arguments"),
+        Word("Long", f"Long({', '.join('abcdefghijklm')})", "what has a long shape " * 3),
+    ]
+    for word, line in zip(words, lines_of(words, width), strict=True):
+        said = " ".join(line.plain.split())
+        assert word.told.strip() in said
+        assert all(len(row.rstrip()) <= width for row in line.plain.split("\n"))
