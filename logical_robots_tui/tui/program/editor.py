@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from rich.segment import Segment
 from rich.style import Style
 from rich.text import Text
 from textual import events
@@ -28,6 +29,7 @@ from logical_robots_tui.tui.program.completion import (
 )
 from logical_robots_tui.tui.program.lexer import LineStates, pieces
 from logical_robots_tui.tui.program.mistakes import Mark, sign
+from logical_robots_tui.tui.terminal.textual_internals import HangingDocument, hang_wrapped_lines
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 from logical_robots_tui.wording import visible
 
@@ -130,6 +132,9 @@ _UNFINISHED = re.compile(r"(?:\w|\w\.)$")
 _WORD_AFTER = re.compile(r"\w*")
 _FIRST_RULE = re.compile(r"(?:[ \t]*(?:#.*)?\n)*(?=.)")
 """Comments and empty lines at the start of a program, if anything follows."""
+
+
+hang_wrapped_lines()
 
 
 class Editor(TextArea):
@@ -476,15 +481,26 @@ class Editor(TextArea):
 
     def render_line(self, y: int) -> Strip:
         strip = super().render_line(y)
-        place = self.scroll_offset.y + y
-        if not self._marks or place >= self.wrapped_document.height:
+        place, document = self.scroll_offset.y + y, self.wrapped_document
+        if place >= document.height:
             return strip
-        row, column = self.wrapped_document.offset_to_location(Offset(0, place))
+        assert isinstance(document, HangingDocument)
+        row, section = document.row_at(place)
+        if section and self.soft_wrap and (hang := document.hang(row, section)):
+            strip = _shifted(strip, self.gutter_width, hang)
         if row not in self._marks:
             return strip
-        begins = None if column else row
+        begins = None if section else row
         is_wrong = any(mark.is_wrong for mark in self._marks[row])
         return sign(strip, begins, self.gutter_width, self._syntax, is_wrong=is_wrong)
+
+
+def _shifted(strip: Strip, gutter: int, columns: int) -> Strip:
+    """Return a row whose text stands further to the right."""
+    *_, last = strip
+    room = Strip([Segment(" " * columns, last.style)])
+    width = strip.cell_length
+    return Strip.join([strip.crop(0, gutter), room, strip.crop(gutter, width - columns)])
 
 
 def _without_comment(line: str) -> str:

@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual._context import active_app
-from textual.geometry import Region
+from textual.document import _wrapped_document
+from textual.document._wrapped_document import WrappedDocument
+from textual.geometry import Offset, Region
 from textual.keys import _character_to_key
+from textual.widgets import _text_area
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -51,6 +54,49 @@ def mark_rendered_stale(widget: Widget, regions: Iterable[Region]) -> None:
 def handle_exception(app: App[object], error: Exception) -> None:
     """End an app with an error, as if a message handler had raised it."""
     app._handle_exception(error)
+
+
+class HangingDocument(WrappedDocument):
+    """Wrapped lines whose further rows are indented like the first one."""
+
+    def hang(self, line_index: int, section: int) -> int:
+        """Return by how many columns a row of a line is shifted."""
+        return _hang(self.document[line_index], self._width) if section else 0
+
+    def row_at(self, y: int) -> tuple[int, int]:
+        """Return the line, and its row, at an offset within the height."""
+        return self._offset_to_line_info[y]
+
+    def location_to_offset(self, location: tuple[int, int]) -> Offset:
+        x, y = super().location_to_offset(location)
+        return Offset(x + self.hang(*self._offset_to_line_info[y]), y)
+
+    def get_target_document_column(self, line_index: int, x_offset: int, y_offset: int) -> int:
+        section = y_offset if y_offset >= 0 else len(self.get_offsets(line_index))
+        x = max(x_offset - self.hang(line_index, section), 0)
+        return super().get_target_document_column(line_index, x, y_offset)
+
+
+def _hang(line: str, width: int) -> int:
+    return 0 if "\t" in line else min(len(line) - len(line.lstrip(" ")), width // 2)
+
+
+_wrap_offsets = _wrapped_document.compute_wrap_offsets  # type: ignore[attr-defined] # imported
+
+
+def _hanging_offsets(text: str, width: int, *about: Any, **more: Any) -> list[int]:
+    offsets = _wrap_offsets(text, width, *about, **more)
+    if not offsets or not (indent := _hang(text, width)):
+        return offsets
+    first, tab_size = offsets[0], about[0] if about else more["tab_size"]
+    rest = _wrap_offsets(text[first:], width - indent, tab_size)
+    return [first, *(first + offset for offset in rest)]
+
+
+def hang_wrapped_lines() -> None:
+    """Let text areas indent the further rows of wrapped lines; they draw them themselves."""
+    _wrapped_document.compute_wrap_offsets = _hanging_offsets  # type: ignore[attr-defined]
+    _text_area.WrappedDocument = HangingDocument  # type: ignore[attr-defined] # where it is made
 
 
 _LONGEST = 0.5  # seconds that a key may delay the next ones

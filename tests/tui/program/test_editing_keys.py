@@ -128,3 +128,28 @@ def test_nothing_that_is_said_of_a_word_is_cut(width: int) -> None:
         said = " ".join(line.plain.split())
         assert word.told.strip() in said
         assert all(len(row.rstrip()) <= width for row in line.plain.split("\n"))
+
+
+async def test_wrapped_lines_keep_their_indentation(data_dir: Path) -> None:
+    line = "    Wanted(robot_name:, sensor:), " + "Sensor(robot_name:, sensor:), " * 4
+    async with opened(data_dir, text="") as game:
+        await put(game, f"{line}\nnext", 0, 0)
+        editor = game.editor
+        document = editor.wrapped_document
+        height = document.location_to_offset((1, 0)).y
+        assert height > 2
+        gutter = editor.gutter_width
+        rows = [editor.render_line(y).text for y in range(height)]
+        assert all(row[gutter:].startswith("    ") and row[gutter + 4] != " " for row in rows)
+        assert "".join(row[gutter + 4 :].rstrip() + " " for row in rows).split() == line.split()
+        for column in range(len(line)):
+            offset = document.location_to_offset((0, column))
+            assert document.offset_to_location(offset) == (0, column)
+            x = gutter + offset.x
+            assert rows[offset.y][x : x + 1].strip() == line[column].strip()
+        await game.press("down", "down")
+        await game.until(lambda: document.location_to_offset(editor.cursor_location).y == 2)
+        await game.pilot.resize_terminal(80, 24)
+        await game.until(lambda: document.location_to_offset((1, 0)).y < height)
+        await game.press("home", *"xy")
+        await game.until(lambda: "xy" in editor.text)
