@@ -75,6 +75,8 @@ def main() -> None:
                 terminal.send("n")
                 terminal.wait_for(f"tick {tick} ")
             terminal.wait_for_quiet()
+            terminal.send(" ")
+            terminal.wait_for("RUNNING")
             TARGET.write_text(svg(terminal.screen), encoding="utf-8")
 
 
