@@ -22,8 +22,8 @@ from logical_robots_tui.tui.labyrinth.camera import Camera, Overlay, Sight
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Highlight, Look
 from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
+from logical_robots_tui.tui.labyrinth.drawing.rays import Traces
 from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
-from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
 from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale

@@ -2,36 +2,51 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Cells, Palette, rgb_number, text_id
-from logical_robots_tui.tui.labyrinth.drawing.discs import pack, paint_robot, refit, split
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Highlight, Look
+from logical_robots_tui.tui.labyrinth.drawing.cells import (
+    RGB,
+    Cells,
+    Palette,
+    mix,
+    pack,
+    refit,
+    rgb_number,
+    split,
+    text_id,
+)
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Highlight, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import (
     ASCII_KINDS,
     Ground,
     WallTable,
+    blend,
     draw_ground,
-    redraw_ground,
 )
 from logical_robots_tui.tui.labyrinth.drawing.lettering import (
     StaticLabels,
     draw_labels,
     robot_colour,
 )
-from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
-from logical_robots_tui.tui.labyrinth.drawing.thin_lines import (
+from logical_robots_tui.tui.labyrinth.drawing.rays import (
+    Fan,
     Traces,
+    brightness_of,
     draw_ray,
     draw_rays,
     draw_ring,
     draw_trails,
+    fans,
 )
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Viewport
+from logical_robots_tui.world.dynamics import RobotState
 from logical_robots_tui.world.level import Level
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -104,25 +119,25 @@ class Picture:
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
         light = self._lighting(frame, raster, look, colours, hurried=hurried)
-        if look.drawing is Drawing.ASCII:
+        if look.is_plain:
             cells = _ascii_cells(self._ground, light.image, light.lit, look.palette)
         else:
             image = light.image.copy()
             for robot, colour in robots:
-                paint_robot(image, raster, robot, colour, look.palette)
+                _paint_robot(image, raster, robot, colour, look.palette)
             cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
+        canvas = Canvas(cells, viewport, look)
         if look.trails:
             inks = [colours[robot.name] for robot in level.robots]
-            draw_trails(cells, *traces.trails(frame.tick), inks, viewport, look)
+            draw_trails(canvas, *traces.trails(frame.tick), inks)
         if look.lines:
             for fan in light.fans:
                 if fan.name == look.selected:
-                    draw_rays(cells, fan, colours[fan.name], viewport, look)
+                    draw_rays(canvas, fan, colours[fan.name])
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
-        draw_labels(cells, self._lettering, robots, undecided, light.fans, viewport, look)
+        draw_labels(canvas, self._lettering, robots, undecided, light.fans)
         if look.highlight is not None:
-            _draw_highlight(cells, look.highlight, frame, viewport, look)
-
+            _draw_highlight(canvas, look.highlight, frame)
         self.cells = cells
         return cells
 
@@ -133,20 +148,16 @@ class Picture:
         switched = traces.switched(frame.tick)
         changed = self._take(level)
         key = active, switched, raster, look.drawing, look.palette, look.names
+        paint = partial(draw_ground, level, self._walls, active, look.palette, switched)
         if key != self._ground_key:
-            self._ground_key, self._light = key, None
-            self._ground = draw_ground(level, self._walls, active, raster, look.palette, switched)
+            self._ground_key, self._light, self._ground = key, None, paint(raster)
             ground = self._ground.image
             self._lettering = StaticLabels(level, active, raster.viewport, look, ground)
-            return
-        if changed is None:
-            return
-        self._light = None
-        touched = redraw_ground(
-            self._ground, level, self._walls, changed, active, raster, look.palette, switched
-        )
-        if touched is not None:
-            self._lettering.follow_ground(look, self._ground.image, touched)
+        elif changed is not None:
+            self._light = None
+            window = self._ground.repaint(raster, changed, paint)
+            if window is not None:
+                self._lettering.follow_ground(look, self._ground.image, window)
 
     def _take(self, level: Level) -> tuple[int, int, int, int] | None:
         """Set the level; return the region of changed walls, if only a region changed."""
@@ -196,18 +207,50 @@ class Picture:
         return self._base.copy()
 
 
-def _draw_highlight(
-    cells: Cells, highlight: Highlight, frame: Frame, viewport: Viewport, look: Look
+def _paint_robot(
+    image: Floats, raster: Raster, robot: RobotState, colour: RGB, palette: Palette
 ) -> None:
+    """Paint the body of a robot, in place, into the colours of the dots."""
+    if not math.isfinite(robot.angle):
+        return
+    full = raster.viewport.shows_bodies
+    radius = ROBOT_RADIUS if full else max(ROBOT_RADIUS, 0.9 * raster.dot)
+    around = raster.around(robot.x, robot.y, 1.5 * radius)
+    if around is None:
+        return
+    window, dx, dy = around
+    distance = np.hypot(dx, dy)
+    dot = raster.dot
+    body = np.clip((radius - distance) / dot + 0.5, 0, 1)
+    if not full:
+        blend(image, window, colour, body * 0.85)
+        return
+
+    shadow = np.clip((radius * 1.4 - distance) / (radius * 0.4), 0, 1)
+    blend(image, window, palette.floor, shadow * 0.55)
+    blend(image, window, mix(colour, (0, 0, 0), 0.45), body)
+    inner = np.clip((radius - max(1.1 * dot, 1.2) - distance) / dot + 0.5, 0, 1)
+    blend(image, window, colour, inner)
+    cos, sin = math.cos(robot.angle), math.sin(robot.angle)
+    ahead, aside = dx * cos + dy * sin, np.abs(dy * cos - dx * sin)
+    if radius > 6 * dot:
+        nose = np.minimum(ahead + 0.3 * radius, (1.15 * radius - ahead) * 0.33 - aside)
+    else:  # Too few dots for a pointer.
+        nose = 0.4 * radius - np.hypot(ahead - 0.68 * radius, aside)
+    nose = np.clip(nose / dot + 0.5, 0, 1) * body
+    blend(image, window, mix(colour, palette.bright, 0.72), nose)
+
+
+def _draw_highlight(canvas: Canvas, highlight: Highlight, frame: Frame) -> None:
     """Draw a ray from where the robot sensed, or a ring around where it is afterwards."""
     if highlight.ray is not None:
         for fan in fans(frame):
             if fan.name == highlight.robot:
-                draw_ray(cells, fan, highlight.ray, viewport, look)
+                draw_ray(canvas, fan, highlight.ray)
     else:
         for robot in frame.after.robots:
             if robot.name == highlight.robot:
-                draw_ring(cells, robot.x, robot.y, viewport, look)
+                draw_ring(canvas, robot.x, robot.y)
 
 
 def _add_light(

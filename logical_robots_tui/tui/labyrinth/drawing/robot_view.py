@@ -10,12 +10,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, mix, rgb_number
-from logical_robots_tui.tui.labyrinth.drawing.discs import blend, fit_dots, split
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.cells import (
+    BOLD,
+    RGB,
+    Cells,
+    fit_dots,
+    mix,
+    rgb_number,
+    split,
+)
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Look
+from logical_robots_tui.tui.labyrinth.drawing.ground import blend
 from logical_robots_tui.tui.labyrinth.drawing.lettering import fit_into, robot_colour, write
-from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, brightness_of, fans
-from logical_robots_tui.tui.labyrinth.drawing.thin_lines import draw_ray, draw_ring
+from logical_robots_tui.tui.labyrinth.drawing.rays import (
+    Fan,
+    brightness_of,
+    draw_ray,
+    draw_ring,
+    fans,
+)
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Raster, Viewport
 from logical_robots_tui.world.level import Level
 
@@ -71,7 +84,7 @@ def _shown(names: Sequence[str], room: int, selected: str | None) -> Sequence[st
 
 def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     """Draw one robot's senses: up is ahead, and a frame separates tiles."""
-    palette, glyphs = look.palette, look.drawing.glyphs
+    palette = look.palette
     middle = float(fan.headings[0] + fan.headings[-1]) / 2
     turn = middle + math.pi / 2
     own = replace(fan, x=0.0, y=0.0, headings=fan.headings - turn, ahead=fan.ahead - turn)
@@ -91,7 +104,7 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
         blend(image, window, colour, np.float32(0.6) * brightness)
     walls = _walls(own, raster)
     image[walls] = palette.rim
-    if look.drawing is Drawing.ASCII:
+    if look.is_plain:
         cells = Cells.blank(rows - 1, columns)
         cells.tone[:] = rgb_number(palette.floor)
         cells.style[:] = rgb_number(palette.dead) << 24 | rgb_number(palette.floor)
@@ -102,15 +115,14 @@ def _tile(fan: Fan, colour: RGB, columns: int, rows: int, look: Look) -> Cells:
     else:
         coarse = np.clip(image, 0, 255).astype(np.uint8) & np.uint8(0xFC)
         cells = fit_dots(split(coarse, raster.across, raster.down), rows - 1, columns)
-    _put_ends(cells, own, view, look)
+    canvas = Canvas(cells, view, look)
+    _put_ends(canvas, own)
     if look.highlight is not None and look.highlight.robot == fan.name:
         if look.highlight.ray is not None:
-            draw_ray(cells, own, look.highlight.ray, view, look)
+            draw_ray(canvas, own, look.highlight.ray)
         else:
-            draw_ring(cells, 0.0, 0.0, view, look)
-    cell = view.cell(0.0, 0.0)
-    if cell is not None:
-        cells.put(*cell, glyphs.heading(-math.pi / 2), rgb_number(colour), bold=True)
+            draw_ring(canvas, 0.0, 0.0)
+    canvas.put(view.cell(0.0, 0.0), look.glyphs.heading(-math.pi / 2), colour)
     return _title(cells, fan.name, colour, look)
 
 
@@ -141,17 +153,16 @@ def _walls(fan: Fan, raster: Raster) -> NDArray[np.bool_]:
     return found
 
 
-def _put_ends(cells: Cells, fan: Fan, view: Viewport, look: Look) -> None:
-    palette, glyphs = look.palette, look.drawing.glyphs
+def _put_ends(canvas: Canvas, fan: Fan) -> None:
+    cells, view, look = canvas
+    palette, glyphs = look.palette, look.glyphs
     signs = {
         "beacon": (glyphs.beacon, palette.hit_beacon),
         "robot": (glyphs.hit_robot, palette.hit_robot),
     }
     for x, y, kind in fan.ends():
-        cell = view.cell(x, y)
-        if cell is not None and kind in signs:
-            sign, ink = signs[kind]
-            cells.put(*cell, sign, rgb_number(ink), bold=True)
+        if kind in signs:
+            canvas.put(view.cell(x, y), *signs[kind])
     for x, y, kind, label in fan.sighted():
         cell = view.cell(x, y)
         if cell is None or not look.names:

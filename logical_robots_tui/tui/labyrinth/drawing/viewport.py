@@ -9,11 +9,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
+from logical_robots_tui.world.sensing import ROBOT_RADIUS
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Floats: TypeAlias = "NDArray[np.floating[Any]]"
 """An array of floats; single precision unless it holds places on the map."""
+
+Window: TypeAlias = tuple[slice, slice]
+"""Dots as slices (down, across)."""
 
 CELL_ASPECT = 2.0
 """Height of a terminal cell in widths of one."""
@@ -44,6 +49,16 @@ class Viewport(NamedTuple):
     def height(self) -> float:
         return self.rows * self.units * CELL_ASPECT
 
+    @property
+    def shows_bodies(self) -> bool:
+        """Whether a robot is more than a character."""
+        return ROBOT_RADIUS / self.units >= 2.2
+
+    @property
+    def body_rows(self) -> int:
+        """Rows that a robot's body covers above the one of its middle, and below."""
+        return round(ROBOT_RADIUS / (2 * self.units) - 0.2) if self.shows_bodies else 0
+
     def centred(self, x: float, y: float) -> Self:
         """Move the view's centre to a point in map units."""
         return self._replace(left=x - self.width / 2, top=y - self.height / 2)
@@ -59,6 +74,21 @@ class Viewport(NamedTuple):
         if not (0 <= across < self.columns and 0 <= down < self.rows):
             return None
         return math.floor(down), math.floor(across)
+
+    def dots(
+        self, x: Floats, y: Floats, across: int = 1, down: int = 1
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Return row and column of the dots of those points that are in sight, and which are.
+
+        Shapes (in sight,) twice, and (points,); a cell has ``across`` x ``down`` dots.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            columns = (x - self.left) / self.units * across
+            rows = (y - self.top) / (self.units * CELL_ASPECT) * down
+            # Compared as floats: what is not a number is nowhere.
+            inside = (columns >= 0) & (columns < across * self.columns)
+            inside &= (rows >= 0) & (rows < down * self.rows)
+        return rows[inside].astype(np.int64), columns[inside].astype(np.int64), inside
 
     def position(self, row: float, column: float) -> tuple[float, float]:
         """Return the map units (x, y) of a cell's centre; the cell may lie outside."""
@@ -77,7 +107,7 @@ class Raster:
     down: int
     part: tuple[int, int, int, int] | None = None
 
-    def only(self, window: tuple[slice, slice]) -> Self:
+    def only(self, window: Window) -> Self:
         """Return some of the dots, given as (down, across), at exactly the same positions."""
         down, across = window
         return replace(self, part=(down.start, down.stop, across.start, across.stop))
@@ -115,9 +145,7 @@ class Raster:
         """Side in map units of a square with a dot's area."""
         return self.viewport.units * math.sqrt(CELL_ASPECT / (self.across * self.down))
 
-    def window(
-        self, left: float, right: float, top: float, bottom: float
-    ) -> tuple[slice, slice] | None:
+    def window(self, left: float, right: float, top: float, bottom: float) -> Window | None:
         """Return slices (down, across) of dots that touch a map rectangle, or None."""
         far_left, far_right, far_top, far_bottom = self._far
         if not (far_left <= right and left <= far_right and left <= right):
@@ -143,7 +171,12 @@ class Raster:
         x, y = self.x_edges, self.y_edges
         return float(x[0]), float(x[-1]), float(y[0]), float(y[-1])
 
-    def offsets(self, window: tuple[slice, slice], x: float, y: float) -> tuple[Floats, Floats]:
+    def around(self, x: float, y: float, reach: float) -> tuple[Window, Floats, Floats] | None:
+        """Return the dots not farther from a point than `reach` each way, and their offsets."""
+        window = self.window(x - reach, x + reach, y - reach, y + reach)
+        return None if window is None else (window, *self.offsets(window, x, y))
+
+    def offsets(self, window: Window, x: float, y: float) -> tuple[Floats, Floats]:
         """Return map units from a point to the dots of a window: a row dx and a column dy."""
         down, across = window
         dx = (self.x[across] - x).astype(np.float32)[None, :]
