@@ -12,7 +12,7 @@ from textual.widgets import Static
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
-from logical_robots_tui.tui.labyrinth.camera import Sight
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
@@ -74,8 +74,7 @@ class LabyrinthPane(Pane, can_focus=True):
         name = robot_name if pointed is None else pointed
         robot = next((each for each in frame.after.robots if each.name == name), None)
         view = self.view.view
-        middle = view.left + view.width / 2 if view else 0.0
-        on_the_left = robot is not None and robot.x < middle
+        on_the_left = robot is not None and robot.x < (view.middle[0] if view else 0.0)
         shown = None if self.view.camera.sight is Sight.SENSES else name
         self.card.show(level, frame, shown, on_the_left=on_the_left)
 

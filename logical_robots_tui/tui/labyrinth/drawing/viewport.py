@@ -1,14 +1,16 @@
-"""Where map units fall on the cells of a terminal."""
+"""The part of a map that is shown: what a camera sees, and where that falls on cells and dots."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
+from logical_robots_tui.world.level import Level
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 
 if TYPE_CHECKING:
@@ -50,6 +52,10 @@ class Viewport(NamedTuple):
         return self.rows * self.units * CELL_ASPECT
 
     @property
+    def middle(self) -> tuple[float, float]:
+        return self.left + self.width / 2, self.top + self.height / 2
+
+    @property
     def shows_bodies(self) -> bool:
         """Whether a robot is more than a character."""
         return ROBOT_RADIUS / self.units >= 2.2
@@ -64,8 +70,7 @@ class Viewport(NamedTuple):
         return self._replace(left=x - self.width / 2, top=y - self.height / 2)
 
     def zoomed(self, factor: float) -> Self:
-        x, y = self.left + self.width / 2, self.top + self.height / 2
-        return self._replace(units=self.units / factor).centred(x, y)
+        return self._replace(units=self.units / factor).centred(*self.middle)
 
     def cell(self, x: float, y: float) -> tuple[int, int] | None:
         """Return the (row, column) that shows a point of the map, or None if it is outside."""
@@ -182,3 +187,97 @@ class Raster:
         dx = (self.x[across] - x).astype(np.float32)[None, :]
         dy = (self.y[down] - y).astype(np.float32)[:, None]
         return dx, dy
+
+
+ZOOMS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
+"""Zoom factors; at 1 the whole labyrinth fits."""
+
+_NEAR = 3  # the default zoom for following a robot
+
+_CALM = 0.22
+"""The share of the view, on each side of its middle, in which a robot moves without scrolling."""
+
+
+class Sight(Enum):
+    """What the camera shows."""
+
+    WHOLE = "whole"
+    """The whole labyrinth."""
+    FOLLOW = "follow"
+    """A part around the selected robot."""
+    SENSES = "senses"
+    """What robots sense, one picture per robot."""
+    FREE = "free"
+    """A part that the player chose."""
+
+
+class Camera(NamedTuple):
+    """The player's view: index into ``ZOOMS``, and its middle in map units."""
+
+    sight: Sight = Sight.WHOLE
+    step: int = 0
+    x: float = 0.0
+    y: float = 0.0
+
+    @property
+    def zoom(self) -> float:
+        return ZOOMS[self.step]
+
+    def viewport(self, level: Level, columns: int, rows: int) -> Viewport:
+        whole = Viewport.fit(level.width, level.height, columns, rows)
+        if self.sight not in (Sight.FOLLOW, Sight.FREE):
+            return whole
+        view = whole.zoomed(self.zoom)
+        if self.sight is Sight.FREE:
+            return view.centred(self.x, self.y)
+        x = _beside_rim(self.x, view.width, level.width)
+        return view.centred(x, _beside_rim(self.y, view.height, level.height))
+
+    def next_sight(self) -> Camera:
+        if self.sight is Sight.WHOLE:
+            return self._replace(sight=Sight.FOLLOW, step=self.step or _NEAR)
+        return self._replace(sight=Sight.SENSES if self.sight is Sight.FOLLOW else Sight.WHOLE)
+
+    def following(self, x: float, y: float, view: Viewport, *, at_once: bool = False) -> Camera:
+        """Centre a robot (map units) that has left the view's middle; always if `at_once`.
+
+        A view that moved with every step would change every cell in every picture.
+        """
+        if self.sight is not Sight.FOLLOW:
+            return self
+        middle_x, middle_y = view.middle
+        is_calm_x = not at_once and abs(x - middle_x) <= _CALM * view.width
+        is_calm_y = not at_once and abs(y - middle_y) <= _CALM * view.height
+        if is_calm_x and is_calm_y:
+            return self
+        return self._replace(x=self.x if is_calm_x else x, y=self.y if is_calm_y else y)
+
+    def zoomed(self, steps: int, view: Viewport, at: tuple[float, float] | None = None) -> Camera:
+        """Zoom (out if negative) around a point in map units, or around a followed robot."""
+        if self.sight is Sight.SENSES:
+            return self
+        step = min(
+            max((self.step if self.sight is not Sight.WHOLE else 0) + steps, 0), len(ZOOMS) - 1
+        )
+        if step == 0 and self.sight is not Sight.FOLLOW:
+            return Camera()
+        if self.sight is Sight.FOLLOW:
+            return self._replace(step=step)
+        now = ZOOMS[self.step] if self.sight is Sight.FREE else 1.0
+        x, y = at or view.middle
+        share, middle = now / ZOOMS[step], view.middle
+        return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
+
+    def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
+        if self.sight is Sight.SENSES:
+            return self
+        x = min(max(view.middle[0] + columns * view.units, 0.0), level.width)
+        y = min(max(view.middle[1] + rows * view.units * CELL_ASPECT, 0.0), level.height)
+        return Camera(Sight.FREE, self.step if self.sight is not Sight.WHOLE else 0, x, y)
+
+
+def _beside_rim(middle: float, length: float, whole: float) -> float:
+    """Return the closest middle that shows as little as possible beyond the map."""
+    if length >= whole:
+        return whole / 2
+    return min(max(middle, length / 2), whole - length / 2)
