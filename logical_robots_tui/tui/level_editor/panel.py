@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from textual.binding import BindingsMap
 from textual.content import Content
-from textual.widget import Widget
+from textual.widgets import Static
 
 from logical_robots_tui.editing.editor import PAINTING, LevelEditor, Tool, handle_of, reach_of
 from logical_robots_tui.editing.level_text import Thing
@@ -21,7 +21,7 @@ from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Float
 from logical_robots_tui.tui.layout.command_bar import Labels
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
-from logical_robots_tui.world import Area, Beacon, Robot
+from logical_robots_tui.world import Area
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -93,7 +93,7 @@ class ToolLine(Labels):
         return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
 
 
-class InfoLine(Widget):
+class InfoLine(Static):
     """Shows where the cursor is, what is selected, and what looks wrong."""
 
     DEFAULT_CSS = """
@@ -103,14 +103,12 @@ class InfoLine(Widget):
 
     def __init__(self, controller: LevelController) -> None:
         super().__init__()
-        self._controller = controller
-        self._line = Content("")
+        self._controller, self._line = controller, Content("")
 
     def follow(self) -> None:
         editor, levels = self._controller.editor, self._controller.levels
-        findings = self._controller.findings
+        findings, thing = self._controller.findings, editor.thing
         x, y = editor.cursor
-        thing = editor.thing
         told = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
         if not levels.saved.source or levels.edits.changed:
             told.append(Content.styled("● not saved", INK.title))
@@ -120,27 +118,19 @@ class InfoLine(Widget):
             told.append(Content.styled(f"! {count_of(len(findings), 'finding')}", style))
         elif findings is not None:
             told.append(Content.styled("✓ no problems", INK.good))
-        told.append(Content.styled(describe(thing), INK.text if thing else INK.dim))
+        told.append(Content.styled(_describe(thing), INK.text if thing else INK.dim))
         line = Content(" ").append(Content("   ").join(told))
-        if line.markup != self._line.markup:
+        if not line.is_same(self._line):
             self._line = line
-            self.refresh()
-
-    def render(self) -> Content:
-        return self._line
+            self.update(line, layout=False)
 
 
-def describe(thing: Thing | None) -> str:
+def _describe(thing: Thing | None) -> str:
     if thing is None:
         return "nothing selected"
-    name = clip(one_line(thing.name), 24)
-    place = f"at {thing.x:g}, {thing.y:g}"
-    if isinstance(thing, Robot):
-        return f"Robot {name} {place}"
-    if isinstance(thing, Beacon):
-        return f"Beacon {name} {place}"
-    assert isinstance(thing, Area)
-    return f"Area {name} {place}, radius {thing.radius:g}"
+    radius = f", radius {thing.radius:g}" if isinstance(thing, Area) else ""
+    what = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
+    return f"{what} at {thing.x:g}, {thing.y:g}{radius}"
 
 
 def _key(name: str) -> str:
