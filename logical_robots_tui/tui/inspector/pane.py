@@ -3,30 +3,32 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 from textual import on
 from textual.containers import Horizontal
+from textual.content import Content
 from textual.widgets import OptionList
+from textual.widgets.option_list import Option
 from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted
-from logical_robots_tui.tui.inspector.predicate_list import PredicateList
+from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import Pane
+from logical_robots_tui.tui.layout.dialogs import Listing
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin
-    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-    from logical_robots_tui.tui.inspector.under_cursor import Traced
 
 AnyPage = TypeVar("AnyPage", bound=Page)
 
@@ -44,6 +46,13 @@ _NOT_TRACED = (
     "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
     "that {open_value} opens."
 )
+
+
+MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
+"""The sign and colour of each kind of predicate."""
+
+_CHANGED = "•"
+_NARROWEST = 12  # columns of an entry
 
 
 class InspectorPane(Pane):
@@ -225,8 +234,6 @@ class InspectorPane(Pane):
             self.notify("Put the cursor on a value, or choose Decision.", markup=False)
 
     def _trace_pin(self, pin: Pin) -> bool:
-        from logical_robots_tui.tui.inspector.under_cursor import traced_pin
-
         asked = traced_pin(pin, self.robot, self._session.frame.tick)
         if asked is not None:
             self.trace(asked)
@@ -328,7 +335,7 @@ class InspectorPane(Pane):
 
     def _select(self, name: str) -> None:
         if name in self._list.names:
-            self._list.go_to(name)
+            self._list.highlighted = self._list.get_option_index(name)
         self.inspect(name)
 
     @on(OptionList.OptionHighlighted)
@@ -377,3 +384,71 @@ def _definition(program: Program | None, name: str) -> Placed | None:
     lines = program.text.split("\n")
     start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
     return Placed(program.text, (start, start + len(name)))
+
+
+class PredicateList(Listing):
+    DEFAULT_CSS = """
+    PredicateList {
+        width: 24; height: 1fr; border: none; padding: 0; background: $surface;
+        border-right: solid $ink-faint;
+        text-wrap: nowrap; text-overflow: ellipsis;
+    }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="choice", markup=False, compact=True)
+        self.predicates: tuple[Predicate, ...] | None = None
+        self.names: Sequence[str] = ()
+        self._survey: Survey | None = None
+        self._counted: dict[str, tuple[str, bool, int]] = {}
+
+    def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
+        self.predicates, self._survey = predicates, None
+        self._counted.clear()
+        # Functions of the prelude never have rows to show; those of the program have calls.
+        listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
+        pages = [page for page in PAGES if page.is_listed]
+        self.names = [page.id for page in pages] + [predicate.name for predicate in listed]
+        self.clear_options()
+        self.add_options(
+            [Option(Content.styled(page.title, f"bold {INK.entry}"), id=page.id) for page in pages]
+            + [Option(_entry(predicate), id=predicate.name) for predicate in listed]
+        )
+        self.highlighted = self.names.index(inspected) if inspected in self.names else None
+
+    def count(self, survey: Survey) -> None:
+        if survey.program.predicates == self.predicates:
+            self._survey = survey
+            self.on_resize()
+
+    def on_resize(self) -> None:
+        """Show the counts at the current width."""
+        if self._survey is None:
+            return
+        width = max(self.scrollable_content_region.width, _NARROWEST)
+        for predicate in self.predicates or ():
+            name = predicate.name
+            told = (self._survey.count(name), self._survey.differs(name), width)
+            if predicate.has_rows and self._counted.get(name) != told:
+                self._counted[name] = told
+                self.replace_option_prompt(name, _with_count(_entry(predicate), *told))
+
+
+def _entry(predicate: Predicate) -> Content:
+    mark, colour = MARKS[predicate.kind]
+    name = INK.text if predicate.has_rows else INK.dim
+    entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
+    if not predicate.has_rows:
+        entry = entry.append(Content.styled(" ƒ", INK.dim))
+    if predicate.line is not None:
+        entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
+    return entry
+
+
+def _with_count(entry: Content, rows: str, differs: bool, width: int) -> Content:
+    count = f"{rows}{_CHANGED if differs else ' '}"
+    room = width - len(count) - 1
+    gap = " " * max(1, width - entry.cell_length - len(count))
+    return entry.truncate(room, ellipsis=True).append(
+        Content.styled(gap + count, INK.key if differs else INK.dim)
+    )

@@ -24,7 +24,7 @@ from logical_robots_tui.wording import count_of, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game
-    from logical_robots_tui.tui.inspector.under_cursor import Traced
+    from logical_robots_tui.tui.inspector.page import Traced
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."
 _INDENT = "    "

@@ -13,9 +13,8 @@ from textual.worker import Worker
 from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_pin
 from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, Questions
-from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
 from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
 from logical_robots_tui.tui.inspector.widgets.plots import Sample, inked, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
