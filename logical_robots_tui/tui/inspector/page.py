@@ -22,7 +22,6 @@ from logical_robots_tui.tui.inspector.questions import (
     Cancelled,
     Questions,
     Survey,
-    progress,
 )
 from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
@@ -173,12 +172,8 @@ class Page(Vertical):
 
         After a moment it says what it is `doing`. Nothing is said if there is a newer question.
         """
-
-        def report() -> None:
-            say(progress(doing(), self.pending.seconds))
-
         try:
-            return await self.pending.run(ask(*self._questions.about()), report)
+            return await self.pending.run(ask(*self._questions.about()), doing, say)
         except Superseded:
             if self._session.game is None:
                 say(NO_PROGRAM)
@@ -298,12 +293,7 @@ def traced_pin(pin: Pin | None, robot: str, tick: int) -> Traced | None:
 
 
 def traced_value(
-    predicate: str,
-    row: Mapping[str, Value],
-    column: str,
-    robot: str,
-    tick: int,
-    path: Path = (),
+    predicate: str, row: Mapping[str, Value], column: str, robot: str, tick: int, path: Path = ()
 ) -> Traced | None:
     """A value of a row, in the reasoning of the row's robot or else of a given one.
 

@@ -134,7 +134,7 @@ class InspectorPane(Pane):
     def _page(self, name: str) -> Page:
         if name not in self._pages:
             self._load()
-        return self._pages[name if name in self._pages else _OF_PREDICATES]
+        return self._pages.get(name) or self._pages[_OF_PREDICATES]
 
     def _of(self, kind: type[AnyPage]) -> AnyPage:
         self._load()
@@ -265,7 +265,6 @@ class InspectorPane(Pane):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Handle escape only while a query is running."""
-        del parameters
         return action != "stop" or self.page.pending.is_long
 
     def action_stop(self) -> None:
@@ -354,25 +353,21 @@ class InspectorPane(Pane):
 
     @on(Page.Ready)
     def _page_ready(self, event: Page.Ready) -> None:
-        event.stop()
         if event.page in self._wanted:
             event.page.display = True
             self._show_pages()
 
     @on(Page.Changed)
-    def _page_changed(self, event: Page.Changed) -> None:
-        event.stop()
+    def _page_changed(self) -> None:
         self._cancel()
         self.follow()
 
     @on(Page.Opened)
     def _page_opened(self, event: Page.Opened) -> None:
-        event.stop()
         (self.open if event.name.isidentifier() else self.ask)(event.name)
 
     @on(Page.Left)
     def _page_left(self, event: Page.Left) -> None:
-        event.stop()
         self._select(event.name if event.name in self._list.names else PAGES[0].id)
         self.enter()
 

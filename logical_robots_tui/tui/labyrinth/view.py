@@ -20,15 +20,9 @@ from textual.widget import Widget
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Drawing, Highlight, Look
-from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
+from logical_robots_tui.tui.labyrinth.drawing.picture import Picture, draw_senses
 from logical_robots_tui.tui.labyrinth.drawing.rays import Traces
-from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
-from logical_robots_tui.tui.labyrinth.drawing.viewport import (
-    CELL_ASPECT,
-    Camera,
-    Sight,
-    Viewport,
-)
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Camera, Sight, Viewport
 from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of

@@ -364,12 +364,7 @@ def _cover(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
 
 
 def _rectangle(
-    x: Floats,
-    y: Floats,
-    start: Point,
-    end: Point,
-    view: Viewport,
-    border: int,
+    x: Floats, y: Floats, start: Point, end: Point, view: Viewport, border: int
 ) -> NDArray[np.bool_]:
     """Return the cells of a rectangle, or of its border, whose width is in map units."""
     half_x, half_y = view.units / 2, view.units * CELL_ASPECT / 2

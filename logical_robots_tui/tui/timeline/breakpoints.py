@@ -67,9 +67,7 @@ class _QuestionCheck:
 class QuestionPrompt(Prompt[str]):
     """Asks for a question, and returns it if it is valid."""
 
-    DEFAULT_CSS = """
-    QuestionPrompt > #box { max-width: 76; }
-    """
+    DEFAULT_CSS = "QuestionPrompt > #box { max-width: 76; }"
 
     keys = "enter search   esc close"
 

@@ -13,7 +13,7 @@ from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.questions import BackgroundQuery, progress
+from logical_robots_tui.tui.inspector.questions import BackgroundQuery
 from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.themes import INK
@@ -43,12 +43,9 @@ class DivergencePage(Reader):
         in_background(self, self._compare, "compare")
 
     async def _compare(self) -> None:
-        def wait() -> None:
-            self._say(progress("comparing the proofs", self._waiting.seconds))
-
         try:
             work = compare_proofs(self._game, self._divergence)
-            found = await self._waiting.run(work, wait)
+            found = await self._waiting.run(work, lambda: "comparing the proofs", self._say)
         except Superseded:
             return
         except (NoSuchTickError, QueryError) as error:

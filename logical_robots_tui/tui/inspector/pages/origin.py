@@ -70,7 +70,6 @@ class LinksView(CursorView):
             self._page.point_at(self.pointed)
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
-        del x, line
         if again:
             self.action_open()
 

@@ -91,7 +91,6 @@ class WatchView(CursorView):
             self.post_message(Page.Changed())
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
-        del again
         place = x - _INDENT
         if line and 0 <= place < len(self.ticks):
             self.post_message(Timeline.Pointed(self.ticks[place]))

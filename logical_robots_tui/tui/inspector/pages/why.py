@@ -353,9 +353,7 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
 class ValuesPrompt(Prompt[Ask]):
     """Returns a question with other values; the one in `column` is selected at first."""
 
-    DEFAULT_CSS = """
-    ValuesPrompt > #box { max-width: 100; }
-    """
+    DEFAULT_CSS = "ValuesPrompt > #box { max-width: 100; }"
 
     keys = "enter ask why   esc close"
 

@@ -337,7 +337,6 @@ class WhyView(CursorView):
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
         """Expand or collapse at the marker; elsewhere a second click goes deeper."""
-        del line
         start = len(_guides(self.lines[self._at].depth, self.columns))
         if start <= x < start + len(_EXPANDED) and self.lines[self._at].folds:
             self.toggle_fold(self._at)

@@ -252,12 +252,7 @@ def _sextant(pattern: int) -> str:
     return had.get(pattern) or chr(0x1FAFF + pattern - (pattern > 21) - (pattern > 42))
 
 
-BLOCKS = {
-    6: "".join(map(_sextant, range(64))),
-    4: " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█",
-    2: " ▀▄█",
-    1: " ",
-}
+BLOCKS = {6: "".join(map(_sextant, range(64))), 4: " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█", 2: " ▀▄█", 1: " "}
 """For a number of dots in a cell the character of each pattern; bit i is dot i, row by row."""
 
 _FLAT = 40.0  # squared error, summed over the dots, below which a cell is given one colour only
@@ -325,13 +320,6 @@ _BRIGHTNESS = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 _BLOCK_IDS = {
     count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
 }
-
-
-def fit_dots(dots: NDArray[np.uint8], rows: int, columns: int) -> Cells:
-    """Return the cells that approximate dots, (cells, dots of a cell, 3), best."""
-    cells = Cells.blank(rows, columns)
-    refit(cells, dots, np.arange(len(dots)))
-    return cells
 
 
 def refit(cells: Cells, dots: NDArray[np.uint8], which: NDArray[np.int64]) -> None:
