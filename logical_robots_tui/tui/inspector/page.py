@@ -16,6 +16,7 @@ from textual.widgets import Static
 from logical_robots_tui.game import MIND, Frame, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.questions import (
     NO_PROGRAM,
     BackgroundQuery,
@@ -23,7 +24,6 @@ from logical_robots_tui.tui.inspector.questions import (
     Questions,
     Survey,
 )
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.explain.why.sources import Subject
     from logical_robots_tui.game import Breakpoint, Inquiry, Path, Pin
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
-    from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+    from logical_robots_tui.tui.inspector.table import ValueTable
+    from logical_robots_tui.tui.inspector.value_tree import Branch
     from logical_robots_tui.values import Value
 
 T = TypeVar("T")
@@ -235,7 +235,7 @@ class Page(Vertical):
         if self.entry.scope != "robot":
             return "", ()
         from logical_robots_tui.game import Pin
-        from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+        from logical_robots_tui.tui.inspector.value_tree import Branch
 
         frame, robot, whose = self._session.frame, self.robot, (("robot_name", self.robot),)
         sensor = next(row["sensor"] for row in frame.sensors if row["robot_name"] == robot)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, cast
 
 from textual import on
 from textual.containers import Horizontal
@@ -28,9 +28,10 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Pin
     from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.inspector.pages.ask import AskPage
     from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-
-AnyPage = TypeVar("AnyPage", bound=Page)
+    from logical_robots_tui.tui.inspector.pages.watch import WatchPage
+    from logical_robots_tui.tui.inspector.pages.why import WhyPage
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
@@ -111,7 +112,6 @@ class InspectorPane(Pane):
 
     def on_mount(self) -> None:
         in_background(self, self._load_pages, "pages")
-        self._list_predicates()
         self.follow()
 
     async def _load_pages(self) -> None:
@@ -135,10 +135,6 @@ class InspectorPane(Pane):
         if name not in self._pages:
             self._load()
         return self._pages.get(name) or self._pages[_OF_PREDICATES]
-
-    def _of(self, kind: type[AnyPage]) -> AnyPage:
-        self._load()
-        return self._row.query_one(kind)
 
     def on_show(self) -> None:
         self.follow()
@@ -194,17 +190,14 @@ class InspectorPane(Pane):
     # -- what commands do ----------------------------------------------------------------------
 
     def why(self) -> None:
-        from logical_robots_tui.tui.inspector.pages.why import WhyPage
-
         own = {p.name for p in self._session.predicates if p.kind == "program"}
-        self._of(WhyPage).begin(self._selected if self._selected in own else "Robot")
+        page = cast("WhyPage", self._page("why"))
+        page.begin(self._selected if self._selected in own else "Robot")
         self.go_to("why")
 
     def ask(self, query: str = "") -> None:
-        from logical_robots_tui.tui.inspector.pages.ask import AskPage
-
         self.go_to("ask")
-        self._of(AskPage).put(query)
+        cast("AskPage", self._page("ask")).put(query)
 
     def pin(self) -> None:
         found = self.active.pin_here()
@@ -214,16 +207,14 @@ class InspectorPane(Pane):
             self._toggle_pin(found)
 
     def _toggle_pin(self, pin: Pin) -> None:
-        from logical_robots_tui.tui.inspector.pages.watch import WatchPage
-
-        if self._of(WatchPage).view.toggle(pin):
+        if cast("WatchPage", self._page("watch")).view.toggle(pin):
             where = with_keys("{watch} shows what is pinned.")
             self.notify(f"Pinned: {one_line(pin.words)}. {where}", markup=False)
         else:
             self.notify(f"No longer pinned: {one_line(pin.words)}.", markup=False)
 
     def open_value(self) -> None:
-        from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
+        from logical_robots_tui.tui.inspector.value_tree import ValueTree
 
         title, branches = self.active.values_here()
         if branches:
@@ -246,20 +237,18 @@ class InspectorPane(Pane):
             self.notify(NO_PROGRAM, markup=False)
         elif asked is not None:
             self.trace(asked)
-        elif self._of_origin.asked is not None:
+        elif self._origin.asked is not None:
             self.go_to("origin")
         else:
             self.notify(with_keys(_NOT_TRACED), markup=False)
 
     def trace(self, asked: Traced) -> None:
-        self._of_origin.trace(asked, self._selected)
+        self._origin.trace(asked, self._selected)
         self.go_to("origin")
 
     @property
-    def _of_origin(self) -> OriginPage:
-        from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-
-        return self._of(OriginPage)
+    def _origin(self) -> OriginPage:
+        return cast("OriginPage", self._page("origin"))
 
     # -- following the tick --------------------------------------------------------------------
 
@@ -275,7 +264,8 @@ class InspectorPane(Pane):
     def follow(self) -> None:
         """Show the current tick: at once, or shortly after while the game runs."""
         if self._list.predicates != self._session.predicates:
-            self._list_predicates()
+            self._survey = None
+            self._list.list(self._session.predicates, self._selected)
         self._stale = True
         if not self._session.running and self._following is not self._session.frame:
             self._cancel()
@@ -328,10 +318,6 @@ class InspectorPane(Pane):
         for page in self._wanted:
             self.screen.call_after_refresh(page.redraw)
 
-    def _list_predicates(self) -> None:
-        self._survey = None
-        self._list.list(self._session.predicates, self._selected)
-
     def _select(self, name: str) -> None:
         if name in self._list.names:
             self._list.highlighted = self._list.get_option_index(name)
@@ -376,8 +362,8 @@ def _definition(program: Program | None, name: str) -> Placed | None:
     predicate = None if program is None else program.predicate(name)
     if program is None or predicate is None or predicate.line is None:
         return None
-    lines = program.text.split("\n")
-    start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
+    lines = program.text.split("\n")[: predicate.line - 1]
+    start = sum(len(line) + 1 for line in lines)
     return Placed(program.text, (start, start + len(name)))
 
 

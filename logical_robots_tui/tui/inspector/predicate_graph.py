@@ -10,8 +10,8 @@ from textual.content import Content
 from textual.geometry import Region
 from textual.widgets import Static
 
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pane import MARKS
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line, visible

@@ -10,7 +10,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
+from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, VictoryBanner
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed

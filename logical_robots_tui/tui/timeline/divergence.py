@@ -13,8 +13,8 @@ from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.ui import in_background
+from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.questions import BackgroundQuery
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Desire

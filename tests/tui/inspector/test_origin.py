@@ -16,8 +16,8 @@ from logical_robots_tui.game import Link, Origin, Pin
 from logical_robots_tui.tui.inspector.page import Traced, traced_pin
 from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.inspector.widgets.proof import WhyView
-from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
+from logical_robots_tui.tui.inspector.proof import WhyView
+from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from tests.tui.conftest import opened
 from tests.virtual_time import Hold
 

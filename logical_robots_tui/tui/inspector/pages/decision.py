@@ -11,10 +11,10 @@ from textual.content import Content
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import Table
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.plots import format_value, inked, radar_plot
 from logical_robots_tui.tui.inspector.questions import Questions, Survey
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked, radar_plot
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import clip, one_line

@@ -13,10 +13,10 @@ from textual.content import Content
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.schema import SENSOR_RANGE
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
@@ -34,12 +34,17 @@ class RobotsView(LinesView):
 
     def __init__(self) -> None:
         super().__init__(id="robots")
-        self._shown: tuple[Level, Frame] | None = None
+        self._names: list[str] = []
         self._chosen: str | None = None
 
     def show(self, level: Level, frame: Frame, chosen: str | None) -> None:
-        self._shown, self._chosen = (level, frame), chosen
-        self.redraw()
+        def lines(width: int) -> list[Content]:
+            palette = palette_of(self.app.current_theme)
+            notes = [line for note in _notes(level, frame, chosen) for line in note.wrap(width)]
+            return [*_table(level, frame, width, chosen, palette), Content(""), *notes]
+
+        self._names, self._chosen = [robot.name for robot in level.robots], chosen
+        self.show_lines(lines)
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
@@ -48,24 +53,19 @@ class RobotsView(LinesView):
         self._post_chosen(event.y + self.scroll_offset.y - 1)
 
     def action_choose(self, down: int) -> None:
-        if self._shown is not None:
-            names = [robot.name for robot in self._shown[0].robots]
-            at = names.index(self._chosen) if self._chosen in names else -1 if down > 0 else 0
-            self._post_chosen((at + down) % len(names))
+        at = (
+            self._names.index(self._chosen)
+            if self._chosen in self._names
+            else -1
+            if down > 0
+            else 0
+        )
+        if self._names:
+            self._post_chosen((at + down) % len(self._names))
 
     def _post_chosen(self, number: int) -> None:
-        if self._shown is not None and 0 <= number < len(self._shown[0].robots):
-            self.post_message(RobotChosen(self._shown[0].robots[number].name))
-
-    def draw(self) -> None:
-        if self._shown is None:
-            return
-        width, (level, frame) = self.columns, self._shown
-        palette = palette_of(self.app.current_theme)
-        lines = [*_table(level, frame, width, self._chosen, palette), Content("")]
-        for note in _notes(level, frame, self._chosen):
-            lines += note.wrap(width)
-        self.paint(lines)
+        if 0 <= number < len(self._names):
+            self.post_message(RobotChosen(self._names[number]))
 
 
 class RobotsPage(Page):

@@ -19,10 +19,10 @@ from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed, Sighted, Traced
+from logical_robots_tui.tui.inspector.plots import format_value
+from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
-from logical_robots_tui.tui.inspector.widgets.proof import WhyView
-from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+from logical_robots_tui.tui.inspector.value_tree import Branch
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.layout.dialogs import Prompt
 from logical_robots_tui.tui.theme.themes import INK

@@ -163,21 +163,6 @@ class Cells:
         paper = int(self.tone[row, column]) if paper < 0 else paper
         self.style[row, column] = ink << 24 | paper | (BOLD if bold else 0)
 
-    def put_all(
-        self,
-        rows: NDArray[np.int64],
-        columns: NDArray[np.int64],
-        texts: NDArray[np.int64],
-        inks: NDArray[np.int64],
-        bold: NDArray[np.int64] | int,
-    ) -> None:
-        """Write texts of width 1 onto the tones of cells; the last one in a cell stays.
-
-        All arrays have the shape (n,); inks are 0xRRGGBB, `bold` is `BOLD` for all or some, else 0.
-        """
-        self.text[rows, columns] = texts
-        self.style[rows, columns] = inks << 24 | self.tone[rows, columns] | bold
-
     def changes(self, earlier: Cells) -> list[tuple[int, int, int]]:
         """Return (row, first column, column after the last) of changes; all for another shape."""
         if self.text.shape != earlier.text.shape:

@@ -177,21 +177,13 @@ class WallTable:
     """Sums of walls over rectangles by a summed-area table (Crow, SIGGRAPH 1984)."""
 
     def __init__(self, walls: NDArray[np.bool_]) -> None:
-        height, width = walls.shape
         self._walls = walls
+        self.height, self.width = height, width = walls.shape
         # Walls to the left and above: in the bands above, and in the band itself.
         self._above: NDArray[np.int32] = np.zeros((height // _BAND + 1, width + 1), np.int32)
         self._within: NDArray[np.int32] = np.zeros((height + 1, width + 1), np.int32)
         for start in range(0, height, _BAND):
             self._sum(start)
-
-    @property
-    def width(self) -> int:
-        return len(self._walls[0])
-
-    @property
-    def height(self) -> int:
-        return len(self._walls)
 
     def change(self, walls: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
         """Replace walls of the same size; return (left, right, top, bottom) of changes, or None."""

@@ -150,7 +150,7 @@ class StaticLabels:
         palette, glyphs = look.palette, look.glyphs
         self.room = FreeCells(viewport.rows, viewport.columns)
         """The cells that the symbols of beacons leave free."""
-        shining: list[tuple[int, int, str, RGB]] = []
+        shining: list[tuple[tuple[int, int], str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
         for beacon in level.beacons:
             cell = viewport.cell(beacon.x, beacon.y)
@@ -158,7 +158,7 @@ class StaticLabels:
                 continue
             colour = beacon_colour(beacon, palette)
             glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
-            shining.append((*cell, glyph, colour))
+            shining.append((cell, glyph, colour))
             self.room.take(cell[0], cell[1], cell[1] + 1)
             named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
         for area, is_active in zip(level.areas, active, strict=False):
@@ -172,9 +172,9 @@ class StaticLabels:
                 colour = mix(colour, palette.floor, 0.45)
             named.append((0 if goal else 2, name, colour, cell, True))
 
-        self._rows = np.array([row for row, _, _, _ in shining], np.int64)
-        self._columns = np.array([column for _, column, _, _ in shining], np.int64)
-        self._texts = np.array([text_id(glyph) for _, _, glyph, _ in shining], np.int64)
+        rows, columns = np.array([cell for cell, _, _ in shining], np.int64).reshape(-1, 2).T
+        self._places = rows, columns
+        self._texts = np.array([text_id(glyph) for _, glyph, _ in shining], np.int64)
         towards = palette.bright, palette.floor
         self._inks = [
             np.array(
@@ -194,8 +194,9 @@ class StaticLabels:
                 self.plates.append((plate, rgb_number(colour) << 24 | rgb_number(paper), place))
 
     def light(self, cells: Cells, pulse: int) -> None:
-        inks = self._inks[pulse % len(_PULSE)]
-        cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
+        inks, places = self._inks[pulse % len(_PULSE)], self._places
+        cells.text[places] = self._texts
+        cells.style[places] = inks << 24 | cells.tone[places] | BOLD
 
     def follow_ground(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
         down, across = look.drawing.dots[1], look.drawing.dots[0]

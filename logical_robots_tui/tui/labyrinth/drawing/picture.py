@@ -411,9 +411,11 @@ def _put_ends(canvas: Canvas, fan: Fan) -> None:
         "beacon": (glyphs.beacon, palette.hit_beacon),
         "robot": (glyphs.hit_robot, palette.hit_robot),
     }
-    for x, y, kind in fan.ends():
-        if kind in signs:
-            canvas.put(view.cell(x, y), *signs[kind])
+    x_ends, y_ends = (each.tolist() for each in fan.points())
+    for kind, sign in signs.items():  # the most important last
+        for x, y, what in zip(x_ends, y_ends, fan.objects, strict=True):
+            if what == kind:
+                canvas.put(view.cell(x, y), *sign)
     for x, y, kind, label in fan.sighted():
         cell = view.cell(x, y)
         if cell is None or not look.names:

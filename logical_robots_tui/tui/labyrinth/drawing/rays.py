@@ -76,13 +76,6 @@ class Fan:
         """Return the number of the ray nearest to an angle in radians, as programs read it."""
         return int(np.abs(self.headings - (self.ahead - angle)).argmin())
 
-    def ends(self) -> Iterable[tuple[float, float, str]]:
-        """Return (x, y, object) of the rays that hit something, the most important last."""
-        x, y = self.points()
-        ends = zip(x.tolist(), y.tolist(), self.objects, strict=True)
-        hits = [end for end in ends if end[2] in KINDS]
-        return sorted(hits, key=lambda end: KINDS[end[2]])
-
 
 def fans(frame: Frame) -> list[Fan]:
     """Return the fan of each robot that sensed, from its position at that time."""
@@ -195,10 +188,11 @@ def mark_ends(
     at_wall = glyphs.hit_wall_near if view.shows_bodies else glyphs.hit_wall
     texts = [text_id(text) for text in (at_wall, glyphs.hit_beacon, glyphs.hit_robot)]
     inks = [rgb_number(ink) for ink in (palette.hit_wall, palette.hit_beacon, palette.hit_robot)]
-    rows, columns = np.nonzero(most)
-    kinds = most[rows, columns] - 1
-    bold = np.where(kinds, BOLD, 0)
-    cells.put_all(rows, columns, np.array(texts)[kinds], np.array(inks)[kinds], bold)
+    marked = most > 0
+    kinds = most[marked] - 1
+    cells.text[marked] = np.array(texts)[kinds]
+    style = np.array(inks)[kinds] << 24 | np.where(kinds, BOLD, 0)
+    cells.style[marked] = style | cells.tone[marked]
 
 
 def _ends(fans: Sequence[Fan], view: Viewport) -> NDArray[np.int64]:

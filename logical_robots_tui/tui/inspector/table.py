@@ -21,7 +21,7 @@ from textual.strip import Strip
 
 from logical_robots_tui.game import MIND, ROBOT_COLUMNS
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value, is_number
+from logical_robots_tui.tui.inspector.plots import cell, format_value, is_number
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from textual.content import Content
 from textual.geometry import Region, Size
 
-from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import inked
+from logical_robots_tui.tui.inspector.line_views import CursorView
+from logical_robots_tui.tui.inspector.plots import inked
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line

@@ -13,7 +13,7 @@ from textual.content import Content
 from textual.widgets import Static, Tree
 
 from logical_robots_tui.schema import ray_angle
-from logical_robots_tui.tui.inspector.widgets.plots import inked, radar_plot
+from logical_robots_tui.tui.inspector.plots import inked, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value
