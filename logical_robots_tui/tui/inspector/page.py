@@ -46,8 +46,7 @@ a predicate is shown for each predicate there, and one for a value when a comman
 """
 
 
-@dataclass(frozen=True, slots=True)
-class Traced:
+class Traced(NamedTuple):
     """A value in a robot's reasoning in a tick, whose origin is asked for.
 
     A part of a memory is the one after the tick; tick 0 is the start.

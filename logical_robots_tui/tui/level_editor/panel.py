@@ -171,7 +171,6 @@ class EditPanel:
         controller.units = lambda: self._units
 
     def follow(self) -> None:
-        """Show what the controller has now."""
         is_on, pane = self._controller.is_on, self._pane
         if (now := (is_on, self._controller.is_testing)) != self._shown:
             if not self._tools.is_attached:
@@ -284,7 +283,6 @@ _BLANK = text_id(" ")
 
 
 def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding]) -> None:
-    """Draw grid, findings, preview, selection and cursor."""
     cells, view, look = canvas
     settings = editor.settings
     if settings.is_grid_shown:

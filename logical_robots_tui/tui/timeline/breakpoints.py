@@ -36,32 +36,28 @@ if TYPE_CHECKING:
 READING = "Reading the question…"
 
 
-class _QuestionCheck:
-    """Compiles a question in the background of a dialog, and shows its errors."""
+def _check(
+    dialog: Dialog[Any], program: Program | None, query: str, good: Callable[[], object]
+) -> None:
+    """Compile a question in the background; call `good` if it is valid, or show its mistake."""
+    if program is None:
+        good()
+        return
 
-    def __init__(self, dialog: Dialog[Any], program: Program | None) -> None:
-        self._dialog, self._program = dialog, program
-
-    def begin(self, query: str, good: Callable[[], object]) -> None:
-        """Check a question, and call `good` if it is valid; cancels an earlier check."""
-        program = self._program
-        if program is None:
+    async def look() -> None:
+        mistake = await mistake_in_question(program, query)
+        if mistake:
+            dialog.complain(mistake)
+        else:
             good()
-            return
 
-        async def look() -> None:
-            mistake = await mistake_in_question(program, query)
-            if mistake:
-                self._dialog.complain(mistake)
-            else:
-                good()
+    dialog.complain(READING)
+    in_background(dialog, look, "question", exclusive=True)
 
-        self._dialog.complain(READING)
-        in_background(self._dialog, look, "question", exclusive=True)
 
-    def forget(self) -> None:
-        self._dialog.workers.cancel_group(self._dialog, "question")
-        self._dialog.complain("")
+def _forget(dialog: Dialog[Any]) -> None:
+    dialog.workers.cancel_group(dialog, "question")
+    dialog.complain("")
 
 
 class QuestionPrompt(Prompt[str]):
@@ -73,14 +69,14 @@ class QuestionPrompt(Prompt[str]):
 
     def __init__(self, title: str, text: str, program: Program) -> None:
         super().__init__(title, text, "such as Near(robot_name:, d:), d < 20")
-        self._check = _QuestionCheck(self, program)
+        self._program = program
 
     def take(self, text: str) -> None:
         query = text.strip()
-        self._check.begin(query, lambda: self.dismiss(query))
+        _check(self, self._program, query, lambda: self.dismiss(query))
 
     def forget(self) -> None:
-        self._check.forget()
+        _forget(self)
 
 
 class TickPrompt(Prompt[int]):
@@ -227,7 +223,6 @@ class BreakpointForm(Dialog[Breakpoint]):
         super().__init__()
         self._level, self._program = level, program
         self._robots = tuple(robot.name for robot in level.robots)
-        self._check = _QuestionCheck(self, program)
         options = (Option(words, id=event) for event, words in EVENTS.items())
         self._events = Listing(*options, id="events", markup=False, compact=True)
         self._subject = Input(id="subject", select_on_focus=False)
@@ -273,7 +268,7 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     @on(Input.Changed)
     def _list_names(self) -> None:
-        self._check.forget()
+        _forget(self)
         among = subjects(self._event, self._level, self._program), self._robots
         fields = self._subject, self._robot
         for field, names, shown in zip(fields, among, self._names, strict=True):
@@ -292,7 +287,7 @@ class BreakpointForm(Dialog[Breakpoint]):
         elif made.is_named:
             self.dismiss(made)
         else:
-            self._check.begin(made.subject, lambda: self.dismiss(made))
+            _check(self, self._program, made.subject, lambda: self.dismiss(made))
 
 
 def _value(field: Input) -> str:

@@ -214,7 +214,6 @@ class Picture:
 def _paint_robot(
     image: Floats, raster: Raster, robot: RobotState, colour: RGB, palette: Palette
 ) -> None:
-    """Paint the body of a robot, in place, into the colours of the dots."""
     if not math.isfinite(robot.angle):
         return
     full = raster.viewport.shows_bodies
