@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rich.color import Color
 from rich.style import Style
@@ -48,8 +48,7 @@ class RobotPut(Message):
     pose: Pose
 
 
-@dataclass(frozen=True)
-class Grip:
+class Grip(NamedTuple):
     """How a robot is held: `dx` and `dy` are map units from its centre to the pointer."""
 
     name: str
