@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
 
 
-READING = "Reading the question…"
+_READING = "Reading the question…"
 
 
 def _check(
@@ -51,7 +51,7 @@ def _check(
         else:
             good()
 
-    dialog.complain(READING)
+    dialog.complain(_READING)
     in_background(dialog, look, "question", exclusive=True)
 
 

@@ -152,7 +152,7 @@ def _window(before: range, width: int, tick: int, last: int) -> range:
     return range(max(0, stop - width), stop)
 
 
-class PinHistory:
+class _PinHistory:
     """Reads pins at ticks; caches the values until the program or the run changes."""
 
     def __init__(self, questions: Questions) -> None:
@@ -202,7 +202,7 @@ class WatchPage(Page):
     view: WatchView
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        self.samples = PinHistory(questions)
+        self.samples = _PinHistory(questions)
         super().__init__(entry, questions, WatchView(self))
         self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
         self._is_reading = False

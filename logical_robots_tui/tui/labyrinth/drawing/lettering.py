@@ -96,15 +96,15 @@ class Label(NamedTuple):
                 yield row, column
 
 
-class FreeCells:
+class _FreeCells:
     """The cells that are free for names: one integer per row, with one bit per cell."""
 
     def __init__(self, rows: int, columns: int) -> None:
         self._taken = [0] * rows
         self._columns = columns
 
-    def copy(self) -> FreeCells:
-        other = FreeCells(0, self._columns)
+    def copy(self) -> _FreeCells:
+        other = _FreeCells(0, self._columns)
         other._taken = self._taken.copy()
         return other
 
@@ -148,7 +148,7 @@ class StaticLabels:
         self, level: Level, active: Sequence[bool], viewport: Viewport, look: Look, ground: Floats
     ) -> None:
         palette, glyphs = look.palette, look.glyphs
-        self.room = FreeCells(viewport.rows, viewport.columns)
+        self.room = _FreeCells(viewport.rows, viewport.columns)
         """The cells that the symbols of beacons leave free."""
         shining: list[tuple[tuple[int, int], str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
@@ -288,7 +288,7 @@ def _put_robot(
 
 def _put_robot_name(
     canvas: Canvas,
-    room: FreeCells,
+    room: _FreeCells,
     robot: RobotState,
     sign: str,
     colour: RGB,

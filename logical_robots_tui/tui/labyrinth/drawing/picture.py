@@ -63,6 +63,9 @@ _STRENGTH, _SELECTED, _OTHERS = 0.34, 0.5, 0.2
 _CROWD = 12  # robots per hurried picture that reuses the light of the one before
 _UNSEEN = 12  # the error of a colour channel, of 255, that is tolerated in hurried pictures
 
+_THICK = 12.0  # map units between the ends of two rays that belong to one wall, at least
+_LEAST = (24, 10)  # columns and rows that a picture of one robot needs
+
 _KIND_IDS = np.array([text_id(char) for char in ASCII_KINDS], np.int64)
 _LIT_ID = text_id(".")
 
@@ -291,10 +294,6 @@ def _ascii_cells(ground: Ground, image: Floats, lit: NDArray[np.bool_], palette:
     ink = pack(np.clip(floor + apart, 0, 252))
     paper = np.full(text.shape, rgb_number(palette.floor), np.int64)
     return Cells(text, ink << 24 | paper, paper)
-
-
-_THICK = 12.0  # map units between the ends of two rays that belong to one wall, at least
-_LEAST = (24, 10)  # columns and rows that a picture of one robot needs
 
 
 def tiles(count: int, columns: int, rows: int) -> tuple[int, int]:

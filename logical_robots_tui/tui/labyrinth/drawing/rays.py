@@ -28,7 +28,22 @@ if TYPE_CHECKING:
 _FINE = 16  # steps between two rays in which the shape of a fan is tabulated
 _STEPS = 12  # steps of brightness
 
-KINDS = {"robot": 3, "beacon": 2, "wall": 1}
+_BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.int64)
+"""The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""
+
+_BRAILLE = np.array([text_id(chr(0x2800 + bits)) for bits in range(256)], np.int64)
+_RING = 2.2  # radius of the ring around a highlighted robot, in radii of a robot
+_LEAST_RING = 2.5  # the same at least, in columns
+_FADES = 4  # steps in which a trail fades; each changes every cell of it once
+
+_FAINTEST, _STRONGEST = 0.35, 0.85
+"""Part of a robot's colour in the oldest and the newest part of its trail."""
+
+_FADE = (_STRONGEST - _FAINTEST) / (_FADES - 1)
+_TRAIL = 160  # ticks that a trail is long
+_FLASH = 12  # ticks for which an area shows that it was switched
+
+_KINDS = {"robot": 3, "beacon": 2, "wall": 1}
 """What a ray may hit; a greater number is more important."""
 
 
@@ -196,7 +211,7 @@ def mark_ends(
 
 
 def _ends(fans: Sequence[Fan], view: Viewport) -> NDArray[np.int64]:
-    kinds = np.array([KINDS.get(what, 0) for fan in fans for what in fan.objects])
+    kinds = np.array([_KINDS.get(what, 0) for fan in fans for what in fan.objects])
     rows, columns, inside = view.dots(*np.concatenate([fan.points() for fan in fans], axis=1))
     kinds = kinds[inside]
     order = np.argsort(kinds, kind="stable")
@@ -217,20 +232,6 @@ def _clear_body(most: NDArray[np.int64], robot: RobotState, view: Viewport) -> N
             x, y = view.position(row, column)
             if math.hypot(x - robot.x, y - robot.y) < reach:
                 most[row, column] = 0
-
-
-_BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.int64)
-"""The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""
-
-_BRAILLE = np.array([text_id(chr(0x2800 + bits)) for bits in range(256)], np.int64)
-_RING = 2.2  # radius of the ring around a highlighted robot, in radii of a robot
-_LEAST_RING = 2.5  # the same at least, in columns
-_FADES = 4  # steps in which a trail fades; each changes every cell of it once
-
-_FAINTEST, _STRONGEST = 0.35, 0.85
-"""Part of a robot's colour in the oldest and the newest part of its trail."""
-
-_FADE = (_STRONGEST - _FAINTEST) / (_FADES - 1)
 
 
 def draw_trails(canvas: Canvas, places: Floats, ages: Floats, colours: Sequence[RGB]) -> None:
@@ -296,10 +297,6 @@ def _draw(canvas: Canvas, x: Floats, y: Floats, ink: NDArray[np.int64] | int) ->
     else:
         cells.text[row, column] = text_id(look.glyphs.thread)
     cells.style[row, column] = np.broadcast_to(ink, x.shape)[inside] << 24 | cells.tone[row, column]
-
-
-_TRAIL = 160  # ticks that a trail is long
-_FLASH = 12  # ticks for which an area shows that it was switched
 
 
 class Traces:

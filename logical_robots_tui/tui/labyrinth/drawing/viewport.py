@@ -256,16 +256,14 @@ class Camera(NamedTuple):
         """Zoom (out if negative) around a point in map units, or around a followed robot."""
         if self.sight is Sight.SENSES:
             return self
-        step = min(
-            max((self.step if self.sight is not Sight.WHOLE else 0) + steps, 0), len(ZOOMS) - 1
-        )
+        before = 0 if self.sight is Sight.WHOLE else self.step
+        step = min(max(before + steps, 0), len(ZOOMS) - 1)
         if step == 0 and self.sight is not Sight.FOLLOW:
             return Camera()
         if self.sight is Sight.FOLLOW:
             return self._replace(step=step)
-        now = ZOOMS[self.step] if self.sight is Sight.FREE else 1.0
         x, y = at or view.middle
-        share, middle = now / ZOOMS[step], view.middle
+        share, middle = ZOOMS[before] / ZOOMS[step], view.middle
         return Camera(Sight.FREE, step, x + (middle[0] - x) * share, y + (middle[1] - y) * share)
 
     def panned(self, columns: float, rows: float, view: Viewport, level: Level) -> Camera:
