@@ -10,7 +10,7 @@ from textual.app import App, ComposeResult
 
 from benchmarks.measure import Effort, Measurement, at_most, repeated, summed_up
 from logical_robots_tui.explain import Node
-from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
+from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
 if TYPE_CHECKING:

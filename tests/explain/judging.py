@@ -41,8 +41,9 @@ def judge_until(
         nonlocal total
         total += judge(program)
 
+    chosen = settings.default
     for turn in count():
-        (seed(turn)(ask) if settings.default.derandomize else ask)()
+        (seed(turn)(ask) if chosen is not None and chosen.derandomize else ask)()
         if total >= number:
             break
 

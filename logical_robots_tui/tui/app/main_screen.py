@@ -49,8 +49,7 @@ from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
-from logical_robots_tui.tui.timeline.controller import Search, TimelineController
-from logical_robots_tui.tui.timeline.replays import Replays
+from logical_robots_tui.tui.timeline.controller import Replays, Search, TimelineController
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import Level
 

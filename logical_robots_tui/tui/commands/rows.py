@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from logical_robots_tui.tui.app.main_screen import MainScreen
-    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+    from logical_robots_tui.tui.inspector.table import ValueTable
 
 
 async def graph(screen: MainScreen) -> None:
@@ -71,7 +71,7 @@ async def search_rows(screen: MainScreen) -> None:
 
 @of_table
 def copy_rows(screen: MainScreen, table: ValueTable) -> None:
-    from logical_robots_tui.tui.inspector.widgets.table import as_csv
+    from logical_robots_tui.tui.inspector.table import as_csv
     from logical_robots_tui.wording import count_of
 
     text, count = as_csv(table.shown), len(table.shown.rows)
@@ -82,7 +82,7 @@ def copy_rows(screen: MainScreen, table: ValueTable) -> None:
 
 @of_table
 def save_rows(screen: MainScreen, table: ValueTable) -> None:
-    from logical_robots_tui.tui.inspector.widgets.table import as_csv, as_json
+    from logical_robots_tui.tui.inspector.table import as_csv, as_json
     from logical_robots_tui.writing import write_atomically
 
     folder = screen.data_dir / "rows"

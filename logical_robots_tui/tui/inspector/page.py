@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Coroutine, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, TypeAlias, TypeVar
 
@@ -13,28 +13,28 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
-from logical_robots_tui.game import Frame, Superseded
+from logical_robots_tui.game import MIND, Frame, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.questions import (
     NO_PROGRAM,
     BackgroundQuery,
     Cancelled,
     Questions,
     Survey,
-    progress,
 )
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Breakpoint, Inquiry, Pin
+    from logical_robots_tui.explain.why.sources import Subject
+    from logical_robots_tui.game import Breakpoint, Inquiry, Path, Pin
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.tui.inspector.under_cursor import Traced
-    from logical_robots_tui.tui.inspector.widgets.table import ValueTable
-    from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+    from logical_robots_tui.tui.inspector.table import ValueTable
+    from logical_robots_tui.tui.inspector.value_tree import Branch
+    from logical_robots_tui.values import Value
 
 T = TypeVar("T")
 
@@ -44,6 +44,17 @@ Scope: TypeAlias = Literal["always", "robot", "predicate", "value"]
 The pages for nothing in particular and for a robot are in the list of the inspector, the one for
 a predicate is shown for each predicate there, and one for a value when a command asks for it.
 """
+
+
+class Traced(NamedTuple):
+    """A value in a robot's reasoning in a tick, whose origin is asked for.
+
+    A part of a memory is the one after the tick; tick 0 is the start.
+    """
+
+    robot: str
+    subject: Subject
+    tick: int
 
 
 class PageEntry(NamedTuple):
@@ -160,12 +171,8 @@ class Page(Vertical):
 
         After a moment it says what it is `doing`. Nothing is said if there is a newer question.
         """
-
-        def report() -> None:
-            say(progress(doing(), self.pending.seconds))
-
         try:
-            return await self.pending.run(ask(*self._questions.about()), report)
+            return await self.pending.run(ask(*self._questions.about()), doing, say)
         except Superseded:
             if self._session.game is None:
                 say(NO_PROGRAM)
@@ -226,16 +233,29 @@ class Page(Vertical):
         """Return a title and what to open as a tree."""
         if self.entry.scope != "robot":
             return "", ()
-        from logical_robots_tui.tui.inspector.under_cursor import decision_branches
+        from logical_robots_tui.game import Pin
+        from logical_robots_tui.tui.inspector.value_tree import Branch
 
-        return f"Decision of {self.robot}", decision_branches(self._session.frame, self.robot)
+        frame, robot, whose = self._session.frame, self.robot, (("robot_name", self.robot),)
+        sensor = next(row["sensor"] for row in frame.sensors if row["robot_name"] == robot)
+        before, decision = frame.memories_before.get(robot), frame.decision_of(robot)
+        branches = [
+            Branch("sensor", sensor, Pin("Sensor", "sensor", whose)),
+            Branch("memory before", before, Pin("Memory", "memory", whose)),
+        ]
+        if decision is not None and (given := decision.desire) is not None:
+            desire = {"left_engine": given.left_engine, "right_engine": given.right_engine}
+            branches.append(Branch("desire", desire, Pin("Robot", "desire", whose)))
+        if decision is not None:
+            after = Branch("memory after", decision.memory, Pin("Robot", "memory", whose))
+            branches.append(after)
+        return f"Decision of {robot}", branches
 
     def traced_here(self) -> Traced | None:
         """Return the value whose origin can be asked for."""
         if self.entry.scope != "robot":
             return None
         from logical_robots_tui.explain.why.sources import Subject
-        from logical_robots_tui.tui.inspector.under_cursor import Traced
 
         return Traced(self.robot, Subject(), self._session.frame.tick)
 
@@ -262,3 +282,32 @@ class Sighted(Message):
 
     highlight: Highlight | None
     frame: Frame
+
+
+def traced_pin(pin: Pin | None, robot: str, tick: int) -> Traced | None:
+    """The value that a pin reads, in the reasoning of its robot or else of a given one."""
+    if pin is None or pin.is_question or not pin.column:
+        return None
+    return traced_value(pin.predicate, dict(pin.where), pin.column, robot, tick, pin.path)
+
+
+def traced_value(
+    predicate: str, row: Mapping[str, Value], column: str, robot: str, tick: int, path: Path = ()
+) -> Traced | None:
+    """A value of a row, in the reasoning of the row's robot or else of a given one.
+
+    `Memory` holds memories as of the tick before, `Robot` as of this tick.
+    """
+    from logical_robots_tui.explain import Ask
+    from logical_robots_tui.explain.why.sources import Subject
+
+    subject = Subject(path=path)
+    whose = next((row[name] for name in (MIND, "robot_name") if name in row), robot)
+    if predicate == "Sensor" or not isinstance(whose, str):
+        return None
+    if predicate == "Memory":
+        return Traced(whose, subject, max(0, tick - 1)) if column == "memory" else None
+    if predicate == "Robot" and column == "memory":
+        return Traced(whose, subject, tick)
+    asked = Ask(predicate, {name: value for name, value in row.items() if name != MIND})
+    return Traced(whose, replace(subject, asked=asked, column=column), tick)

@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, cast
 
 from textual import on
 from textual.containers import Horizontal
+from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import OptionList
+from textual.widgets.option_list import Option
 from textual.worker import Worker
 
 from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted
-from logical_robots_tui.tui.inspector.predicate_list import PredicateList
+from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
 from logical_robots_tui.tui.layout.arrangement import Pane
+from logical_robots_tui.tui.layout.dialogs import Listing
+from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin
-    from logical_robots_tui.mind import Program
+    from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.player.session import Session
+    from logical_robots_tui.tui.inspector.pages.ask import AskPage
     from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-    from logical_robots_tui.tui.inspector.under_cursor import Traced
-
-AnyPage = TypeVar("AnyPage", bound=Page)
+    from logical_robots_tui.tui.inspector.pages.watch import WatchPage
+    from logical_robots_tui.tui.inspector.pages.why import WhyPage
 
 _INTERVAL = 0.25  # seconds between two updates while the game runs
 _LOADING_DELAY = 0.2  # seconds after the start until the other pages are loaded
@@ -45,6 +48,13 @@ _NOT_TRACED = (
     "Put the cursor on a value of the program: in a table, in a proof, on a pin, or in the tree "
     "that {open_value} opens."
 )
+
+
+MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
+"""The sign and colour of each kind of predicate."""
+
+_CHANGED = "•"
+_NARROWEST = 12  # columns of an entry
 
 
 class InspectorPane(Pane):
@@ -103,7 +113,6 @@ class InspectorPane(Pane):
 
     def on_mount(self) -> None:
         in_background(self, self._load_pages, "pages")
-        self._list_predicates()
         self.follow()
 
     async def _load_pages(self) -> None:
@@ -126,11 +135,7 @@ class InspectorPane(Pane):
     def _page(self, name: str) -> Page:
         if name not in self._pages:
             self._load()
-        return self._pages[name if name in self._pages else _OF_PREDICATES]
-
-    def _of(self, kind: type[AnyPage]) -> AnyPage:
-        self._load()
-        return self._row.query_one(kind)
+        return self._pages.get(name) or self._pages[_OF_PREDICATES]
 
     def on_show(self) -> None:
         self.follow()
@@ -186,17 +191,14 @@ class InspectorPane(Pane):
     # -- what commands do ----------------------------------------------------------------------
 
     def why(self) -> None:
-        from logical_robots_tui.tui.inspector.pages.why import WhyPage
-
         own = {p.name for p in self._session.predicates if p.kind == "program"}
-        self._of(WhyPage).begin(self._selected if self._selected in own else "Robot")
+        page = cast("WhyPage", self._page("why"))
+        page.begin(self._selected if self._selected in own else "Robot")
         self.go_to("why")
 
     def ask(self, query: str = "") -> None:
-        from logical_robots_tui.tui.inspector.pages.ask import AskPage
-
         self.go_to("ask")
-        self._of(AskPage).put(query)
+        cast("AskPage", self._page("ask")).put(query)
 
     def pin(self) -> None:
         found = self.active.pin_here()
@@ -206,16 +208,14 @@ class InspectorPane(Pane):
             self._toggle_pin(found)
 
     def _toggle_pin(self, pin: Pin) -> None:
-        from logical_robots_tui.tui.inspector.pages.watch import WatchPage
-
-        if self._of(WatchPage).view.toggle(pin):
+        if cast("WatchPage", self._page("watch")).view.toggle(pin):
             where = with_keys("{watch} shows what is pinned.")
             self.notify(f"Pinned: {one_line(pin.words)}. {where}", markup=False)
         else:
             self.notify(f"No longer pinned: {one_line(pin.words)}.", markup=False)
 
     def open_value(self) -> None:
-        from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
+        from logical_robots_tui.tui.inspector.value_tree import ValueTree
 
         title, branches = self.active.values_here()
         if branches:
@@ -226,8 +226,6 @@ class InspectorPane(Pane):
             self.notify("Put the cursor on a value, or choose Decision.", markup=False)
 
     def _trace_pin(self, pin: Pin) -> bool:
-        from logical_robots_tui.tui.inspector.under_cursor import traced_pin
-
         asked = traced_pin(pin, self.robot, self._session.frame.tick)
         if asked is not None:
             self.trace(asked)
@@ -240,26 +238,23 @@ class InspectorPane(Pane):
             self.notify(NO_PROGRAM, markup=False)
         elif asked is not None:
             self.trace(asked)
-        elif self._of_origin.asked is not None:
+        elif self._origin.asked is not None:
             self.go_to("origin")
         else:
             self.notify(with_keys(_NOT_TRACED), markup=False)
 
     def trace(self, asked: Traced) -> None:
-        self._of_origin.trace(asked, self._selected)
+        self._origin.trace(asked, self._selected)
         self.go_to("origin")
 
     @property
-    def _of_origin(self) -> OriginPage:
-        from logical_robots_tui.tui.inspector.pages.origin import OriginPage
-
-        return self._of(OriginPage)
+    def _origin(self) -> OriginPage:
+        return cast("OriginPage", self._page("origin"))
 
     # -- following the tick --------------------------------------------------------------------
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Handle escape only while a query is running."""
-        del parameters
         return action != "stop" or self.page.pending.is_long
 
     def action_stop(self) -> None:
@@ -270,7 +265,8 @@ class InspectorPane(Pane):
     def follow(self) -> None:
         """Show the current tick: at once, or shortly after while the game runs."""
         if self._list.predicates != self._session.predicates:
-            self._list_predicates()
+            self._survey = None
+            self._list.list(self._session.predicates, self._selected)
         self._stale = True
         if not self._session.running and self._following is not self._session.frame:
             self._cancel()
@@ -323,13 +319,9 @@ class InspectorPane(Pane):
         for page in self._wanted:
             self.screen.call_after_refresh(page.redraw)
 
-    def _list_predicates(self) -> None:
-        self._survey = None
-        self._list.list(self._session.predicates, self._selected)
-
     def _select(self, name: str) -> None:
         if name in self._list.names:
-            self._list.go_to(name)
+            self._list.highlighted = self._list.get_option_index(name)
         self.inspect(name)
 
     @on(OptionList.OptionHighlighted)
@@ -348,25 +340,21 @@ class InspectorPane(Pane):
 
     @on(Page.Ready)
     def _page_ready(self, event: Page.Ready) -> None:
-        event.stop()
         if event.page in self._wanted:
             event.page.display = True
             self._show_pages()
 
     @on(Page.Changed)
-    def _page_changed(self, event: Page.Changed) -> None:
-        event.stop()
+    def _page_changed(self) -> None:
         self._cancel()
         self.follow()
 
     @on(Page.Opened)
     def _page_opened(self, event: Page.Opened) -> None:
-        event.stop()
         (self.open if event.name.isidentifier() else self.ask)(event.name)
 
     @on(Page.Left)
     def _page_left(self, event: Page.Left) -> None:
-        event.stop()
         self._select(event.name if event.name in self._list.names else PAGES[0].id)
         self.enter()
 
@@ -375,6 +363,74 @@ def _definition(program: Program | None, name: str) -> Placed | None:
     predicate = None if program is None else program.predicate(name)
     if program is None or predicate is None or predicate.line is None:
         return None
-    lines = program.text.split("\n")
-    start = sum(len(line) + 1 for line in lines[: predicate.line - 1])
+    lines = program.text.split("\n")[: predicate.line - 1]
+    start = sum(len(line) + 1 for line in lines)
     return Placed(program.text, (start, start + len(name)))
+
+
+class PredicateList(Listing):
+    DEFAULT_CSS = """
+    PredicateList {
+        width: 24; height: 1fr; border: none; padding: 0; background: $surface;
+        border-right: solid $ink-faint;
+        text-wrap: nowrap; text-overflow: ellipsis;
+    }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="choice", markup=False, compact=True)
+        self.predicates: tuple[Predicate, ...] | None = None
+        self.names: Sequence[str] = ()
+        self._survey: Survey | None = None
+        self._counted: dict[str, tuple[str, bool, int]] = {}
+
+    def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
+        self.predicates, self._survey = predicates, None
+        self._counted.clear()
+        # Functions of the prelude never have rows to show; those of the program have calls.
+        listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
+        pages = [page for page in PAGES if page.is_listed]
+        self.names = [page.id for page in pages] + [predicate.name for predicate in listed]
+        self.clear_options()
+        self.add_options(
+            [Option(Content.styled(page.title, f"bold {INK.entry}"), id=page.id) for page in pages]
+            + [Option(_entry(predicate), id=predicate.name) for predicate in listed]
+        )
+        self.highlighted = self.names.index(inspected) if inspected in self.names else None
+
+    def count(self, survey: Survey) -> None:
+        if survey.program.predicates == self.predicates:
+            self._survey = survey
+            self.on_resize()
+
+    def on_resize(self) -> None:
+        """Show the counts at the current width."""
+        if self._survey is None:
+            return
+        width = max(self.scrollable_content_region.width, _NARROWEST)
+        for predicate in self.predicates or ():
+            name = predicate.name
+            told = (self._survey.count(name), self._survey.differs(name), width)
+            if predicate.has_rows and self._counted.get(name) != told:
+                self._counted[name] = told
+                self.replace_option_prompt(name, _with_count(_entry(predicate), *told))
+
+
+def _entry(predicate: Predicate) -> Content:
+    mark, colour = MARKS[predicate.kind]
+    name = INK.text if predicate.has_rows else INK.dim
+    entry = Content.assemble((f"{mark} ", colour), (one_line(predicate.name), name))
+    if not predicate.has_rows:
+        entry = entry.append(Content.styled(" ƒ", INK.dim))
+    if predicate.line is not None:
+        entry = entry.append(Content.styled(f" :{predicate.line}", INK.faint))
+    return entry
+
+
+def _with_count(entry: Content, rows: str, differs: bool, width: int) -> Content:
+    count = f"{rows}{_CHANGED if differs else ' '}"
+    room = width - len(count) - 1
+    gap = " " * max(1, width - entry.cell_length - len(count))
+    return entry.truncate(room, ellipsis=True).append(
+        Content.styled(gap + count, INK.key if differs else INK.dim)
+    )

@@ -10,8 +10,8 @@ from textual.content import Content
 from textual.geometry import Region
 from textual.widgets import Static
 
-from logical_robots_tui.tui.inspector.predicate_list import MARKS
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
+from logical_robots_tui.tui.inspector.line_views import LinesView
+from logical_robots_tui.tui.inspector.pane import MARKS
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, one_line, visible
@@ -122,18 +122,13 @@ class GraphView(LinesView):
                     label = label.stylize(_HERE)
             gap = width - label.cell_length
             parts.append(label.pad_left(gap) if column == _USERS else label.pad_right(gap))
-        middle = self._tops[_MIDDLE]
-        left = joint(row, self._span(_USERS), middle, to_right=True)
-        right = joint(row, self._span(_USED), middle, to_right=False)
-        before = f" {'─' if 'w' in left else ' '}{_JOINTS[left]}{'▶' if 'e' in left else ' '} "
-        after = f" {'─' if 'w' in right else ' '}{_JOINTS[right]}{'▶' if 'e' in right else ' '} "
-        return Content.assemble(
-            parts[_USERS], (before, INK.faint), parts[_MIDDLE], (after, INK.faint), parts[_USED]
-        )
-
-    def _span(self, column: int) -> range:
-        top = self._tops[column]
-        return range(top, top + len(self._columns[column]))
+        for column in (_USED, _USERS):
+            top = self._tops[column]
+            ends = range(top, top + len(self._columns[column]))
+            sides = joint(row, ends, self._tops[_MIDDLE], to_right=column == _USERS)
+            way = f" {'─' if 'w' in sides else ' '}{_JOINTS[sides]}{'▶' if 'e' in sides else ' '} "
+            parts.insert(max(column, _MIDDLE), Content.styled(way, INK.faint))
+        return Content("").join(parts)
 
     def _label(self, name: str) -> Content:
         known = self._program.predicate(name)

@@ -173,15 +173,17 @@ class BackgroundQuery:
         """Whether a query has been running long enough to show its progress."""
         return self._task is not None and self.seconds > 0
 
-    async def run(self, work: Coroutine[Any, Any, T], report: Callable[[], None]) -> T:
-        """Run a query, reporting ten times a second; raise Cancelled after `cancel`."""
+    async def run(
+        self, work: Coroutine[Any, Any, T], doing: Callable[[], str], say: Callable[[Content], None]
+    ) -> T:
+        """Run a query, saying ten times a second what it is `doing`; `cancel` raises Cancelled."""
         task = asyncio.ensure_future(work)
         self._task, self.seconds = task, 0.0
         began = self._clock.now()
         try:
             while not (await asyncio.wait({task}, timeout=_INTERVAL))[0]:
                 self.seconds = self._clock.now() - began
-                report()
+                say(self._progress(doing()))
             if task.cancelled():
                 raise Cancelled
             return task.result()
@@ -190,16 +192,14 @@ class BackgroundQuery:
             if self._task is task:
                 self._task = None
 
+    def _progress(self, what: str) -> Content:
+        return Content.assemble(
+            (f"{_SPINNER[int(self.seconds / _INTERVAL) % len(_SPINNER)]} ", INK.key),
+            (one_line(what), INK.text),
+            (f"  {self.seconds:.1f} s", INK.number),
+            ("  esc here stops it", INK.dim),
+        )
+
     def cancel(self) -> None:
         if self._task is not None:
             self._task.cancel()
-
-
-def progress(what: str, seconds: float) -> Content:
-    spin = _SPINNER[int(seconds / _INTERVAL) % len(_SPINNER)]
-    return Content.assemble(
-        (f"{spin} ", INK.key),
-        (one_line(what), INK.text),
-        (f"  {seconds:.1f} s", INK.number),
-        ("  esc here stops it", INK.dim),
-    )

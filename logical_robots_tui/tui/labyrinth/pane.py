@@ -10,9 +10,9 @@ from textual.content import Content
 from textual.widgets import Static
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
+from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.labyrinth.briefing import Briefing
-from logical_robots_tui.tui.labyrinth.camera import Sight
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
@@ -70,12 +70,8 @@ class LabyrinthPane(Pane, can_focus=True):
         level, frame = self._shown
         pointed = None if self.view.overlay is not None else self.view.pointed
         name = robot_name if pointed is None else pointed
-        robot = next((each for each in frame.after.robots if each.name == name), None)
-        view = self.view.view
-        middle = view.left + view.width / 2 if view else 0.0
-        on_the_left = robot is not None and robot.x < middle
         shown = None if self.view.camera.sight is Sight.SENSES else name
-        self.card.show(level, frame, shown, on_the_left=on_the_left)
+        self.card.show(level, frame, shown, self.view.view.middle[0] if self.view.view else 0.0)
 
     @on(RobotPointed)
     def _robot_pointed(self) -> None:
@@ -131,14 +127,14 @@ class RobotCard(Static):
         super().__init__(id="robot-card")
         self._content = Content("")
 
-    def show(self, level: Level, frame: Frame, name: str | None, *, on_the_left: bool) -> None:
-        """Show a robot, or hide; `on_the_left` robots get the card on the right."""
+    def show(self, level: Level, frame: Frame, name: str | None, middle: float) -> None:
+        """Show a robot, or hide; robots to the left of the `middle` get the card on the right."""
         robots = zip(level.robots, frame.after.robots, strict=True)
         found = next((pair for pair in robots if pair[0].name == name), None)
         self.display = found is not None
         if found is None:
             return
-        self.set_class(on_the_left, "-right")
+        self.set_class(found[1].x < middle, "-right")
         ink = robot_ink(found[0].color, palette_of(self.app.current_theme))
         content = _content(*found, frame.decision_of(found[0].name), frame, ink)
         if not content.is_same(self._content):
@@ -152,41 +148,31 @@ class RobotCard(Static):
 def _content(
     robot: Robot, state: RobotState, decision: Decision | None, frame: Frame, colour: str
 ) -> Content:
-    lines = [
-        Content.assemble(
-            ("● ", colour), (clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"), "  "
-        ).append(_trouble(robot, state, decision)),
-        _label("engines", _engines(state, decision)),
-        _label("battery", _battery(robot, state)),
-        _label(
-            "memory",
-            Content.styled(
-                format_value(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text
-            ),
-        ),
-    ]
+    rows: dict[str, tuple[str, str] | Content] = {
+        "engines": _engines(state, decision),
+        "battery": _battery(robot, state),
+        "memory": (format_value(frame.memories.get(robot.name), _MOST_REMEMBERED), INK.text),
+    }
+    name = clip(one_line(robot.name), _WIDTH - 14), f"bold {colour}"
+    lines = [Content.assemble(("● ", colour), name, "  ", _trouble(robot, state, decision))]
+    lines += [Content.assemble((f"{label:<8}", INK.dim), said) for label, said in rows.items()]
     return Content("\n").join(lines)
 
 
-def _label(label: str, content: Content) -> Content:
-    return Content.styled(f"{label:<8}", INK.dim).append(content)
-
-
-def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> Content:
+def _trouble(robot: Robot, state: RobotState, decision: Decision | None) -> tuple[str, str]:
     if state.dead:
-        return Content.styled("battery empty", INK.bad)
+        return "battery empty", INK.bad
     if decision is not None and decision.desire is None:
-        return Content.styled("undecided", INK.warn)
+        return "undecided", INK.warn
     if state.blocked:
-        return Content.styled("blocked", INK.warn)
-    return Content.styled(clip(one_line(robot.team), 13), INK.dim)
+        return "blocked", INK.warn
+    return clip(one_line(robot.team), 13), INK.dim
 
 
-def _engines(state: RobotState, decision: Decision | None) -> Content:
+def _engines(state: RobotState, decision: Decision | None) -> tuple[str, str]:
     if decision is None or decision.desire is None:
-        return Content.styled("off", INK.dim)
-    powers = f"{state.left_engine:+.2f}  {state.right_engine:+.2f}"
-    return Content.styled(powers, INK.number)
+        return "off", INK.dim
+    return f"{state.left_engine:+.2f}  {state.right_engine:+.2f}", INK.number
 
 
 def _battery(robot: Robot, state: RobotState) -> Content:

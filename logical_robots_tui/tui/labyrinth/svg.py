@@ -77,12 +77,14 @@ def _area(area: Area) -> str:
     look = f'fill="{_hex(colour)}" fill-opacity="{0.5 if area.impenetrable else 0.22}"'
     if area.on_beacon:  # off at the start
         look = 'fill="none" stroke-dasharray="6 6"'
-    ring = f'stroke="{_hex(colour)}" stroke-width="2"'
-    place = f'cx="{_number(area.x)}" cy="{_number(area.y)}"'
-    circle = f'<circle {place} r="{_number(area.radius)}" {look} {ring}/>'
+    rings = [(area.radius, look)]
     if area.victory_robots and area.radius > 6:
-        circle += f'<circle {place} r="{_number(area.radius - 5)}" fill="none" {ring}/>'
-    return circle + _name(area.name, area.x, area.y + 4, DARK.strong(parse(area.color)))
+        rings.append((area.radius - 5, 'fill="none"'))
+    return "".join(
+        f'<circle cx="{_number(area.x)}" cy="{_number(area.y)}" r="{_number(radius)}" {each}'
+        f' stroke="{_hex(colour)}" stroke-width="2"/>'
+        for radius, each in rings
+    ) + _name(area.name, area.x, area.y + 4, DARK.strong(parse(area.color)))
 
 
 def _beacon(beacon: Beacon) -> str:

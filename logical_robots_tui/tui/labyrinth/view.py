@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rich.color import Color
 from rich.style import Style
@@ -18,13 +18,11 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.tui.labyrinth.camera import Camera, Overlay, Sight
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Highlight, Look
-from logical_robots_tui.tui.labyrinth.drawing.picture import Picture
-from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
-from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Drawing, Highlight, Look
+from logical_robots_tui.tui.labyrinth.drawing.picture import Picture, draw_senses
+from logical_robots_tui.tui.labyrinth.drawing.rays import Traces
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Camera, Sight, Viewport
 from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
@@ -50,8 +48,7 @@ class RobotPut(Message):
     pose: Pose
 
 
-@dataclass(frozen=True)
-class Grip:
+class Grip(NamedTuple):
     """How a robot is held: `dx` and `dy` are map units from its centre to the pointer."""
 
     name: str
@@ -67,12 +64,21 @@ class Grip:
         return RobotPut(robot.name, (x - self.dx, y - self.dy, robot.angle))
 
 
-def robot_near(robots: Iterable[RobotState], x: float, y: float, units: float) -> RobotState | None:
-    """Return the robot near a point in map units, or None; `units` is map units per column."""
-    reach = max(_PICK_REACH * units, ROBOT_RADIUS + CELL_ASPECT * units / 2)
-    away = [(math.hypot(robot.x - x, robot.y - y), i, robot) for i, robot in enumerate(robots)]
-    distance, _, nearest = min(away, default=(math.inf, 0, None))
-    return nearest if distance <= reach else None
+class Overlay(Protocol):
+    """Draws over the picture, and receives mouse and arrow keys; points are map units.
+
+    `cursor` is kept in place by zooming; `step` are arrow keys, `far` with shift; `hover` tells
+    whether the left button is held, `open` is a double click.
+    """
+
+    @property
+    def cursor(self) -> tuple[float, float]: ...
+    def paint(self, canvas: Canvas) -> None: ...
+    def press(self, x: float, y: float) -> None: ...
+    def hover(self, x: float, y: float, *, is_held: bool) -> None: ...
+    def release(self) -> None: ...
+    def open(self) -> None: ...
+    def step(self, across: int, down: int, *, far: bool) -> None: ...
 
 
 _CROWD = 30  # robots from which their light is left out while an overlay is drawn
@@ -194,8 +200,12 @@ class LabyrinthView(Widget):
         view, frame = self.view, self._frame
         if view is None or frame is None or self.camera.sight is Sight.SENSES:
             return None
-        robot = robot_near(frame.after.robots, *view.position(row, column), view.units)
-        return None if robot is None else robot.name
+        x, y = view.position(row, column)
+        reach = max(_PICK_REACH * view.units, ROBOT_RADIUS + CELL_ASPECT * view.units / 2)
+        robots = frame.after.robots
+        away = [(math.hypot(each.x - x, each.y - y), n) for n, each in enumerate(robots)]
+        distance, nearest = min(away, default=(math.inf, 0))
+        return robots[nearest].name if distance <= reach else None
 
     def get_line_filters(self) -> Sequence[LineFilter]:
         """Return all filters except the conversion to true colour, which cells already have."""
@@ -242,7 +252,7 @@ class LabyrinthView(Widget):
             cells = self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
             if self.overlay is not None:
                 cells = cells.copy()
-                self.overlay.paint(cells, view, look)
+                self.overlay.paint(Canvas(cells, view, look))
         changes = cells.changes(self._cells)
         self._cells = cells
         for row, _, _ in changes:

@@ -219,8 +219,8 @@ class LevelController(SessionListener):
         from logical_robots_tui.tui.level_editor.forms import FindingList
 
         if not self.findings:
-            told = "Checking the level…" if self.findings is None else "Nothing looks wrong."
-            self.ui.tell(told)
+            is_checking = self.findings is None
+            self.ui.tell("Checking the level…" if is_checking else "Nothing looks wrong.")
             return
         finding = await self.ui.ask(FindingList(self.findings))
         if finding is not None and finding.x is not None and finding.y is not None:
@@ -331,13 +331,9 @@ class LevelController(SessionListener):
         if is_saved:
             self.leave()
             return
-        answers = [
-            ("keep", "Keep as a level"),
-            ("game", "Just for this game"),
-            ("away", "Throw away"),
-        ]
-        if self.file is not None:
-            answers.insert(0, ("save", "Save"))
+        answers = [("save", "Save")] if self.file is not None else []
+        answers += [("keep", "Keep as a level"), ("game", "Just for this game")]
+        answers.append(("away", "Throw away"))
         question = "What should happen to your changes to the level?"
         answer = await self.ui.choose("Leave editing", question, answers)
         if answer == "away":

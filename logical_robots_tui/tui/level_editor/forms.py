@@ -113,7 +113,7 @@ class Choice(Select[str]):
 class Flag(Checkbox):
     """A checkbox that is readable without colours."""
 
-    def __init__(self, name: str, label: str, *, value: bool) -> None:
+    def __init__(self, name: str, label: str, value: bool) -> None:
         super().__init__(Content(label), value, id=name, compact=True)
 
     def on_mount(self) -> None:
@@ -132,8 +132,7 @@ class Ticks(Listing):
 
     def __init__(self, name: str, known: Sequence[str], ticked: Sequence[str]) -> None:
         self._names = list(dict.fromkeys([*known, *ticked]))
-        self._known = set(known)
-        self._ticked = set(ticked)
+        self._known, self._ticked = set(known), set(ticked)
         super().__init__(*map(self._line, self._names), id=name, markup=False, compact=True)
 
     def read(self) -> tuple[str, ...]:
@@ -187,6 +186,7 @@ class Form(Dialog[bool]):
     def __init__(self, title: str) -> None:
         super().__init__(title)
         self._fields: dict[str, Field] = {}
+        self.rows: dict[str, Horizontal] = {}
         self._before: dict[str, Any] = {}
 
     def fields(self) -> Iterable[tuple[str, Field]]:
@@ -200,7 +200,7 @@ class Form(Dialog[bool]):
         with VerticalScroll(can_focus=False):
             for label, field in self.fields():
                 self._fields[field.id or ""] = field
-                with Horizontal(classes="row"):
+                with Horizontal(classes="row") as self.rows[field.id or ""]:
                     yield Static(label, classes="label", markup=False)
                     yield field
         with Horizontal(id="buttons"):
@@ -241,29 +241,21 @@ class Form(Dialog[bool]):
         """Return the values of changed fields by name, like `values`."""
         return {name: v for name, v in self.values().items() if v != self._before[name]}
 
-    def row(self, name: str) -> Horizontal:
-        row = self._fields[name].parent
-        assert isinstance(row, Horizontal)
-        return row
-
 
 _COLOURS = (
     *("red", "orange", "gold", "yellow", "lime", "green", "teal", "cyan", "skyblue", "royalblue"),
     *("purple", "violet", "magenta", "pink", "brown", "white", "gray", "black"),
 )
 _POSE = ("x", "y", "angle")
-_TITLES = {"robots": "Robot", "beacons": "Beacon", "areas": "Area"}
 
 
 class ThingForm(Form):
     """Edits one thing's attributes; a robot under way has extra fields for its start."""
 
     def __init__(self, editor: LevelEditor, ref: Ref, put: Callable[[str, Pose], None]) -> None:
-        super().__init__(_TITLES[ref.kind])
-        self._editor = editor
-        self._ref = ref
+        self._editor, self._ref, self._put = editor, ref, put
         self._thing = thing_of(editor.level, ref)
-        self._put = put
+        super().__init__(type(self._thing).__name__)
         self._is_moving = ref.kind == "robots" and editor.is_under_way
 
     def fields(self) -> Iterator[tuple[str, Field]]:
@@ -283,26 +275,24 @@ class ThingForm(Form):
             yield "Colour", _colour(thing.color)
             if teams := {team.name: team.name for team in self._editor.level.teams}:
                 yield "Team", Choice("team", teams, thing.team)
-            yield "Battery", Flag("has_battery", "its engines need charge", value=thing.has_battery)
-            capacity = Number("battery_capacity", thing.battery_capacity, "The capacity")
-            yield "Capacity", capacity
+            yield "Battery", Flag("has_battery", "its engines need charge", thing.has_battery)
+            yield "Capacity", Number("battery_capacity", thing.battery_capacity, "The capacity")
             rate = thing.battery_consumption_rate
             yield "Consumption", Number("battery_consumption_rate", rate, "The consumption")
-            yield "Charging", Flag("can_charge", "charges other robots", value=thing.can_charge)
+            yield "Charging", Flag("can_charge", "charges other robots", thing.can_charge)
         elif isinstance(thing, Beacon):
             station = thing.charging_station
-            yield "Charging", Flag("charging_station", "charges robots nearby", value=station)
+            yield "Charging", Flag("charging_station", "charges robots nearby", station)
         else:
             yield "Radius", Number("radius", thing.radius, "The radius")
             yield "Colour", _colour(thing.color)
             solid = thing.impenetrable
-            yield "Solid", Flag("impenetrable", "robots can't drive into it", value=solid)
+            yield "Solid", Flag("impenetrable", "robots can't drive into it", solid)
             names = {beacon.name: beacon.name for beacon in self._editor.level.beacons}
             always = "no beacon: on from start"
             yield "Switched on by", Choice("on_beacon", names, thing.on_beacon, always)
             yield "Switched off by", Choice("off_beacon", names, thing.off_beacon, "no beacon")
-            sticky = thing.sticky_switch
-            yield "Sticky", Flag("sticky_switch", "stays as it was switched", value=sticky)
+            yield "Sticky", Flag("sticky_switch", "stays as it was switched", thing.sticky_switch)
             robots = [robot.name for robot in self._editor.level.robots]
             yield "Goal for", Ticks("victory_robots", robots, thing.victory_robots)
 
@@ -339,8 +329,7 @@ _SENSORS = {"own": "its own", "all": "of all robots"}
 class LevelForm(Form):
     def __init__(self, editor: LevelEditor) -> None:
         super().__init__("Level")
-        self._editor = editor
-        self._level = editor.level
+        self._editor, self._level = editor, editor.level
 
     def fields(self) -> Iterator[tuple[str, Field]]:
         level = self._level
@@ -349,7 +338,7 @@ class LevelForm(Form):
         yield "Width", Number("width", level.width, "The width", whole=True)
         yield "Height", Number("height", level.height, "The height", whole=True)
         yield "Add or cut at", Choice("place", _PLACES, "0")
-        yield "New room", Flag("wall", "is wall", value=False)
+        yield "New room", Flag("wall", "is wall", False)
         yield "Robot sees", Choice("sensor", _SENSORS, level.visibility.sensor)
         yield "Robot knows", Choice("memory", _MEMORIES, level.visibility.memory)
         yield "Shared names", Text("shared_names", ", ".join(level.shared_names))
@@ -388,9 +377,8 @@ class NewLevelForm(Form):
 
     def __init__(self, names: list[str], here: str, own: Path) -> None:
         super().__init__("New level")
-        self._names = names
+        self._names, self._own = names, own
         self._here = here if here in names else names[0]
-        self._own = own
         self.made: Level | None = None
 
     def fields(self) -> Iterator[tuple[str, Field]]:
@@ -418,15 +406,12 @@ class NewLevelForm(Form):
     def _arrange(self) -> None:
         wanted = _OF[self.values("kind")["kind"]]
         for name in {each for names in _OF.values() for each in names}:
-            self.row(name).display = name in wanted
+            self.rows[name].display = name in wanted
 
     def take(self) -> None:
         kind, title = self.values("kind", "title").values()
-        makers: dict[str, Callable[..., Level]] = {
-            "room": empty_room,
-            "labyrinth": labyrinth,
-            "copy": self._copy,
-        }
+        makers: dict[str, Callable[..., Level]]
+        makers = {"room": empty_room, "labyrinth": labyrinth, "copy": self._copy}
         made = makers[kind](**self.values(*_OF[kind]))
         self.made = set_words(made, title=title) if title else made
 
@@ -468,7 +453,6 @@ class FindingList(Dialog[LevelFinding]):
 
 def _describe(finding: LevelFinding) -> Content:
     style = INK.bad if finding.forbids else INK.warn
-    place = ""
-    if finding.x is not None and finding.y is not None:
-        place = f"   {finding.x:.0f}, {finding.y:.0f}"
+    has_place = finding.x is not None and finding.y is not None
+    place = f"   {finding.x:.0f}, {finding.y:.0f}" if has_place else ""
     return Content.assemble(("! ", style), (one_line(finding.text), INK.text), (place, INK.dim))

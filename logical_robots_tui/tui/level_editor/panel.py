@@ -1,29 +1,32 @@
-"""The labyrinth pane while a level is edited: keys, mouse, cursor and overlay."""
+"""The labyrinth pane while a level is edited: keys, mouse, and what is drawn around and over it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
 from textual.binding import BindingsMap
 from textual.content import Content
-from textual.widget import Widget
+from textual.widgets import Static
 
-from logical_robots_tui.editing.editor import PAINTING, Tool
+from logical_robots_tui.editing.editor import PAINTING, LevelEditor, Tool, handle_of, reach_of
 from logical_robots_tui.editing.level_text import Thing
 from logical_robots_tui.editing.strokes import Point
 from logical_robots_tui.tui.commands.keymap import command, commands, key_bindings
-from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
-from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Viewport
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Viewport
 from logical_robots_tui.tui.layout.command_bar import Labels
-from logical_robots_tui.tui.level_editor.overlay import mark
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
-from logical_robots_tui.world import Area, Beacon, Robot
+from logical_robots_tui.world import Area
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from logical_robots_tui.editing.checks import LevelFinding
     from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
     from logical_robots_tui.tui.level_editor.controller import LevelController
 
@@ -90,7 +93,7 @@ class ToolLine(Labels):
         return Content.assemble((_key(tool.value), INK.key), " ", (entry.title, INK.text))
 
 
-class InfoLine(Widget):
+class InfoLine(Static):
     """Shows where the cursor is, what is selected, and what looks wrong."""
 
     DEFAULT_CSS = """
@@ -100,14 +103,12 @@ class InfoLine(Widget):
 
     def __init__(self, controller: LevelController) -> None:
         super().__init__()
-        self._controller = controller
-        self._line = Content("")
+        self._controller, self._line = controller, Content("")
 
     def follow(self) -> None:
         editor, levels = self._controller.editor, self._controller.levels
-        findings = self._controller.findings
+        findings, thing = self._controller.findings, editor.thing
         x, y = editor.cursor
-        thing = editor.thing
         told = [Content.styled(f"{x:.0f}, {y:.0f}", f"bold {INK.number}")]
         if not levels.saved.source or levels.edits.changed:
             told.append(Content.styled("● not saved", INK.title))
@@ -117,27 +118,19 @@ class InfoLine(Widget):
             told.append(Content.styled(f"! {count_of(len(findings), 'finding')}", style))
         elif findings is not None:
             told.append(Content.styled("✓ no problems", INK.good))
-        told.append(Content.styled(describe(thing), INK.text if thing else INK.dim))
+        told.append(Content.styled(_describe(thing), INK.text if thing else INK.dim))
         line = Content(" ").append(Content("   ").join(told))
-        if line.markup != self._line.markup:
+        if not line.is_same(self._line):
             self._line = line
-            self.refresh()
-
-    def render(self) -> Content:
-        return self._line
+            self.update(line, layout=False)
 
 
-def describe(thing: Thing | None) -> str:
+def _describe(thing: Thing | None) -> str:
     if thing is None:
         return "nothing selected"
-    name = clip(one_line(thing.name), 24)
-    place = f"at {thing.x:g}, {thing.y:g}"
-    if isinstance(thing, Robot):
-        return f"Robot {name} {place}"
-    if isinstance(thing, Beacon):
-        return f"Beacon {name} {place}"
-    assert isinstance(thing, Area)
-    return f"Area {name} {place}, radius {thing.radius:g}"
+    radius = f", radius {thing.radius:g}" if isinstance(thing, Area) else ""
+    what = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
+    return f"{what} at {thing.x:g}, {thing.y:g}{radius}"
 
 
 def _key(name: str) -> str:
@@ -178,7 +171,6 @@ class EditPanel:
         controller.units = lambda: self._units
 
     def follow(self) -> None:
-        """Show what the controller has now."""
         is_on, pane = self._controller.is_on, self._pane
         if (now := (is_on, self._controller.is_testing)) != self._shown:
             if not self._tools.is_attached:
@@ -271,8 +263,8 @@ class EditPanel:
     def cursor(self) -> Point:
         return self._controller.editor.cursor
 
-    def paint(self, cells: Cells, view: Viewport, look: Look) -> None:
-        mark(cells, view, self._controller.editor, self._controller.findings or (), look)
+    def paint(self, canvas: Canvas) -> None:
+        _mark(canvas, self._controller.editor, self._controller.findings or ())
 
 
 def _beyond(place: float, length: int) -> float:
@@ -280,3 +272,117 @@ def _beyond(place: float, length: int) -> float:
     if 0 <= place < length:
         return 0.0
     return place - length * (0.25 if place < 0 else 0.75)
+
+
+_LEAST_COLUMNS = 4  # between two dots of the grid
+_UNSEEN = 28  # of 255, the largest difference of a cell's two colours that looks even
+_ACCENT: RGB = (255, 180, 84)
+_WIPE: RGB = (255, 123, 133)
+_WARN: RGB = (242, 198, 95)
+_BLANK = text_id(" ")
+
+
+def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding]) -> None:
+    cells, view, look = canvas
+    settings = editor.settings
+    if settings.is_grid_shown:
+        _dot_grid(canvas, editor)
+    for finding in findings:
+        if finding.x is not None and finding.y is not None:
+            canvas.put(view.cell(finding.x, finding.y), "!", _WARN)
+    covered = _cover(view, editor)
+    accent = _ACCENT if settings.paints_wall else _WIPE
+    if covered is not None:
+        _tint(cells, covered, accent)
+        if look.is_plain:
+            cells.text[covered] = text_id("*")
+    if (thing := editor.thing) is not None:
+        reach = reach_of(thing) + view.units * 0.8
+        high = max(reach, view.units * 1.5)
+        corners = ((-reach, -high), (reach, -high), (-reach, high), (reach, high))
+        for sign, (x, y) in zip("++++" if look.is_plain else "┌┐└┘", corners, strict=True):
+            canvas.put(view.cell(thing.x + x, thing.y + y), sign, _ACCENT)
+        if (handle := handle_of(thing, view.units)) is not None:
+            canvas.put(view.cell(*handle), "*" if look.is_plain else "◆", _ACCENT)
+    canvas.put(view.cell(*editor.cursor), "+", (0, 0, 0), accent)
+
+
+def _dot_grid(canvas: Canvas, editor: LevelEditor) -> None:
+    """Draw a dot at each crossing of grid lines; when zoomed out, only at every n-th."""
+    cells, view, look = canvas
+    level, grid = editor.level, editor.settings.grid
+    times = next(
+        (n for n in (1, 2, 4, 5, 10, 20, 50, 100) if n * grid >= _LEAST_COLUMNS * view.units), 200
+    )
+    spacing = grid * times
+    columns = _cells_of(level.width, spacing, view.left, view.units, view.columns)
+    rows = _cells_of(level.height, spacing, view.top, view.units * CELL_ASPECT, view.rows)
+    where = np.ix_(rows, columns)
+    style = cells.style[where]
+    ink, paper = style >> 24 & 0xFFFFFF, style & 0xFFFFFF
+    apart = np.zeros(style.shape, np.int64)
+    for shift in (16, 8, 0):
+        apart = np.maximum(apart, np.abs((ink >> shift & 0xFF) - (paper >> shift & 0xFF)))
+    is_plain = (cells.text[where] == _BLANK) | (apart < _UNSEEN)
+    dotted = np.zeros(cells.text.shape, np.bool_)
+    dotted[where] = is_plain
+    cells.text[dotted] = text_id("." if look.is_plain else "·")
+    cells.style[dotted] = rgb_number(look.palette.rim) << 24 | cells.tone[dotted]
+
+
+def _cells_of(
+    length: int, spacing: int, first: float, units: float, count: int
+) -> NDArray[np.intp]:
+    places = np.arange(spacing, length, spacing)
+    found = np.floor((places - first) / units).astype(np.intp)
+    return np.unique(found[(found >= 0) & (found < count)])
+
+
+def _cover(view: Viewport, editor: LevelEditor) -> NDArray[np.bool_] | None:
+    settings, stroke = editor.settings, editor.stroke
+    if settings.tool not in PAINTING:
+        return None
+    is_free = settings.tool in (Tool.BRUSH, Tool.ERASER) or stroke is None
+    start = editor.cursor if is_free or stroke is None else stroke.start
+    end = editor.cursor
+    across = view.left + (np.arange(view.columns) + 0.5) * view.units
+    down = view.top + (np.arange(view.rows) + 0.5) * view.units * CELL_ASPECT
+    x, y = across[None, :], down[:, None]
+    if settings.tool is Tool.RECTANGLE and stroke is not None:
+        border = 0 if settings.is_filled else settings.width * settings.grid
+        return _rectangle(x, y, start, end, view, border)
+    half = max(settings.width * settings.grid / 2, view.units / 2)
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    along = ((x - start[0]) * dx + (y - start[1]) * dy) / max(dx * dx + dy * dy, 1e-9)
+    along = np.clip(along, 0, 1)
+    far_x = np.maximum(np.abs(x - start[0] - along * dx) - view.units / 2, 0)
+    far_y = np.maximum(np.abs(y - start[1] - along * dy) - view.units * CELL_ASPECT / 2, 0)
+    inside: NDArray[np.bool_] = np.hypot(far_x, far_y) < half - view.units / 4
+    return inside
+
+
+def _rectangle(
+    x: Floats, y: Floats, start: Point, end: Point, view: Viewport, border: int
+) -> NDArray[np.bool_]:
+    """Return the cells of a rectangle, or of its border, whose width is in map units."""
+    half_x, half_y = view.units / 2, view.units * CELL_ASPECT / 2
+    left, right = sorted((start[0], end[0]))
+    top, bottom = sorted((start[1], end[1]))
+    inside: NDArray[np.bool_] = (
+        (x + half_x > left) & (x - half_x < right) & (y + half_y > top) & (y - half_y < bottom)
+    )
+    if not border:
+        return inside
+    near_x = (x - half_x < left + border) | (x + half_x > right - border)
+    near_y = (y - half_y < top + border) | (y + half_y > bottom - border)
+    on_border: NDArray[np.bool_] = inside & (near_x | near_y)
+    return on_border
+
+
+def _tint(cells: Cells, where: NDArray[np.bool_], colour: RGB) -> None:
+    style = cells.style[where]
+    mixed = style & BOLD
+    for shift, wanted in zip((40, 32, 24, 16, 8, 0), colour * 2, strict=True):
+        channel = style >> shift & 0xFF
+        mixed |= (channel + (wanted - channel) * 2 // 5) << shift
+    cells.style[where] = mixed

@@ -33,57 +33,50 @@ if TYPE_CHECKING:
     from logical_robots_tui.player.session import Session
 
 
-READING = "Reading the question…"
+_READING = "Reading the question…"
 
 
-class QuestionCheck:
-    """Compiles a question in the background of a dialog, and shows its errors."""
+def _check(
+    dialog: Dialog[Any], program: Program | None, query: str, good: Callable[[], object]
+) -> None:
+    """Compile a question in the background; call `good` if it is valid, or show its mistake."""
+    if program is None:
+        good()
+        return
 
-    def __init__(self, dialog: Dialog[Any], program: Program | None) -> None:
-        self._dialog = dialog
-        self._program = program
-
-    def begin(self, query: str, good: Callable[[], object]) -> None:
-        """Check a question, and call `good` if it is valid; cancels an earlier check."""
-        program = self._program
-        if program is None:
+    async def look() -> None:
+        mistake = await mistake_in_question(program, query)
+        if mistake:
+            dialog.complain(mistake)
+        else:
             good()
-            return
 
-        async def look() -> None:
-            mistake = await mistake_in_question(program, query)
-            if mistake:
-                self._dialog.complain(mistake)
-            else:
-                good()
+    dialog.complain(_READING)
+    in_background(dialog, look, "question", exclusive=True)
 
-        self._dialog.complain(READING)
-        in_background(self._dialog, look, "question", exclusive=True)
 
-    def forget(self) -> None:
-        self._dialog.workers.cancel_group(self._dialog, "question")
-        self._dialog.complain("")
+def _forget(dialog: Dialog[Any]) -> None:
+    dialog.workers.cancel_group(dialog, "question")
+    dialog.complain("")
 
 
 class QuestionPrompt(Prompt[str]):
     """Asks for a question, and returns it if it is valid."""
 
-    DEFAULT_CSS = """
-    QuestionPrompt > #box { max-width: 76; }
-    """
+    DEFAULT_CSS = "QuestionPrompt > #box { max-width: 76; }"
 
     keys = "enter search   esc close"
 
     def __init__(self, title: str, text: str, program: Program) -> None:
         super().__init__(title, text, "such as Near(robot_name:, d:), d < 20")
-        self._check = QuestionCheck(self, program)
+        self._program = program
 
     def take(self, text: str) -> None:
         query = text.strip()
-        self._check.begin(query, lambda: self.dismiss(query))
+        _check(self, self._program, query, lambda: self.dismiss(query))
 
     def forget(self) -> None:
-        self._check.forget()
+        _forget(self)
 
 
 class TickPrompt(Prompt[int]):
@@ -96,8 +89,7 @@ class TickPrompt(Prompt[int]):
 
     def __init__(self, title: str, here: int, problem: Callable[[int], str]) -> None:
         super().__init__(title, "", "such as 120, +50 or -50")
-        self._here = here
-        self._problem = problem
+        self._here, self._problem = here, problem
 
     def take(self, text: str) -> None:
         tick = tick_of(text, self._here)
@@ -114,8 +106,8 @@ def tick_of(text: str, here: int) -> int | None:
     found = re.fullmatch(r"([+-]?)([0-9]{1,12})", text.replace(" ", "").replace(",", ""))
     if found is None:
         return None
-    sign, number = found[1], int(found[2])
-    return {"": number, "+": here + number, "-": here - number}[sign]
+    number = int(found[1] + found[2])
+    return here + number if found[1] else number
 
 
 _NONE = "No breakpoints yet. A run stops at a breakpoint; press a to add one."
@@ -142,28 +134,23 @@ class BreakpointList(Dialog[None]):
         super().__init__()
         self._session = session
         self._shown: tuple[Breakpoint, ...] = ()
+        self._entries = Listing(id="breakpoints", markup=False, compact=True)
+        self._none = Static(_NONE, id="none", markup=False)
 
     def content_widgets(self) -> ComposeResult:
-        yield Listing(id="breakpoints", markup=False, compact=True)
-        yield Static(_NONE, id="none", markup=False)
+        yield from (self._entries, self._none)
 
     def on_mount(self) -> None:
-        self.query_one(OptionList).focus()
+        self._entries.focus()
         self._list(0)
-
-    @property
-    def _pointed(self) -> int | None:
-        return self.query_one(OptionList).highlighted
 
     def _list(self, at: int) -> None:
         self._shown = tuple(self._session.breakpoints)
-        entries = self.query_one(OptionList)
-        entries.clear_options()
-        entries.add_options([Option(self._entry(each)) for each in self._shown])
-        entries.display = bool(self._shown)
-        self.query_one("#none").display = not self._shown
+        self._entries.clear_options()
+        self._entries.add_options([Option(self._entry(each)) for each in self._shown])
+        self._entries.display, self._none.display = bool(self._shown), not self._shown
         if self._shown:
-            entries.highlighted = min(at, len(self._shown) - 1)
+            self._entries.highlighted = min(at, len(self._shown) - 1)
 
     def _entry(self, each: Breakpoint) -> Content:
         is_on = self._session.breakpoints.is_on(each)
@@ -183,19 +170,18 @@ class BreakpointList(Dialog[None]):
         level, program = self._session.level, self._session.program
         self.app.push_screen(BreakpointForm(level, program), added)
 
+    @on(OptionList.OptionSelected)
     def action_switch(self) -> None:
-        if self._pointed is not None:
-            self._session.breakpoints.switch(self._shown[self._pointed])
-            self._list(self._pointed)
+        self._change(self._session.breakpoints.switch)
 
     def action_delete(self) -> None:
-        if self._pointed is not None:
-            self._session.breakpoints.remove(self._shown[self._pointed])
-            self._list(self._pointed)
+        self._change(self._session.breakpoints.remove)
 
-    @on(OptionList.OptionSelected)
-    def _selected(self) -> None:
-        self.action_switch()
+    def _change(self, change: Callable[[Breakpoint], object]) -> None:
+        at = self._entries.highlighted
+        if at is not None:
+            change(self._shown[at])
+            self._list(at)
 
 
 _SUBJECTS: dict[Event, str] = {
@@ -235,35 +221,29 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     def __init__(self, level: Level, program: Program | None) -> None:
         super().__init__()
-        self._level = level
-        self._program = program
+        self._level, self._program = level, program
         self._robots = tuple(robot.name for robot in level.robots)
-        self._check = QuestionCheck(self, program)
-
-    def content_widgets(self) -> ComposeResult:
-        yield Listing(
-            *(Option(words, id=event) for event, words in EVENTS.items()),
-            id="events",
-            markup=False,
-            compact=True,
-        )
-        yield Input(id="subject", select_on_focus=False)
-        yield Static(id="subjects", classes="names", markup=False)
-        yield Input(
+        options = (Option(words, id=event) for event, words in EVENTS.items())
+        self._events = Listing(*options, id="events", markup=False, compact=True)
+        self._subject = Input(id="subject", select_on_focus=False)
+        self._robot = Input(
             placeholder="robot, or nothing for any",
             id="robot",
             suggester=SuggestFromList(self._robots, case_sensitive=False),
             select_on_focus=False,
         )
-        yield Static(id="robots", classes="names", markup=False)
-        yield Input(
+        self._column = Input(
             placeholder="column, or nothing for the whole row", id="column", select_on_focus=False
         )
+        self._names = [Static(classes="names", markup=False) for _ in range(2)]
+
+    def content_widgets(self) -> ComposeResult:
+        yield from (self._events, self._subject, self._names[0])
+        yield from (self._robot, self._names[1], self._column)
 
     def on_mount(self) -> None:
-        self.query_one("#events", OptionList).focus()
+        self._events.focus()
         self._arrange()
-        self._list_names()
 
     def on_descendant_focus(self) -> None:
         self.query_one("#keys", Static).update(
@@ -272,48 +252,45 @@ class BreakpointForm(Dialog[Breakpoint]):
 
     @property
     def _event(self) -> Event:
-        at = self.query_one("#events", OptionList).highlighted or 0
-        return list(EVENTS)[at]
-
-    def _value(self, name: str) -> str:
-        field = self.query_one(f"#{name}", Input)
-        return field.value.strip() if field.display else ""
+        return list(EVENTS)[self._events.highlighted or 0]
 
     @on(OptionList.OptionHighlighted)
     def _arrange(self) -> None:
         event = self._event
-        subject = self.query_one("#subject", Input)
-        subject.display = event in _SUBJECTS
-        subject.placeholder = _SUBJECTS.get(event, "")
+        self._subject.display = event in _SUBJECTS
+        self._subject.placeholder = _SUBJECTS.get(event, "")
         names = subjects(event, self._level, self._program)
-        subject.suggester = SuggestFromList(names, case_sensitive=False)
-        self.query_one("#column").display = event == "change"
+        self._subject.suggester = SuggestFromList(names, case_sensitive=False)
+        self._column.display = event == "change"
         self._list_names()
 
     @on(OptionList.OptionSelected)
     def _chosen(self) -> None:
-        self.query_one("#subject" if self._event in _SUBJECTS else "#robot").focus()
+        (self._subject if self._event in _SUBJECTS else self._robot).focus()
 
     @on(Input.Changed)
     def _list_names(self) -> None:
-        self._check.forget()
-        names = subjects(self._event, self._level, self._program)
-        for field, among in (("subject", names), ("robot", self._robots)):
-            typed = self._value(field).casefold()
-            fitting = [name for name in among if name.casefold().startswith(typed)]
-            shown = self.query_one(f"#{field}s", Static)
+        _forget(self)
+        among = subjects(self._event, self._level, self._program), self._robots
+        fields = self._subject, self._robot
+        for field, names, shown in zip(fields, among, self._names, strict=True):
+            typed = _value(field).casefold()
+            fitting = [name for name in names if name.casefold().startswith(typed)]
             shown.update(Content(one_line(" ".join(fitting))))
-            shown.display = self.query_one(f"#{field}").display
+            shown.display = field.display
 
     @on(Input.Submitted)
     def _submitted(self) -> None:
-        made = Breakpoint(
-            self._event, self._value("subject"), self._value("robot"), self._value("column")
-        )
+        values = map(_value, (self._subject, self._robot, self._column))
+        made = Breakpoint(self._event, *values)
         mistake = mistake_in(made, self._level, self._program)
         if mistake:
             self.complain(mistake)
         elif made.is_named:
             self.dismiss(made)
         else:
-            self._check.begin(made.subject, lambda: self.dismiss(made))
+            _check(self, self._program, made.subject, lambda: self.dismiss(made))
+
+
+def _value(field: Input) -> str:
+    return field.value.strip() if field.display else ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import degrees
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -14,8 +13,8 @@ from logical_robots_tui.game import NoSuchTickError, Superseded
 from logical_robots_tui.game.debugging.proof_difference import Comparison, compare_proofs
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.questions import BackgroundQuery, progress
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
+from logical_robots_tui.tui.inspector.plots import format_value
+from logical_robots_tui.tui.inspector.questions import BackgroundQuery
 from logical_robots_tui.tui.learning.reader import Reader
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Desire
@@ -44,12 +43,9 @@ class DivergencePage(Reader):
         in_background(self, self._compare, "compare")
 
     async def _compare(self) -> None:
-        def wait() -> None:
-            self._say(progress("comparing the proofs", self._waiting.seconds))
-
         try:
             work = compare_proofs(self._game, self._divergence)
-            found = await self._waiting.run(work, wait)
+            found = await self._waiting.run(work, lambda: "comparing the proofs", self._say)
         except Superseded:
             return
         except (NoSuchTickError, QueryError) as error:
@@ -97,50 +93,35 @@ def _node(node: Node | None, kind: Literal["rule", "step", "value"]) -> Content:
 
 
 def describe_divergence(divergence: Divergence) -> Content:
-    return Content("\n").join(list(_lines(divergence)))
-
-
-def _lines(divergence: Divergence) -> Iterator[Content]:
     robots = dict.fromkeys(each.robot_name for each in divergence.differences)
-    if not robots:
-        yield Content("No robot differs, but an area does.")
+    lines = [] if robots else [Content("No robot differs, but an area does.")]
     for robot in robots:
-        yield Content.styled(one_line(robot), f"bold {INK.title}")
+        lines.append(Content.styled(one_line(robot), f"bold {INK.title}"))
         for each in divergence.differences:
             if each.robot_name == robot:
-                yield Content.styled(f"  {each.matter}", INK.key)
-                for where, describe_divergence in zip(
-                    ("here ", "there"), _sides(each), strict=True
-                ):
-                    yield Content.assemble(
-                        (f"    {where}  ", INK.dim), (describe_divergence, INK.text)
-                    )
-        yield Content("")
+                lines.append(Content.styled(f"  {each.matter}", INK.key))
+                for where, said in zip(("here ", "there"), _sides(each), strict=True):
+                    lines.append(Content.assemble((f"    {where}  ", INK.dim), (said, INK.text)))
+        lines.append(Content(""))
+    return Content("\n").join(lines)
 
 
-def _sides(each: Difference) -> tuple[str, str]:
+def _sides(each: Difference) -> list[str]:
     """Return both values, with enough digits to see the difference."""
-    here, there = (
-        _describe_matter(each.matter, each.here, 6),
-        _describe_matter(each.matter, each.there, 6),
-    )
-    if here == there:
-        here, there = (
-            _describe_matter(each.matter, each.here, 17),
-            _describe_matter(each.matter, each.there, 17),
-        )
-    return here, there
+    said: list[str] = []
+    for digits in (6, 17):
+        said = [_describe_matter(each.matter, side, digits) for side in (each.here, each.there)]
+        if said[0] != said[1]:
+            break
+    return said
 
 
 def _describe_matter(matter: Matter, value: Any, digits: int) -> str:
     if isinstance(value, Desire):
         return f"left {value.left_engine:.{digits}g}, right {value.right_engine:.{digits}g}"
-    match matter:
-        case "position":
-            x, y, angle = value
-            return f"{x:.{digits}g}, {y:.{digits}g}, looking to {degrees(angle):.{digits}g}°"
-        case "notices":
-            return visible(" ".join(value)) or "none"
-        case "desire":
-            return "none"
-    return format_value(value, _LONGEST)
+    if matter == "position":
+        x, y, angle = value
+        return f"{x:.{digits}g}, {y:.{digits}g}, looking to {degrees(angle):.{digits}g}°"
+    if matter == "notices":
+        return visible(" ".join(value)) or "none"
+    return "none" if matter == "desire" else format_value(value, _LONGEST)

@@ -146,18 +146,13 @@ class Timeline(Widget, can_focus=True):
 
     def show(self, session: Session, robot: str | None) -> None:
         """Show a session's history; None marks all robots' memory changes."""
-        self._history, self._robot = session.history, robot
-        if self._history is not None:
-            history = self._history
-            self._span = Span(
-                history.first,
-                history.last,
-                session.frame.tick,
-                history.other[-1] if history.other else None,
-                history.divergence.tick if history.divergence else None,
-            )
-        else:
-            self._span = Span(0, 0, session.frame.tick)
+        history = self._history = session.history
+        self._robot = robot
+        self._span = Span(0, 0, session.frame.tick)
+        if history is not None:
+            other = history.other[-1] if history.other else None
+            diverged = history.divergence.tick if history.divergence else None
+            self._span = Span(history.first, history.last, self._span.tick, other, diverged)
         line = self._drawn()
         if line != self._line:
             self._line = line
@@ -177,15 +172,13 @@ class Timeline(Widget, can_focus=True):
         return max(self.size.width - note - 2, 1)
 
     def _drawn(self) -> Content:
-        width = self._width
-        history = self._history
-        if history is None:
-            line = track(self._span, width, lambda _kind, _first, _last: False)
-        else:
-            marks, robot = history.marks, self._robot
-            line = track(
-                self._span, width, lambda kind, first, last: marks.has(kind, first, last, robot)
-            )
+        width, robot = self._width, self._robot
+        marks = self._history.marks if self._history is not None else None
+
+        def has(kind: MarkKind, first: int, last: int) -> bool:
+            return marks is not None and marks.has(kind, first, last, robot)
+
+        line = track(self._span, width, has)
         return Content(" ").append(line).append(" ").append(self._note(self.size.width - width - 2))
 
     def _note(self, width: int) -> Content:

@@ -8,7 +8,7 @@ import pytest
 from textual.widgets import Static
 
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+from logical_robots_tui.tui.inspector.table import ValueTable
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from tests.short import AHEAD
 from tests.tui.conftest import opened

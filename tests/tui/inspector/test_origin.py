@@ -13,11 +13,11 @@ from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.explain.why.sources import Path as Parts
 from logical_robots_tui.explain.why.sources import Read, Source, Subject
 from logical_robots_tui.game import Link, Origin, Pin
+from logical_robots_tui.tui.inspector.page import Traced, traced_pin
 from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
-from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
-from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
+from logical_robots_tui.tui.inspector.proof import WhyView
+from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from tests.tui.conftest import opened
 from tests.virtual_time import Hold
 

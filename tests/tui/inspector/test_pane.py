@@ -9,10 +9,10 @@ import pytest
 from textual.widgets import OptionList
 
 from logical_robots_tui.tui.inspector import pages, pane
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.register import PAGES
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, SLOW, opened
 
 if TYPE_CHECKING:

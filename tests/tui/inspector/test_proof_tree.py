@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from logical_robots_tui.explain import Ask, Node
-from logical_robots_tui.tui.inspector.widgets.proof_tree import ProofLine, ProofTree, line_content
+from logical_robots_tui.tui.inspector.proof import ProofLine, ProofTree, line_content
 
 
 def many(count: int) -> Node:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.widgets import Input
 
-from logical_robots_tui.tui.inspector.widgets.table import (
+from logical_robots_tui.tui.inspector.table import (
     RowOrder,
     Rows,
     ValueTable,

@@ -9,7 +9,7 @@ import pytest
 from logical_robots_tui.tui.inspector.pages.decision import DecisionPage
 from logical_robots_tui.tui.inspector.pages.predicate import PredicatePage
 from logical_robots_tui.tui.inspector.pages.robots import RobotsPage
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import opened
 from tests.tui.inspector.test_pane import MORE, inspect
 

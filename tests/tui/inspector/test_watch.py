@@ -13,8 +13,8 @@ from textual.widgets import Tree
 from logical_robots_tui.game import Pin
 from logical_robots_tui.tui.inspector.pages.ask import QueryLine
 from logical_robots_tui.tui.inspector.pages.watch import WatchView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS, Sample, sparkline
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable
+from logical_robots_tui.tui.inspector.plots import BARS, Sample, sparkline
+from logical_robots_tui.tui.inspector.table import ValueTable
 from tests.tui.conftest import PAPER, opened
 
 if TYPE_CHECKING:

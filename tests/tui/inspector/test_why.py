@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
-from logical_robots_tui.tui.inspector.widgets.value_tree import ValueTree
+from logical_robots_tui.tui.inspector.proof import WhyView
+from logical_robots_tui.tui.inspector.value_tree import ValueTree
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from tests.short import AHEAD
 from tests.tui.conftest import opened

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from textual import events
 
-from logical_robots_tui.tui.labyrinth.camera import ZOOMS, Camera, Sight
 from logical_robots_tui.tui.labyrinth.drawing import Viewport
+from logical_robots_tui.tui.labyrinth.drawing.viewport import ZOOMS, Camera, Sight
 from tests.tui.conftest import opened
 from tests.tui.labyrinth.drawing.scenes import room
 

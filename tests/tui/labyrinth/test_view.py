@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 from textual.app import App, ComposeResult
 
-from logical_robots_tui.tui.labyrinth.camera import Camera, Sight
 from logical_robots_tui.tui.labyrinth.drawing import LIGHT, Drawing
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Camera, Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.world import Beacon, Level, Robot
 from tests.tui.labyrinth.drawing.scenes import room, run, start, with_robot

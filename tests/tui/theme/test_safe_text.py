@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.game import Goal
 from logical_robots_tui.tui.inspector.pages.robots import radar_strip
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value
+from logical_robots_tui.tui.inspector.plots import cell, format_value
 from logical_robots_tui.tui.layout.status_line import Status, fit
 from logical_robots_tui.tui.program.lexer import LineStates, pieces, state_after
 from logical_robots_tui.wording import clip, one_line, visible

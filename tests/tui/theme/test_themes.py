@@ -12,7 +12,7 @@ from textual.theme import BUILTIN_THEMES
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.settings_screen import ThemeList
-from logical_robots_tui.tui.inspector.predicate_list import PredicateList
+from logical_robots_tui.tui.inspector.pane import PredicateList
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in, contrast, palette_of
 from tests.tui.conftest import opened
 

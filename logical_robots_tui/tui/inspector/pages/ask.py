@@ -14,8 +14,8 @@ from logical_robots_tui.game import Breakpoint, Frame, Pin
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
-from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+from logical_robots_tui.tui.inspector.table import ValueTable, row_count
+from logical_robots_tui.tui.inspector.value_tree import Branch
 from logical_robots_tui.tui.program.completion import NAMES
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import partial
-from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from textual.content import Content
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.mind import Table
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.plots import format_value, inked, radar_plot
 from logical_robots_tui.tui.inspector.questions import Questions, Survey
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked, radar_plot
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.values import Value
 from logical_robots_tui.wording import clip, one_line
@@ -51,18 +50,16 @@ class DecisionPage(Page):
 def decision_lines(
     program: Program | None, frame: Frame, robot: str, survey: Survey | None, width: int
 ) -> list[Content]:
-    number = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
-    sensor = frame.sensors[number]["sensor"]
+    at = next(i for i, row in enumerate(frame.sensors) if row["robot_name"] == robot)
+    sensor = frame.sensors[at]["sensor"]
     picture = radar_plot(sensor["radar"], _RADAR_ROWS) if width >= _ROOM_FOR_RADAR else []
     room = width - (4 * _RADAR_ROWS + 2 if picture else 0)
-    lines = [line for each in _told(program, frame, number, survey) for line in each.wrap(room)]
-    return [
-        line.pad_right(max(0, room + 2 - line.cell_length)).append(drawn)
-        if drawn is not None
-        else line
-        for line, drawn in zip_longest(lines, picture, fillvalue=None)
-        for line in (line or Content(""),)
-    ]
+    lines = [line for each in _told(program, frame, at, survey) for line in each.wrap(room)]
+    lines += [Content("")] * (len(picture) - len(lines))
+    for number, drawn in enumerate(picture):
+        gap = max(0, room + 2 - lines[number].cell_length)
+        lines[number] = lines[number].pad_right(gap).append(drawn)
+    return lines
 
 
 def _told(
@@ -115,13 +112,11 @@ def _on_the_way(program: Program | None, robot: str, survey: Survey | None) -> I
         words = f"{len(rows):,}{more} {'rows' if more or len(rows) != 1 else 'row'}"
         said = Content.styled(words, INK.dim)
         if len(rows) == 1 and not more:
-            shown = dict(zip(table.columns, rows[0], strict=True))
-            shown.pop("robot_name", None)
-            values = [
-                Content.assemble((f"{one_line(c)} ", INK.dim), inked(v, 60))
-                for c, v in shown.items()
+            pairs = zip(table.columns, rows[0], strict=True)
+            shown = [
+                ((f"{one_line(c)} ", INK.dim), inked(v, 60)) for c, v in pairs if c != "robot_name"
             ]
-            said = Content("  ").join(values) if values else said
+            said = Content("  ").join(Content.assemble(*each) for each in shown) if shown else said
         yield Content.assemble("  ", (f"{one_line(name)}  ", INK.title)).append(said)
 
 

@@ -98,8 +98,7 @@ class DiagnosisPage(Page):
     def _chosen(self, event: OptionList.OptionSelected) -> None:
         event.stop()
         if event.option_id != _START:
-            finding = self._finding(event.option_id)
-            if finding is not None:
+            if (finding := self._finding(event.option_id)) is not None:
                 self.post_message(Timeline.Pointed(finding.tick))
         elif self._worker is not None and self.is_diagnosing:
             self._worker.cancel()
@@ -119,8 +118,7 @@ class DiagnosisPage(Page):
         finding = self._finding(event.option_id)
         game = self._session.game
         if finding is not None and finding.span is not None and game is not None:
-            place = (finding.span.start, finding.span.stop)
-            self.post_message(Placed(game.program.text, place))
+            self.post_message(Placed(game.program.text, (finding.span.start, finding.span.stop)))
 
     def _finding(self, option: str | None) -> Finding | None:
         if self.found is None or option in (None, _START):

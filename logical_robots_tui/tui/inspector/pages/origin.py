@@ -13,10 +13,10 @@ from logical_robots_tui.game.debugging.origin import is_memory
 from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
+from logical_robots_tui.tui.inspector.line_views import CursorView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed
+from logical_robots_tui.tui.inspector.plots import format_value, inked
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import format_value, inked
 from logical_robots_tui.tui.layout.command_bar import CommandChosen, RobotChosen
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.tui.timeline.widget import Timeline
@@ -24,7 +24,7 @@ from logical_robots_tui.wording import count_of, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game
-    from logical_robots_tui.tui.inspector.under_cursor import Traced
+    from logical_robots_tui.tui.inspector.page import Traced
 
 _STALE = "The robots went into another future since then. {origin} on a value asks again."
 _INDENT = "    "
@@ -70,7 +70,6 @@ class LinksView(CursorView):
             self._page.point_at(self.pointed)
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
-        del x, line
         if again:
             self.action_open()
 

@@ -11,12 +11,11 @@ from textual.widgets import Static
 
 from logical_robots_tui.game import ROBOT_COLUMNS, Breakpoint, Frame, Pin, Superseded, pin_of_cell
 from logical_robots_tui.mind import QueryError, Table
-from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_value
+from logical_robots_tui.tui.inspector.plots import format_value
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
-from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_value
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
-from logical_robots_tui.tui.inspector.widgets.table import ValueTable, row_count
-from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+from logical_robots_tui.tui.inspector.table import ValueTable, row_count
+from logical_robots_tui.tui.inspector.value_tree import Branch
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from textual import events
 from textual.content import Content
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.schema import SENSOR_RANGE
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.widgets.line_views import LinesView
-from logical_robots_tui.tui.inspector.widgets.plots import BARS, OBJECT_INKS, format_value
 from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
 from logical_robots_tui.tui.layout.command_bar import RobotChosen
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
+from logical_robots_tui.values import Desire
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, RobotState
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Decision
 
 _CHOSEN = "on $row"
 
@@ -36,12 +34,17 @@ class RobotsView(LinesView):
 
     def __init__(self) -> None:
         super().__init__(id="robots")
-        self._shown: tuple[Level, Frame] | None = None
+        self._names: list[str] = []
         self._chosen: str | None = None
 
     def show(self, level: Level, frame: Frame, chosen: str | None) -> None:
-        self._shown, self._chosen = (level, frame), chosen
-        self.redraw()
+        def lines(width: int) -> list[Content]:
+            palette = palette_of(self.app.current_theme)
+            notes = [line for note in _notes(level, frame, chosen) for line in note.wrap(width)]
+            return [*_table(level, frame, width, chosen, palette), Content(""), *notes]
+
+        self._names, self._chosen = [robot.name for robot in level.robots], chosen
+        self.show_lines(lines)
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self.redraw())
@@ -50,25 +53,19 @@ class RobotsView(LinesView):
         self._post_chosen(event.y + self.scroll_offset.y - 1)
 
     def action_choose(self, down: int) -> None:
-        if self._shown is not None:
-            names = [robot.name for robot in self._shown[0].robots]
-            at = names.index(self._chosen) if self._chosen in names else -1 if down > 0 else 0
-            self._post_chosen((at + down) % len(names))
+        at = (
+            self._names.index(self._chosen)
+            if self._chosen in self._names
+            else -1
+            if down > 0
+            else 0
+        )
+        if self._names:
+            self._post_chosen((at + down) % len(self._names))
 
     def _post_chosen(self, number: int) -> None:
-        if self._shown is not None and 0 <= number < len(self._shown[0].robots):
-            self.post_message(RobotChosen(self._shown[0].robots[number].name))
-
-    def draw(self) -> None:
-        if self._shown is None:
-            return
-        width, (level, frame) = self.columns, self._shown
-        palette = palette_of(self.app.current_theme)
-        robots = _robot_lines(level, frame, width, self._chosen, palette)
-        lines = [_column_titles(level, width), *robots, Content("")]
-        for note in _notes(level, frame, self._chosen):
-            lines += note.wrap(width)
-        self.paint(lines)
+        if 0 <= number < len(self._names):
+            self.post_message(RobotChosen(self._names[number]))
 
 
 class RobotsPage(Page):
@@ -89,7 +86,7 @@ class _Robot(NamedTuple):
     state: RobotState
     sensor: Mapping[str, Any]
     memory: Any
-    decision: Decision | None
+    desire: Desire | None
 
 
 class _Column(NamedTuple):
@@ -102,26 +99,30 @@ class _Column(NamedTuple):
     right: bool = False
 
 
-def _robot_lines(
+def _table(
     level: Level, frame: Frame, width: int, chosen: str | None, palette: Palette
-) -> list[Content]:
+) -> Iterator[Content]:
+    """Yield the titles of the columns, then a line for each robot."""
     columns = _columns(level, width)
-    lines = []
-    for robot in _robots(level, frame, palette):
-        line = Content("").join(
-            _align(column.cell(robot), column.width, column.right).append(" ") for column in columns
-        )
-        lines.append(line.stylize_before(_CHOSEN) if robot.name == chosen else line)
-    return lines
+    titles = [each.title if each.right else clip(each.title, each.width) for each in columns]
+    yield _line(columns, [Content.styled(title, INK.dim) for title in titles])
+    sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
+    desires = {decision.robot_name: decision.desire for decision in frame.decisions}
+    for start, state in zip(level.robots, frame.after.robots, strict=True):
+        name, colour = start.name, robot_ink(start.color, palette)
+        memory, desire = frame.memories.get(name), desires.get(name)
+        robot = _Robot(name, colour, state, sensors[name], memory, desire)
+        line = _line(columns, [column.cell(robot) for column in columns])
+        yield line.stylize_before(_CHOSEN) if name == chosen else line
 
 
-def _column_titles(level: Level, width: int) -> Content:
-    cells = []
-    for column in _columns(level, width):
-        title = column.title if column.right else clip(column.title, column.width)
-        cell = _align(Content.styled(title, INK.dim), column.width, column.right)
-        cells.append(cell.append(" "))
-    return Content("").join(cells)
+def _line(columns: Sequence[_Column], cells: Sequence[Content]) -> Content:
+    parts = []
+    for column, cell in zip(columns, cells, strict=True):
+        missing = max(column.width - cell.cell_length, 0)
+        padded = cell.pad_left(missing) if column.right else cell.pad_right(missing)
+        parts.append(padded.truncate(column.width).append(" "))
+    return Content("").join(parts)
 
 
 def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
@@ -137,13 +138,10 @@ def _notes(level: Level, frame: Frame, chosen: str | None) -> list[Content]:
     names = [robot.name for robot in level.robots]
     if chosen is None and len(names) == 1:
         chosen = names[0]
-    if chosen in names:
-        found.append(
-            Content.assemble(
-                (f"{one_line(chosen or '')} remembers ", INK.dim),
-                (format_value(frame.memories.get(chosen or ""), 4000), INK.text),
-            )
-        )
+    if chosen is not None and chosen in names:
+        words = format_value(frame.memories.get(chosen), 4000)
+        who = f"{one_line(chosen)} remembers "
+        found.append(Content.assemble((who, INK.dim), (words, INK.text)))
     return found
 
 
@@ -162,22 +160,6 @@ def _bar(ray: Mapping[str, Any]) -> str:
     return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
 
 
-def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
-    sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
-    decisions = {decision.robot_name: decision for decision in frame.decisions}
-    return [
-        _Robot(
-            robot.name,
-            robot_ink(robot.color, palette),
-            state,
-            sensors[robot.name],
-            frame.memories.get(robot.name),
-            decisions.get(robot.name),
-        )
-        for robot, state in zip(level.robots, frame.after.robots, strict=True)
-    ]
-
-
 def _columns(level: Level, width: int) -> list[_Column]:
     longest = max(len(one_line(robot.name)) for robot in level.robots)
     columns = [
@@ -192,17 +174,12 @@ def _columns(level: Level, width: int) -> list[_Column]:
     ]
     if any(robot.has_battery for robot in level.robots):
         columns.append(_Column("charge", 6, 5, _charge, right=True))
-    while len(columns) > 1 and _total(columns) > width:
+    while (room := width - sum(each.width + 1 for each in columns)) < 0 and len(columns) > 1:
         last = max(column.rank for column in columns)
         columns = [column for column in columns if column.rank != last]
-    rest = width - _total(columns) - 2
-    if rest >= 14:
-        columns.append(_Column(" memory", rest, 7, lambda robot: _memory(robot, rest)))
+    if room >= 16:
+        columns.append(_Column(" memory", room - 2, 7, lambda robot: _memory(robot, room - 3)))
     return columns
-
-
-def _total(columns: list[_Column]) -> int:
-    return sum(column.width + 1 for column in columns)
 
 
 def _name(robot: _Robot) -> Content:
@@ -232,10 +209,9 @@ def _front(robot: _Robot) -> Content:
 
 
 def _engine(robot: _Robot, side: str) -> Content:
-    desire = robot.decision.desire if robot.decision else None
-    if desire is None:
+    value: float | None = getattr(robot.desire, side, None)
+    if value is None:
         return Content.styled("-", INK.dim)
-    value: float = getattr(desire, side)
     text = f"{value:.2f}" if abs(value) < 100 else f"{value:.0e}"
     return Content.styled(text, INK.number if -1 <= value <= 1 else INK.warn)
 
@@ -249,14 +225,8 @@ def _charge(robot: _Robot) -> Content:
 
 
 def _memory(robot: _Robot, width: int) -> Content:
-    return Content.styled(f" {format_value(robot.memory, width - 1)}", INK.dim)
+    return Content.styled(f" {format_value(robot.memory, width)}", INK.dim)
 
 
 def _number(value: float) -> Content:
     return Content.styled(f"{value:.0f}", INK.text)
-
-
-def _align(content: Content, width: int, right: bool = False) -> Content:
-    missing = " " * max(width - content.cell_length, 0)
-    padded = Content(missing).append(content) if right else content.append(missing)
-    return padded if padded.cell_length <= width else padded.truncate(width)

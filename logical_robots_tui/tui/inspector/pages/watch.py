@@ -13,11 +13,10 @@ from textual.worker import Worker
 from logical_robots_tui.game import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.page import Page, PageEntry
+from logical_robots_tui.tui.inspector.line_views import CursorView
+from logical_robots_tui.tui.inspector.page import Page, PageEntry, Traced, traced_pin
+from logical_robots_tui.tui.inspector.plots import Sample, inked, scale, sparkline
 from logical_robots_tui.tui.inspector.questions import MOST_ROBOTS, Questions
-from logical_robots_tui.tui.inspector.under_cursor import Traced, traced_pin
-from logical_robots_tui.tui.inspector.widgets.line_views import CursorView
-from logical_robots_tui.tui.inspector.widgets.plots import Sample, inked, scale, sparkline
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.theme.themes import INK
@@ -26,7 +25,7 @@ from logical_robots_tui.wording import clip, one_line
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin, Reading
-    from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+    from logical_robots_tui.tui.inspector.value_tree import Branch
 
 _NOTHING = (
     "Nothing is pinned. {pin} pins the selected predicate, the value under the cursor, or the "
@@ -55,29 +54,23 @@ class WatchView(CursorView):
         super().__init__(id="watch")
         self.ticks = range(0)
         self._page, self._samples = page, page.samples
-        self._pins: list[Pin] = []
+        self.pins: tuple[Pin, ...] = ()
         self._readings: Mapping[Pin, Reading] = {}
         self._tick = 0
         self._plain = False
 
     @property
-    def pins(self) -> tuple[Pin, ...]:
-        return tuple(self._pins)
-
-    @property
     def pointed(self) -> Pin | None:
-        return self._pins[self._at] if self._pins else None
+        return self.pins[self._at] if self.pins else None
 
     @property
     def room(self) -> int:
         return max(1, self.columns - _INDENT - _SCALE)
 
     def toggle(self, pin: Pin) -> bool:
-        is_new = pin not in self._pins
-        if is_new:
-            self._pins.append(pin)
-        else:
-            self._pins.remove(pin)
+        is_new = pin not in self.pins
+        others = tuple(each for each in self.pins if each != pin)
+        self.pins = (*others, pin) if is_new else others
         self.redraw()
         return is_new
 
@@ -92,15 +85,14 @@ class WatchView(CursorView):
             self.post_message(Page.Changed())
 
     def clicked(self, x: int, line: int, *, again: bool) -> None:
-        del again
         place = x - _INDENT
         if line and 0 <= place < len(self.ticks):
             self.post_message(Timeline.Pointed(self.ticks[place]))
 
     def action_change(self, way: int) -> None:
-        if not self._pins:
+        if self.pointed is None:
             return
-        samples = self._samples.of(self._pins[self._at], self.ticks)
+        samples = self._samples.of(self.pointed, self.ticks)
         known = {tick: sample for tick, sample in zip(self.ticks, samples, strict=True) if sample}
         tick = self._tick
         while tick + way in known:
@@ -111,29 +103,27 @@ class WatchView(CursorView):
             self.post_message(Timeline.Pointed(tick))
 
     def action_open(self) -> None:
-        if self._pins:
-            self.post_message(Page.Opened(self._pins[self._at].predicate))
+        if self.pointed is not None:
+            self.post_message(Page.Opened(self.pointed.predicate))
 
     def action_remove(self) -> None:
-        if self._pins:
-            self.toggle(self._pins[self._at])
+        if self.pointed is not None:
+            self.toggle(self.pointed)
 
     def draw(self) -> None:
-        if self._pins and self.ticks:
+        if self.pins and self.ticks:
             words = f"{with_keys(_KEYS)}  ticks {self.ticks[0]} to {self.ticks[-1]}"
             after = [Content(""), Content.styled(clip(words, self.columns), INK.dim)]
         else:
             after = Content.styled(with_keys(_NOTHING), INK.dim).wrap(self.columns)
-        self.paint_items([(self._value(pin), self._plot(pin)) for pin in self._pins], after)
+        self.paint_items([(self._value(pin), self._plot(pin)) for pin in self.pins], after)
 
     def _value(self, pin: Pin) -> Content:
-        reading = self._readings.get(pin)
-        if reading is None:
-            value = Content("")
-        elif reading.problem:
-            value = Content.styled(clip(one_line(reading.problem), self.columns // 2), INK.warn)
-        else:
-            value = Content.styled(*inked(reading.value, self.columns // 2))
+        reading, half = self._readings.get(pin), self.columns // 2
+        value = Content("")
+        if reading is not None:
+            said = clip(one_line(reading.problem), half), INK.warn
+            value = Content.styled(*(said if reading.problem else inked(reading.value, half)))
         room = max(1, self.columns - value.cell_length - 1)
         name = Content.styled(one_line(pin.words), INK.text).truncate(room, ellipsis=True)
         return name.pad_right(room + 1 - name.cell_length).append(value)
@@ -162,7 +152,7 @@ def _window(before: range, width: int, tick: int, last: int) -> range:
     return range(max(0, stop - width), stop)
 
 
-class PinHistory:
+class _PinHistory:
     """Reads pins at ticks; caches the values until the program or the run changes."""
 
     def __init__(self, questions: Questions) -> None:
@@ -212,7 +202,7 @@ class WatchPage(Page):
     view: WatchView
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        self.samples = PinHistory(questions)
+        self.samples = _PinHistory(questions)
         super().__init__(entry, questions, WatchView(self))
         self._shown: tuple[int, Mapping[Pin, Reading]] = 0, {}
         self._is_reading = False

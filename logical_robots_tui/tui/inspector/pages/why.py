@@ -18,12 +18,11 @@ from logical_robots_tui.game import Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE
 from logical_robots_tui.tui.app.ui import in_background
-from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed, Sighted
+from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed, Sighted, Traced
+from logical_robots_tui.tui.inspector.plots import format_value
+from logical_robots_tui.tui.inspector.proof import WhyView
 from logical_robots_tui.tui.inspector.questions import Questions
-from logical_robots_tui.tui.inspector.under_cursor import Traced
-from logical_robots_tui.tui.inspector.widgets.plots import format_value
-from logical_robots_tui.tui.inspector.widgets.proof_view import WhyView
-from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
+from logical_robots_tui.tui.inspector.value_tree import Branch
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
 from logical_robots_tui.tui.layout.dialogs import Prompt
 from logical_robots_tui.tui.theme.themes import INK
@@ -137,10 +136,9 @@ class WhyPage(Page):
         program = self._questions.program
         columns = {program.label(asked.predicate, column): column for column in asked.given}
         values = {node.text.split(":")[0]: node.values[0] for node in own if len(node.values) == 1}
-        given = {columns.get(label, label): value for label, value in values.items()}
+        own_given = {columns.get(label, label): value for label, value in values.items()}
         label = line.text.split(":")[0]
-        here = columns.get(label, label)
-        given = {**asked.given, **given}
+        here, given = columns.get(label, label), {**asked.given, **own_given}
         if here not in (VALUE, "value"):  # with other arguments a function has another value
             given.pop(VALUE, None)
         return replace(asked, given=given), here
@@ -184,12 +182,9 @@ class WhyPage(Page):
         except (QueryError, Superseded):
             return
         if misses and self._answered is question:
-            nodes = (
-                Node("note", each.text, f"rule in line {rule}", span=each.span)
-                for rule, each in misses
-            )
+            notes = [Node("note", m.text, f"rule in line {at}", span=m.span) for at, m in misses]
             said = "This change" if len(misses) == 1 else "Each of these changes"
-            head = Node("note", f"{said} would give a row", children=tuple(nodes))
+            head = Node("note", f"{said} would give a row", children=tuple(notes))
             self._show_nodes(question, (*self._roots, head), ())
 
     def _show(self, question: _Question, found: Explanation, roots: Sequence[Node]) -> None:
@@ -343,10 +338,8 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
     for row in sorted(frame.sensors, key=lambda row: row["robot_name"] != robot):
         for ray in row["sensor"]["radar"]:
             # SQLite may change the last digits of an angle.
-            if isclose(node.ray, ray["angle"], abs_tol=1e-9) and value == {
-                **ray,
-                "angle": node.ray,
-            }:
+            is_at = isclose(node.ray, ray["angle"], abs_tol=1e-9)
+            if is_at and value == {**ray, "angle": node.ray}:
                 return Highlight(row["robot_name"], ray["angle"])
     return None
 
@@ -354,9 +347,7 @@ def sight(node: Node, robot: str, frame: Frame) -> Highlight | None:
 class ValuesPrompt(Prompt[Ask]):
     """Returns a question with other values; the one in `column` is selected at first."""
 
-    DEFAULT_CSS = """
-    ValuesPrompt > #box { max-width: 100; }
-    """
+    DEFAULT_CSS = "ValuesPrompt > #box { max-width: 100; }"
 
     keys = "enter ask why   esc close"
 

@@ -1,4 +1,4 @@
-"""Cells with text and colours, and the strips that show them."""
+"""Cells with text and colours: fitted to dots, written to, compared, and turned into strips."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from rich.style import Style
 from textual.color import Color, ColorParseError
 from textual.strip import Strip
 
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -22,27 +24,27 @@ RGB: TypeAlias = tuple[int, int, int]
 
 
 class Palette(NamedTuple):
-    """All colours that don't come from the level.
+    """All colours that don't come from the level, by default the dark ones.
 
     If `light`, sensors darken the floor, as ink does. `rim` is the lit edge of walls, `plate`
     behind names, `dead` for robots without charge, `alarm` for blocked ones.
     """
 
-    light: bool
-    void: RGB
-    floor: RGB
-    grid: RGB
-    rock: RGB
-    rim: RGB
-    beacon: RGB
-    charger: RGB
-    plate: RGB
-    bright: RGB
-    hit_wall: RGB
-    hit_beacon: RGB
-    hit_robot: RGB
-    dead: RGB
-    alarm: RGB
+    light: bool = False
+    void: RGB = (8, 8, 12)
+    floor: RGB = (12, 16, 24)
+    grid: RGB = (21, 24, 36)
+    rock: RGB = (29, 33, 45)
+    rim: RGB = (98, 114, 164)
+    beacon: RGB = (255, 214, 102)
+    charger: RGB = (94, 234, 212)
+    plate: RGB = (12, 14, 20)
+    bright: RGB = (244, 246, 252)
+    hit_wall: RGB = (255, 107, 107)
+    hit_beacon: RGB = (126, 231, 135)
+    hit_robot: RGB = (121, 184, 255)
+    dead: RGB = (128, 132, 140)
+    alarm: RGB = (255, 92, 92)
 
     def legible(self, colour: RGB) -> RGB:
         seen = luminance(colour)
@@ -54,24 +56,7 @@ class Palette(NamedTuple):
         return mix(self.bright, self.legible(colour), 0.55)
 
 
-DARK = Palette(
-    light=False,
-    void=(8, 8, 12),
-    floor=(12, 16, 24),
-    grid=(21, 24, 36),
-    rock=(29, 33, 45),
-    rim=(98, 114, 164),
-    beacon=(255, 214, 102),
-    charger=(94, 234, 212),
-    plate=(12, 14, 20),
-    bright=(244, 246, 252),
-    hit_wall=(255, 107, 107),
-    hit_beacon=(126, 231, 135),
-    hit_robot=(121, 184, 255),
-    dead=(128, 132, 140),
-    alarm=(255, 92, 92),
-)
-
+DARK = Palette()
 LIGHT = Palette(
     light=True,
     void=(222, 225, 231),
@@ -86,7 +71,6 @@ LIGHT = Palette(
     hit_wall=(200, 36, 36),
     hit_beacon=(24, 128, 44),
     hit_robot=(20, 96, 200),
-    dead=(128, 132, 140),
     alarm=(200, 30, 30),
 )
 
@@ -179,21 +163,6 @@ class Cells:
         paper = int(self.tone[row, column]) if paper < 0 else paper
         self.style[row, column] = ink << 24 | paper | (BOLD if bold else 0)
 
-    def put_all(
-        self,
-        rows: NDArray[np.int64],
-        columns: NDArray[np.int64],
-        texts: NDArray[np.int64],
-        inks: NDArray[np.int64],
-        bold: NDArray[np.int64] | int,
-    ) -> None:
-        """Write texts of width 1 onto the tones of cells; the last one in a cell stays.
-
-        All arrays have the shape (n,); inks are 0xRRGGBB, `bold` is `BOLD` for all or some, else 0.
-        """
-        self.text[rows, columns] = texts
-        self.style[rows, columns] = inks << 24 | self.tone[rows, columns] | bold
-
     def changes(self, earlier: Cells) -> list[tuple[int, int, int]]:
         """Return (row, first column, column after the last) of changes; all for another shape."""
         if self.text.shape != earlier.text.shape:
@@ -260,3 +229,87 @@ def _style_of(packed: int) -> Style:
 @lru_cache(maxsize=8192)
 def colour_of(number: int) -> RichColor:
     return RichColor.from_rgb(number >> 16, number >> 8 & 0xFF, number & 0xFF)
+
+
+def _sextant(pattern: int) -> str:
+    """Return the block for six dots; four blocks predate Unicode's sextants."""
+    had = {0: " ", 21: "▌", 42: "▐", 63: "█"}
+    return had.get(pattern) or chr(0x1FAFF + pattern - (pattern > 21) - (pattern > 42))
+
+
+BLOCKS = {6: "".join(map(_sextant, range(64))), 4: " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█", 2: " ▀▄█", 1: " "}
+"""For a number of dots in a cell the character of each pattern; bit i is dot i, row by row."""
+
+_FLAT = 40.0  # squared error, summed over the dots, below which a cell is given one colour only
+
+
+def split(image: NDArray[np.uint8], across: int, down: int) -> NDArray[np.uint8]:
+    """Return each cell's dots, (cells, down * across, 3), in reading order.
+
+    The image has the shape (rows * down, columns * across, 3).
+    """
+    rows, columns = image.shape[0] // down, image.shape[1] // across
+    cells = image.reshape(rows, down, columns, across, 3).swapaxes(1, 2)
+    return cells.reshape(rows * columns, down * across, 3)
+
+
+def pack(colour: Floats) -> NDArray[np.int64]:
+    """Pack colours of shape (..., 3) as 0xRRGGBB, rounded to steps of 4."""
+    steps = (colour + 2).astype(np.int64) & 0xFC
+    packed: NDArray[np.int64] = steps[..., 0] << 16 | steps[..., 1] << 8 | steps[..., 2]
+    return packed
+
+
+def fit(dots: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Divide each cell's dots, (cells, dots of a cell, 3), into the two best colour groups.
+
+    Returns an index into ``BLOCKS``, ink (lighter) and paper (darker) per cell; blank for about
+    one colour.
+    """
+    cells, count, _ = dots.shape
+    by_dot = dots.transpose(1, 0, 2).reshape(count, cells * 3).astype(np.float32)
+    total = by_dot.sum(axis=0).reshape(cells, 3)
+    mean = total / count
+    if count == 1 or not cells:
+        return np.zeros(cells, np.int64), mean, mean
+
+    # All ways to split the dots in two, and for each a row of its members.
+    patterns = np.arange(1, 2**count - 1, 2, dtype=np.int64)
+    members = (patterns[:, None] >> np.arange(count) & 1).astype(np.float32)
+    sizes = members.sum(axis=1)[:, None]
+    sums = (members @ by_dot).reshape(len(patterns), cells, 3)
+    rest = total - sums
+    # What a colour explains is the squared sum over the number of its dots.
+    explained = (sums * sums).sum(axis=2) / sizes + (rest * rest).sum(axis=2) / (count - sizes)
+    best = explained.argmax(axis=0)
+    every = np.arange(cells)
+    flat = explained[best, every] - (total * total).sum(axis=1) / count < _FLAT
+
+    size = sizes[best]
+    ink, paper, pattern = (
+        sums[best, every] / size,
+        rest[best, every] / (count - size),
+        patterns[best],
+    )
+    swap = (ink - paper) @ _BRIGHTNESS < 0
+    ink[swap], paper[swap] = paper[swap], ink[swap]
+    pattern[swap] ^= 2**count - 1
+    pattern[flat] = 0
+    ink[flat] = paper[flat] = mean[flat]
+    return pattern, ink, paper
+
+
+_BRIGHTNESS = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
+
+
+_BLOCK_IDS = {
+    count: np.array([text_id(char) for char in chars], np.int64) for count, chars in BLOCKS.items()
+}
+
+
+def refit(cells: Cells, dots: NDArray[np.uint8], which: NDArray[np.int64]) -> None:
+    """Fit some cells, by number in reading order, anew in place; `dots` is of all."""
+    pattern, ink, paper = fit(dots[which])
+    cells.text.ravel()[which] = _BLOCK_IDS[dots.shape[1]][pattern]
+    cells.style.ravel()[which] = pack(ink) << 24 | pack(paper)
+    cells.tone.ravel()[which] = pack(dots[which].mean(axis=1, dtype=np.float32))

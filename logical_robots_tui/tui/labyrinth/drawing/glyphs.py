@@ -1,4 +1,4 @@
-"""How a labyrinth is drawn: its characters, and the choices that a player has."""
+"""How a labyrinth is drawn: its characters, the choices that a player has, and on what."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import DARK, RGB, Palette
+from logical_robots_tui.tui.labyrinth.drawing.cells import DARK, RGB, Cells, Palette, rgb_number
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Viewport
 
 
 class Drawing(Enum):
@@ -49,20 +50,20 @@ class GlyphSet(NamedTuple):
         thread: A cell that a trail or a ray goes through, where it is not drawn in braille.
     """
 
-    headings: str
-    dead: str
-    blocked: str
-    undecided: str
-    beacon: str
-    charger: str
-    goal: str
-    hit_wall: str
-    hit_wall_near: str
-    hit_beacon: str
-    hit_robot: str
-    thread: str
-    cut: str
-    unknown: str
+    headings: str = "→↘↓↙←↖↑↗"
+    dead: str = "✕"
+    blocked: str = "!"
+    undecided: str = "?"
+    beacon: str = "◆"
+    charger: str = "↯"
+    goal: str = "⚑"
+    hit_wall: str = "·"
+    hit_wall_near: str = "\N{MULTIPLICATION SIGN}"
+    hit_beacon: str = "◇"
+    hit_robot: str = "•"
+    thread: str = "·"
+    cut: str = "…"
+    unknown: str = "□"
 
     def heading(self, angle: float) -> str:
         """Return the arrow nearest to a heading in radians, clockwise from the right."""
@@ -72,28 +73,10 @@ class GlyphSet(NamedTuple):
         return self.headings[round(angle / (2 * math.pi) * count) % count]
 
 
-UNICODE = GlyphSet(
-    headings="→↘↓↙←↖↑↗",
-    dead="✕",
-    blocked="!",
-    undecided="?",
-    beacon="◆",
-    charger="↯",
-    goal="⚑",
-    hit_wall="·",
-    hit_wall_near="\N{MULTIPLICATION SIGN}",
-    hit_beacon="◇",
-    hit_robot="•",
-    thread="·",
-    cut="…",
-    unknown="□",
-)
-
+UNICODE = GlyphSet()
 ASCII = GlyphSet(
     headings=">v<^",
     dead="X",
-    blocked="!",
-    undecided="?",
     beacon="*",
     charger="$",
     goal="@",
@@ -171,3 +154,27 @@ class Look:
     selected: str | None = None
     highlight: Highlight | None = None
     pulse: int = 0
+
+    @property
+    def glyphs(self) -> GlyphSet:
+        return self.drawing.glyphs
+
+    @property
+    def is_plain(self) -> bool:
+        return self.drawing is Drawing.ASCII
+
+
+class Canvas(NamedTuple):
+    """Cells to draw on, the part of the map that they show, and how it is drawn."""
+
+    cells: Cells
+    view: Viewport
+    look: Look
+
+    def put(
+        self, cell: tuple[int, int] | None, sign: str, ink: RGB, paper: RGB | None = None
+    ) -> None:
+        """Write a bold sign into a (row, column), if there is one; by default on its tone."""
+        if cell is not None:
+            behind = -1 if paper is None else rgb_number(paper)
+            self.cells.put(*cell, sign, rgb_number(ink), behind, bold=True)

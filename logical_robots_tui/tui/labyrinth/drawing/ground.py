@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+import math
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from logical_robots_tui.tui.labyrinth.drawing.cells import RGB, Palette, parse
-from logical_robots_tui.tui.labyrinth.drawing.discs import area_weights, blend
-from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster
-from logical_robots_tui.world.level import Beacon, Level
+from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Raster, Window
+from logical_robots_tui.world.level import Area, Beacon, Level
 from logical_robots_tui.world.sensing import BEACON_RADIUS
 
 if TYPE_CHECKING:
@@ -35,14 +35,28 @@ class Ground:
     reflectance: Floats
     kinds: NDArray[np.uint8]
 
+    def repaint(
+        self, raster: Raster, changed: tuple[int, int, int, int], paint: Callable[[Raster], Ground]
+    ) -> Window | None:
+        """Repaint what walls changed in (left, right, top, bottom) affect; return it, if seen."""
+        left, right, top, bottom = changed
+        reach = _far_reach(raster)
+        window = raster.window(left - reach, right + reach, top - reach, bottom + reach)
+        if window is not None:
+            part = paint(raster.only(window))
+            self.image[window] = part.image
+            self.reflectance[window] = part.reflectance
+            self.kinds[window] = part.kinds
+        return window
+
 
 def draw_ground(
     level: Level,
     walls: WallTable,
     active: Sequence[bool],
-    raster: Raster,
     palette: Palette,
-    switched: Container[int] = (),
+    switched: Container[int],
+    raster: Raster,
 ) -> Ground:
     """Paint the static layer; `active` is by area, `switched` has numbers just switched."""
     # Emphasise low coverage, so that thin walls stay visible.
@@ -57,7 +71,7 @@ def draw_ground(
 
     kinds = np.where(rock >= 0.55, _WALL, _FLOOR).astype(np.uint8)
     for number, (area, is_active) in enumerate(zip(level.areas, active, strict=False)):
-        found = area_weights(raster, area, is_active, flash=number in switched)
+        found = _area_weights(raster, area, is_active, flash=number in switched)
         if found is None:
             continue
         window, disc, edge = found
@@ -76,30 +90,53 @@ def draw_ground(
     return Ground(image, (1 - rock + 1.1 * rim) * inside, kinds)
 
 
-def redraw_ground(
-    ground: Ground,
-    level: Level,
-    walls: WallTable,
-    changed: tuple[int, int, int, int],
-    active: Sequence[bool],
-    raster: Raster,
-    palette: Palette,
-    switched: Container[int] = (),
-) -> tuple[slice, slice] | None:
-    """Repaint walls changed in (left, right, top, bottom); return dots (down, across) or None."""
-    left, right, top, bottom = changed
-    reach = _far_reach(raster)
-    window = raster.window(left - reach, right + reach, top - reach, bottom + reach)
-    if window is not None:
-        part = draw_ground(level, walls, active, raster.only(window), palette, switched)
-        ground.image[window] = part.image
-        ground.reflectance[window] = part.reflectance
-        ground.kinds[window] = part.kinds
-    return window
-
-
 def beacon_colour(beacon: Beacon, palette: Palette) -> RGB:
     return palette.charger if beacon.charging_station else palette.beacon
+
+
+def blend(image: Floats, window: Window, colour: RGB, weights: Floats) -> None:
+    """Mix a colour into part of an image; weights are 0 to 1, one per dot."""
+    part = image[window]
+    part += (np.array(colour, np.float32) - part) * weights[..., None]
+
+
+def _area_weights(
+    raster: Raster, area: Area, active: bool, *, flash: bool = False
+) -> tuple[Window, Floats, Floats] | None:
+    """Return a window of dots, and an area's disc and rim weights there; None out of sight."""
+    radius = min(abs(area.radius), 1e6)
+    around = raster.around(area.x, area.y, radius)
+    if around is None:
+        return None
+    window, dx, dy = around
+    distance = np.hypot(dx, dy)
+    dot = raster.dot
+    disc = np.clip((radius - distance) / dot + 0.5, 0, 1)
+
+    thick = max(1.2 * dot, 1.5)
+    rim = np.clip((thick / 2 - np.abs(distance - radius + thick / 2)) / dot + 0.5, 0, 1)
+    if flash:
+        rim = np.clip((2 * thick - np.abs(distance - radius + thick)) / dot + 0.5, 0, 1)
+        return window, disc * (0.5 if active else 0.3), rim * 1.0
+    if not active:
+        dashes = max(round(2 * math.pi * radius / (6 * dot)), 4)
+        rim *= np.sin(np.arctan2(dy, dx) * dashes) > 0
+        return window, disc * 0.07, rim * 0.42
+
+    if area.impenetrable:
+        # Stripes are fixed to the map, so that they don't crawl when the view moves.
+        period = max(6.0, 6 * dot)
+        x, y = raster.x[window[1]][None, :], raster.y[window[0]][:, None]
+        striped = (x + y) / period % 1 < 0.5
+        disc *= np.where(striped, 0.62, 0.34).astype(np.float32)
+        return window, disc, rim * 0.95
+    if area.victory_robots:
+        inner = radius - 3 * thick
+        second = np.clip((thick / 2 - np.abs(distance - inner)) / dot + 0.5, 0, 1)
+        if inner > 3 * dot:
+            rim = np.maximum(rim, second * 0.55)
+        return window, disc * 0.26, rim * 0.95
+    return window, disc * 0.22, rim * 0.8
 
 
 def _rim(walls: WallTable, raster: Raster, rock: Floats) -> Floats:
@@ -126,10 +163,9 @@ def _grid(raster: Raster) -> Floats:
 
 def _glow(image: Floats, raster: Raster, beacon: Beacon, colour: RGB) -> None:
     size = max(BEACON_RADIUS, 1.1 * raster.dot)
-    reach = 2.2 * size
-    window = raster.window(beacon.x - reach, beacon.x + reach, beacon.y - reach, beacon.y + reach)
-    if window is not None:
-        dx, dy = raster.offsets(window, beacon.x, beacon.y)
+    around = raster.around(beacon.x, beacon.y, 2.2 * size)
+    if around is not None:
+        window, dx, dy = around
         distance = np.hypot(dx, dy) / size
         blend(image, window, colour, 0.62 * np.exp(-1.4 * distance * distance))
 
@@ -141,21 +177,13 @@ class WallTable:
     """Sums of walls over rectangles by a summed-area table (Crow, SIGGRAPH 1984)."""
 
     def __init__(self, walls: NDArray[np.bool_]) -> None:
-        height, width = walls.shape
         self._walls = walls
+        self.height, self.width = height, width = walls.shape
         # Walls to the left and above: in the bands above, and in the band itself.
         self._above: NDArray[np.int32] = np.zeros((height // _BAND + 1, width + 1), np.int32)
         self._within: NDArray[np.int32] = np.zeros((height + 1, width + 1), np.int32)
         for start in range(0, height, _BAND):
             self._sum(start)
-
-    @property
-    def width(self) -> int:
-        return len(self._walls[0])
-
-    @property
-    def height(self) -> int:
-        return len(self._walls)
 
     def change(self, walls: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
         """Replace walls of the same size; return (left, right, top, bottom) of changes, or None."""

@@ -15,13 +15,13 @@ from logical_robots_tui.tui.labyrinth.drawing.cells import (
     RGB,
     Cells,
     Palette,
+    luminance,
     mix,
     parse,
     rgb_number,
     text_id,
 )
-from logical_robots_tui.tui.labyrinth.drawing.discs import body_rows, shows_body, text_on
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, Look
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Drawing, Look
 from logical_robots_tui.tui.labyrinth.drawing.ground import beacon_colour
 from logical_robots_tui.tui.labyrinth.drawing.rays import Fan, mark_ends
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats, Viewport
@@ -96,15 +96,15 @@ class Label(NamedTuple):
                 yield row, column
 
 
-class FreeCells:
+class _FreeCells:
     """The cells that are free for names: one integer per row, with one bit per cell."""
 
     def __init__(self, rows: int, columns: int) -> None:
         self._taken = [0] * rows
         self._columns = columns
 
-    def copy(self) -> FreeCells:
-        other = FreeCells(0, self._columns)
+    def copy(self) -> _FreeCells:
+        other = _FreeCells(0, self._columns)
         other._taken = self._taken.copy()
         return other
 
@@ -147,10 +147,10 @@ class StaticLabels:
     def __init__(
         self, level: Level, active: Sequence[bool], viewport: Viewport, look: Look, ground: Floats
     ) -> None:
-        palette, glyphs = look.palette, look.drawing.glyphs
-        self.room = FreeCells(viewport.rows, viewport.columns)
+        palette, glyphs = look.palette, look.glyphs
+        self.room = _FreeCells(viewport.rows, viewport.columns)
         """The cells that the symbols of beacons leave free."""
-        shining: list[tuple[int, int, str, RGB]] = []
+        shining: list[tuple[tuple[int, int], str, RGB]] = []
         named: list[tuple[int, str, RGB, tuple[int, int], bool]] = []
         for beacon in level.beacons:
             cell = viewport.cell(beacon.x, beacon.y)
@@ -158,7 +158,7 @@ class StaticLabels:
                 continue
             colour = beacon_colour(beacon, palette)
             glyph = glyphs.charger if beacon.charging_station else glyphs.beacon
-            shining.append((*cell, glyph, colour))
+            shining.append((cell, glyph, colour))
             self.room.take(cell[0], cell[1], cell[1] + 1)
             named.append((1, beacon.name, mix(colour, palette.bright, 0.25), cell, False))
         for area, is_active in zip(level.areas, active, strict=False):
@@ -172,9 +172,9 @@ class StaticLabels:
                 colour = mix(colour, palette.floor, 0.45)
             named.append((0 if goal else 2, name, colour, cell, True))
 
-        self._rows = np.array([row for row, _, _, _ in shining], np.int64)
-        self._columns = np.array([column for _, column, _, _ in shining], np.int64)
-        self._texts = np.array([text_id(glyph) for _, _, glyph, _ in shining], np.int64)
+        rows, columns = np.array([cell for cell, _, _ in shining], np.int64).reshape(-1, 2).T
+        self._places = rows, columns
+        self._texts = np.array([text_id(glyph) for _, glyph, _ in shining], np.int64)
         towards = palette.bright, palette.floor
         self._inks = [
             np.array(
@@ -194,8 +194,9 @@ class StaticLabels:
                 self.plates.append((plate, rgb_number(colour) << 24 | rgb_number(paper), place))
 
     def light(self, cells: Cells, pulse: int) -> None:
-        inks = self._inks[pulse % len(_PULSE)]
-        cells.put_all(self._rows, self._columns, self._texts, inks, BOLD)
+        inks, places = self._inks[pulse % len(_PULSE)], self._places
+        cells.text[places] = self._texts
+        cells.style[places] = inks << 24 | cells.tone[places] | BOLD
 
     def follow_ground(self, look: Look, ground: Floats, window: tuple[slice, slice]) -> None:
         down, across = look.drawing.dots[1], look.drawing.dots[0]
@@ -219,28 +220,27 @@ class StaticLabels:
 
 
 def draw_labels(
-    cells: Cells,
+    canvas: Canvas,
     still: StaticLabels,
     robots: Sequence[tuple[RobotState, RGB]],
     undecided: Container[str],
     fans: Sequence[Fan],
-    viewport: Viewport,
-    look: Look,
 ) -> None:
     """Draw symbols and names over a picture; the most important robots come last."""
+    cells, view, look = canvas
     if look.marks:
-        mark_ends(cells, fans, robots, viewport, look)
+        mark_ends(canvas, fans, robots)
     still.light(cells, look.pulse)
     room = still.room.copy()
-    clear = body_rows(viewport)
+    clear = view.body_rows
     placed = []
     for robot, colour in robots:
-        cell = viewport.cell(robot.x, robot.y)
+        cell = view.cell(robot.x, robot.y)
         if cell is None:
             continue
-        placed.append((robot, colour, cell))
         sign = _trouble(robot, undecided, look)
-        _put_robot(cells, robot, sign, colour, cell, viewport, look)
+        placed.append((robot, sign, colour, cell))
+        _put_robot(canvas, robot, sign, colour, cell)
         for row in range(cell[0] - clear, cell[0] + clear + 1):
             room.take(row, cell[1] - 2 * clear, cell[1] + 2 * clear + 1)
 
@@ -251,12 +251,10 @@ def draw_labels(
             write(cells, row, column, plate.cells, style)
         else:
             moved.append((plate, style))
-    is_crowd = _NAMES_AT_MOST * sum(len(robot.name) + 1 for robot, _, _ in placed) > cells.text.size
-    for robot, colour, cell in reversed(placed):
-        if is_crowd and robot.name != look.selected:
-            continue
-        sign = _trouble(robot, undecided, look)
-        _put_robot_name(cells, room, robot, sign, colour, cell, viewport, look)
+    is_crowd = _NAMES_AT_MOST * sum(len(each[0].name) + 1 for each in placed) > cells.text.size
+    for robot, sign, colour, cell in reversed(placed):
+        if robot.name == look.selected or not is_crowd:
+            _put_robot_name(canvas, room, robot, sign, colour, cell)
     for plate, style in moved:
         place = room.place(plate)
         if place:
@@ -264,67 +262,54 @@ def draw_labels(
 
 
 def _trouble(robot: RobotState, undecided: Container[str], look: Look) -> str:
-    glyphs = look.drawing.glyphs
     if robot.dead:
-        return glyphs.dead
+        return look.glyphs.dead
     if robot.name in undecided:
-        return glyphs.undecided
-    return glyphs.blocked if robot.blocked else ""
+        return look.glyphs.undecided
+    return look.glyphs.blocked if robot.blocked else ""
 
 
 def _put_robot(
-    cells: Cells,
-    robot: RobotState,
-    sign: str,
-    colour: RGB,
-    cell: tuple[int, int],
-    viewport: Viewport,
-    look: Look,
+    canvas: Canvas, robot: RobotState, sign: str, colour: RGB, cell: tuple[int, int]
 ) -> None:
-    glyphs, palette = look.drawing.glyphs, look.palette
-    plain = look.drawing is Drawing.ASCII
-    glyph = glyphs.dead if robot.dead else glyphs.heading(robot.angle)
-    if not plain and shows_body(viewport):
+    look = canvas.look
+    glyph = look.glyphs.dead if robot.dead else look.glyphs.heading(robot.angle)
+    if not look.is_plain and canvas.view.shows_bodies:
         if not sign:
             return
         glyph = sign
         if not robot.dead:
-            colour = palette.alarm
-    elif robot.name != look.selected if plain else sign and not robot.dead:
-        cells.put(*cell, glyph, rgb_number(colour), rgb_number(palette.floor), bold=True)
+            colour = look.palette.alarm
+    elif robot.name != look.selected if look.is_plain else sign and not robot.dead:
+        canvas.put(cell, glyph, colour, look.palette.floor)
         return
-    cells.put(*cell, glyph, rgb_number(text_on(colour)), rgb_number(colour), bold=True)
+    canvas.put(cell, glyph, _text_on(colour), colour)
 
 
 def _put_robot_name(
-    cells: Cells,
-    room: FreeCells,
+    canvas: Canvas,
+    room: _FreeCells,
     robot: RobotState,
     sign: str,
     colour: RGB,
     cell: tuple[int, int],
-    viewport: Viewport,
-    look: Look,
 ) -> None:
-    name = _name_cells(robot.name, viewport, look)
+    cells, view, look = canvas
+    name = _name_cells(robot.name, view, look)
     if not name:
         return
     told = sign and not robot.dead
     if told:
         name = (*name, sign)
-    plate = Label(name, *cell, clear=body_rows(viewport))
-    place = room.place(plate)
+    place = room.place(Label(name, *cell, clear=view.body_rows))
     if place is None:
         return
-    palette = look.palette
-    if robot.name == look.selected:
-        ink, paper = text_on(colour), colour
-    else:
-        ink, paper = palette.strong(colour), mix(palette.plate, colour, 0.2)
-    write(cells, *place, plate.cells, BOLD | rgb_number(ink) << 24 | rgb_number(paper))
-    if told and robot.name != look.selected:
-        row, column = place[0], place[1] + len(name) - 1
-        cells.put(row, column, name[-1], rgb_number(palette.alarm), rgb_number(paper), bold=True)
+    palette, is_selected = look.palette, robot.name == look.selected
+    ink = _text_on(colour) if is_selected else palette.strong(colour)
+    paper = colour if is_selected else mix(palette.plate, colour, 0.2)
+    write(cells, *place, name, BOLD | rgb_number(ink) << 24 | rgb_number(paper))
+    if told and not is_selected:
+        canvas.put((place[0], place[1] + len(name) - 1), sign, palette.alarm, paper)
 
 
 def write(cells: Cells, row: int, column: int, texts: Sequence[str], style: int) -> None:
@@ -343,3 +328,7 @@ def _name_cells(name: str, viewport: Viewport, look: Look) -> tuple[str, ...]:
         return ()
     width = min(max(viewport.columns // 4, 6), 20)
     return fit_into(name, width, look.drawing)
+
+
+def _text_on(colour: RGB) -> RGB:
+    return (8, 8, 10) if luminance(colour) > 0.45 else (255, 255, 255)

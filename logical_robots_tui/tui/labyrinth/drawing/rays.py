@@ -1,9 +1,12 @@
-"""The radar of robots as light on the floor, and marks where its rays end."""
+"""The radar of robots as light, marks and lines, and the trails behind them.
+
+Lines are drawn in braille, eight dots to a cell, or by a character where the font may not have it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -11,9 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logical_robots_tui.schema import SENSOR_RANGE
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, Cells, rgb_number, text_id
-from logical_robots_tui.tui.labyrinth.drawing.discs import shows_body
-from logical_robots_tui.tui.labyrinth.drawing.glyphs import Look
+from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, RGB, mix, rgb_number, text_id
+from logical_robots_tui.tui.labyrinth.drawing.glyphs import Canvas, Drawing
 from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT, Floats, Raster, Viewport
 from logical_robots_tui.world.dynamics import RobotState
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
@@ -26,7 +28,22 @@ if TYPE_CHECKING:
 _FINE = 16  # steps between two rays in which the shape of a fan is tabulated
 _STEPS = 12  # steps of brightness
 
-KINDS = {"robot": 3, "beacon": 2, "wall": 1}
+_BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]], np.int64)
+"""The bit of each dot of a braille cell, down and across (Unicode, block Braille Patterns)."""
+
+_BRAILLE = np.array([text_id(chr(0x2800 + bits)) for bits in range(256)], np.int64)
+_RING = 2.2  # radius of the ring around a highlighted robot, in radii of a robot
+_LEAST_RING = 2.5  # the same at least, in columns
+_FADES = 4  # steps in which a trail fades; each changes every cell of it once
+
+_FAINTEST, _STRONGEST = 0.35, 0.85
+"""Part of a robot's colour in the oldest and the newest part of its trail."""
+
+_FADE = (_STRONGEST - _FAINTEST) / (_FADES - 1)
+_TRAIL = 160  # ticks that a trail is long
+_FLASH = 12  # ticks for which an area shows that it was switched
+
+_KINDS = {"robot": 3, "beacon": 2, "wall": 1}
 """What a ray may hit; a greater number is more important."""
 
 
@@ -61,19 +78,18 @@ class Fan:
 
     def points(self) -> tuple[Floats, Floats]:
         """Return the map units x and y where the rays end."""
-        x = self.x + self.distances * np.cos(self.headings)
-        return x, self.y + self.distances * np.sin(self.headings)
+        with np.errstate(over="ignore", invalid="ignore"):
+            x = self.x + self.distances * np.cos(self.headings)
+            return x, self.y + self.distances * np.sin(self.headings)
+
+    def along(self, ray: int, away: Floats) -> tuple[Floats, Floats]:
+        """Return the map units x and y of places on a ray."""
+        heading = float(self.headings[ray])
+        return self.x + away * np.cos(heading), self.y + away * np.sin(heading)
 
     def nearest(self, angle: float) -> int:
         """Return the number of the ray nearest to an angle in radians, as programs read it."""
         return int(np.abs(self.headings - (self.ahead - angle)).argmin())
-
-    def ends(self) -> Iterable[tuple[float, float, str]]:
-        """Return (x, y, object) of the rays that hit something, the most important last."""
-        x, y = self.points()
-        ends = zip(x.tolist(), y.tolist(), self.objects, strict=True)
-        hits = [end for end in ends if end[2] in KINDS]
-        return sorted(hits, key=lambda end: KINDS[end[2]])
 
 
 def fans(frame: Frame) -> list[Fan]:
@@ -84,7 +100,7 @@ def fans(frame: Frame) -> list[Fan]:
         pose, radar = poses.get(row["robot_name"]), row["sensor"]["radar"]
         if pose is None or len(radar) < 2:
             continue
-        if not (math.isfinite(pose.x) and math.isfinite(pose.y) and math.isfinite(pose.angle)):
+        if not all(map(math.isfinite, (pose.x, pose.y, pose.angle))):
             continue
         found.append(
             Fan(
@@ -173,53 +189,160 @@ def _slots(count: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats, Fl
 
 
 def mark_ends(
-    cells: Cells,
-    fans: Sequence[Fan],
-    robots: Sequence[tuple[RobotState, RGB]],
-    viewport: Viewport,
-    look: Look,
+    canvas: Canvas, fans: Sequence[Fan], robots: Iterable[tuple[RobotState, RGB]]
 ) -> None:
     """Mark where rays end, the most important in a cell, but not on robots' bodies."""
     if not fans:
         return
-    most = _ends(fans, viewport)
-    if shows_body(viewport):
+    cells, view, look = canvas
+    most = _ends(fans, view)
+    if view.shows_bodies:
         for robot, _ in robots:
-            _clear_body(most, robot, viewport)
-    glyphs, palette = look.drawing.glyphs, look.palette
-    at_wall = glyphs.hit_wall_near if shows_body(viewport) else glyphs.hit_wall
+            _clear_body(most, robot, view)
+    glyphs, palette = look.glyphs, look.palette
+    at_wall = glyphs.hit_wall_near if view.shows_bodies else glyphs.hit_wall
     texts = [text_id(text) for text in (at_wall, glyphs.hit_beacon, glyphs.hit_robot)]
     inks = [rgb_number(ink) for ink in (palette.hit_wall, palette.hit_beacon, palette.hit_robot)]
-    rows, columns = np.nonzero(most)
-    kinds = most[rows, columns] - 1
-    bold = np.where(kinds, BOLD, 0)
-    cells.put_all(rows, columns, np.array(texts)[kinds], np.array(inks)[kinds], bold)
+    marked = most > 0
+    kinds = most[marked] - 1
+    cells.text[marked] = np.array(texts)[kinds]
+    style = np.array(inks)[kinds] << 24 | np.where(kinds, BOLD, 0)
+    cells.style[marked] = style | cells.tone[marked]
 
 
-def _ends(fans: Sequence[Fan], viewport: Viewport) -> NDArray[np.int64]:
-    kinds = np.array([KINDS.get(what, 0) for fan in fans for what in fan.objects])
-    with np.errstate(over="ignore", invalid="ignore"):
-        x, y = np.concatenate([fan.points() for fan in fans], axis=1)
-        across = (x - viewport.left) / viewport.units
-        down = (y - viewport.top) / (viewport.units * CELL_ASPECT)
-        # Compared as floats: what is not a number is nowhere.
-        seen = (across >= 0) & (across < viewport.columns) & (down >= 0) & (down < viewport.rows)
-    found = np.flatnonzero(seen & (kinds > 0))
-    found = found[np.argsort(kinds[found], kind="stable")]
-    most = np.zeros((viewport.rows, viewport.columns), np.int64)
-    most[down[found].astype(np.int64), across[found].astype(np.int64)] = kinds[found]
+def _ends(fans: Sequence[Fan], view: Viewport) -> NDArray[np.int64]:
+    kinds = np.array([_KINDS.get(what, 0) for fan in fans for what in fan.objects])
+    rows, columns, inside = view.dots(*np.concatenate([fan.points() for fan in fans], axis=1))
+    kinds = kinds[inside]
+    order = np.argsort(kinds, kind="stable")
+    most = np.zeros((view.rows, view.columns), np.int64)
+    most[rows[order], columns[order]] = kinds[order]
     return most
 
 
-def _clear_body(most: NDArray[np.int64], robot: RobotState, viewport: Viewport) -> None:
-    cell = viewport.cell(robot.x, robot.y)
+def _clear_body(most: NDArray[np.int64], robot: RobotState, view: Viewport) -> None:
+    cell = view.cell(robot.x, robot.y)
     if cell is None:
         return
     reach = 0.8 * ROBOT_RADIUS
-    across = round(reach / viewport.units)
-    down = round(reach / (viewport.units * CELL_ASPECT))
-    for row in range(max(cell[0] - down, 0), min(cell[0] + down + 1, viewport.rows)):
-        for column in range(max(cell[1] - across, 0), min(cell[1] + across + 1, viewport.columns)):
-            x, y = viewport.position(row, column)
+    across = round(reach / view.units)
+    down = round(reach / (view.units * CELL_ASPECT))
+    for row in range(max(cell[0] - down, 0), min(cell[0] + down + 1, view.rows)):
+        for column in range(max(cell[1] - across, 0), min(cell[1] + across + 1, view.columns)):
+            x, y = view.position(row, column)
             if math.hypot(x - robot.x, y - robot.y) < reach:
                 most[row, column] = 0
+
+
+def draw_trails(canvas: Canvas, places: Floats, ages: Floats, colours: Sequence[RGB]) -> None:
+    """Draw trails of shape (moments, robots, 2), map units, oldest first; ages from 1 to 0."""
+    if not places.size:
+        return
+    floor = canvas.look.palette.floor
+    shares = [_FAINTEST + step * _FADE for step in range(_FADES)]
+    inks = np.array([[rgb_number(mix(floor, each, share)) for share in shares] for each in colours])
+    fresh = np.floor((1 - ages) * _FADES).clip(0, _FADES - 1).astype(np.int64)
+    moments, robots = places.shape[:2]
+    # Moments come oldest first, so that the newest has the last word on a cell's colour.
+    ink = inks[np.tile(np.arange(robots), moments), np.repeat(fresh, robots)]
+    _draw(canvas, places[..., 0].ravel(), places[..., 1].ravel(), ink)
+
+
+def draw_rays(canvas: Canvas, fan: Fan, colour: RGB) -> None:
+    # Near the robot rays would only be a blot.
+    rays = [
+        fan.along(ray, np.arange(min(12.0, distance), distance, canvas.view.units / 2))
+        for ray, distance in enumerate(fan.distances.tolist())
+    ]
+    x, y = np.concatenate(rays, axis=1)
+    _draw(canvas, x, y, rgb_number(mix(colour, canvas.look.palette.bright, 0.3)))
+
+
+def draw_ring(canvas: Canvas, x: float, y: float) -> None:
+    radius = max(_RING * ROBOT_RADIUS, _LEAST_RING * canvas.view.units)
+    turn = np.linspace(0, 2 * np.pi, 120)
+    ink = rgb_number(canvas.look.palette.bright)
+    _draw(canvas, x + radius * np.cos(turn), y + radius * np.sin(turn), ink)
+
+
+def draw_ray(canvas: Canvas, fan: Fan, angle: float) -> None:
+    """Draw a highlighted ray by the program's angle, in radians, with a mark at its end."""
+    _, view, look = canvas
+    glyphs, palette = look.glyphs, look.palette
+    ray = fan.nearest(angle)
+    distance = float(fan.distances[ray])
+    # The robot's own cell stays as it is.
+    start = min(max(ROBOT_RADIUS, 1.5 * view.units), distance)
+    places = fan.along(ray, np.arange(start, distance, view.units / 4))
+    _draw(canvas, *places, rgb_number(palette.bright))
+    signs = {
+        "wall": (glyphs.hit_wall_near, palette.hit_wall),
+        "beacon": (glyphs.hit_beacon, palette.hit_beacon),
+        "robot": (glyphs.hit_robot, palette.hit_robot),
+    }
+    sign, paper = signs.get(fan.objects[ray], (glyphs.thread, palette.dead))
+    x, y = fan.points()
+    canvas.put(view.cell(float(x[ray]), float(y[ray])), sign, palette.plate, paper)
+
+
+def _draw(canvas: Canvas, x: Floats, y: Floats, ink: NDArray[np.int64] | int) -> None:
+    """Set a dot for each point; the last point in a cell determines its colour."""
+    cells, view, look = canvas
+    down, across, inside = view.dots(x, y, across=2, down=4)
+    row, column = down // 4, across // 2
+    if look.drawing in (Drawing.QUADRANTS, Drawing.SEXTANTS):
+        bits = np.zeros(cells.text.shape, np.int64)
+        np.bitwise_or.at(bits, (row, column), _BITS[down % 4, across % 2])
+        cells.text[row, column] = _BRAILLE[bits[row, column]]
+    else:
+        cells.text[row, column] = text_id(look.glyphs.thread)
+    cells.style[row, column] = np.broadcast_to(ink, x.shape)[inside] << 24 | cells.tone[row, column]
+
+
+class Traces:
+    """Recent positions of robots and states of areas, from the frames that were shown.
+
+    Earlier ticks stay after going back; those that differ under another program are replaced.
+    """
+
+    def __init__(self) -> None:
+        self._places: dict[int, Floats] = {}
+        self._active: dict[int, tuple[bool, ...]] = {}
+        self._number = 0, 0  # of robots and areas
+
+    def forget(self) -> None:
+        self._places.clear()
+        self._active.clear()
+
+    def record(self, frame: Frame) -> None:
+        tick = frame.tick
+        places = np.array([(robot.x, robot.y) for robot in frame.after.robots], np.float64)
+        number = len(places), len(frame.after.areas)
+        if number != self._number:
+            self.forget()  # robots or areas came or went
+            self._number = number
+        known = self._places.get(tick)
+        if known is not None and not np.array_equal(known, places):
+            self._drop(lambda other: other >= tick)
+        self._drop(lambda other: abs(other - tick) > _TRAIL)
+        self._places[tick] = places
+        self._active[tick] = tuple(area.active for area in frame.after.areas)
+
+    def trails(self, tick: int) -> tuple[Floats, Floats]:
+        """Return places, (moments, robots, 2) in map units, and ages from 1 to 0, oldest first."""
+        ticks = sorted(then for then in self._places if tick - _TRAIL < then < tick)
+        if not ticks:
+            return np.zeros((0, 0, 2)), np.zeros(0)
+        ages = (tick - np.array(ticks)) / _TRAIL
+        return np.stack([self._places[then] for then in ticks]), ages
+
+    def switched(self, tick: int) -> frozenset[int]:
+        """Return the numbers of the areas that were switched in the last few ticks."""
+        ticks = sorted(then for then in self._active if tick - _FLASH <= then <= tick)
+        states = [self._active[then] for then in ticks]
+        areas = enumerate(zip(*states, strict=True))
+        return frozenset(number for number, found in areas if len(set(found)) > 1)
+
+    def _drop(self, is_old: Callable[[int], bool]) -> None:
+        for tick in [tick for tick in self._places if is_old(tick)]:
+            del self._places[tick], self._active[tick]

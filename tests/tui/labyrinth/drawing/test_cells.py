@@ -3,8 +3,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.tui.labyrinth.drawing.cells import BOLD, CONTINUED, Cells, text_id
-from logical_robots_tui.tui.labyrinth.drawing.discs import BLOCKS, fit, pack, split
+from logical_robots_tui.tui.labyrinth.drawing.cells import (
+    BLOCKS,
+    BOLD,
+    CONTINUED,
+    Cells,
+    fit,
+    pack,
+    split,
+    text_id,
+)
 from logical_robots_tui.tui.labyrinth.drawing.viewport import Floats
 
 

@@ -4,7 +4,7 @@ import pytest
 from rich.cells import cell_len
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, legend
-from logical_robots_tui.tui.labyrinth.drawing.discs import BLOCKS
+from logical_robots_tui.tui.labyrinth.drawing.cells import BLOCKS
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import GlyphSet
 
 

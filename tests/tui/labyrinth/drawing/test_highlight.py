@@ -10,7 +10,7 @@ import pytest
 
 from logical_robots_tui.tui.labyrinth.drawing import Cells, Drawing, Look, Picture, Viewport
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Highlight
-from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses
+from logical_robots_tui.tui.labyrinth.drawing.picture import draw_senses
 from logical_robots_tui.world import Robot
 from tests.tui.labyrinth.drawing.scenes import room, start
 

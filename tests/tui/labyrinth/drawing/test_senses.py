@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.tui.labyrinth.drawing import DARK, LIGHT, Drawing, Look, Palette
-from logical_robots_tui.tui.labyrinth.drawing.robot_view import draw_senses, tiles
+from logical_robots_tui.tui.labyrinth.drawing.picture import draw_senses, tiles
 from logical_robots_tui.world import Beacon, Robot
 from tests.tui.labyrinth.drawing.scenes import room, run, start
 

@@ -9,8 +9,8 @@ import pytest
 
 from logical_robots_tui.mind.decision import Decision
 from logical_robots_tui.tui.labyrinth.drawing import Drawing, Look, Picture, Viewport
-from logical_robots_tui.tui.labyrinth.drawing.discs import BLOCKS
-from logical_robots_tui.tui.labyrinth.drawing.thin_lines import Traces
+from logical_robots_tui.tui.labyrinth.drawing.cells import BLOCKS
+from logical_robots_tui.tui.labyrinth.drawing.rays import Traces
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Robot
 from tests.tui.labyrinth.drawing.scenes import Drawn, room, run, start, with_active

@@ -21,7 +21,7 @@ from textual.strip import Strip
 
 from logical_robots_tui.game import MIND, ROBOT_COLUMNS
 from logical_robots_tui.tui.commands.keymap import with_keys
-from logical_robots_tui.tui.inspector.widgets.plots import cell, format_value, is_number
+from logical_robots_tui.tui.inspector.plots import cell, format_value, is_number
 from logical_robots_tui.tui.layout.command_bar import CommandChosen
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value
@@ -72,17 +72,12 @@ def arrange(rows: Rows, how: RowOrder) -> Rows:
     kept = list(range(len(rows.rows)))
     place = next((columns.index(name) for name in ROBOT_COLUMNS if name in columns), None)
     if how.robot and place is not None:
-        kept = [number for number in kept if rows.rows[number][place] == how.robot]
-    if how.search:
-        wanted = how.search.casefold()
-        kept = [
-            number
-            for number in kept
-            if any(wanted in format_value(value).casefold() for value in rows.rows[number])
-        ]
+        kept = [n for n in kept if rows.rows[n][place] == how.robot]
+    if wanted := how.search.casefold():
+        kept = [n for n in kept if any(wanted in format_value(v).casefold() for v in rows.rows[n])]
     if how.sort in columns:
         by = columns.index(how.sort)
-        kept.sort(key=lambda number: _rank(rows.rows[number][by]), reverse=how.descending)
+        kept.sort(key=lambda n: _rank(rows.rows[n][by]), reverse=how.descending)
     places = {number: at for at, number in enumerate(kept)}
     changed = frozenset((places[row], column) for row, column in rows.changed if row in places)
     found = Rows(columns, tuple(rows.rows[number] for number in kept), changed)
@@ -203,10 +198,9 @@ class ValueTable(ScrollView, can_focus=True):
 
     @property
     def pointed(self) -> tuple[str, Value] | None:
-        row, column = self._at
-        if not self.shown.rows or not self.shown.columns:
-            return None
-        return self.shown.columns[column], self.shown.rows[row][column]
+        (row, column), shown = self._at, self.shown
+        has_any = shown.rows and shown.columns
+        return (shown.columns[column], shown.rows[row][column]) if has_any else None
 
     @property
     def place(self) -> tuple[int, str] | None:
@@ -241,15 +235,13 @@ class ValueTable(ScrollView, can_focus=True):
     def sort(self) -> None:
         """Sort by the cursor's column: ascending, then descending, then not at all."""
         how, column = self.how, self.column
-        if how.sideways or not column:
+        if not column:
             message = "Put the cursor on a column of a table that is not transposed."
             self.notify(message, markup=False)
-        elif how.sort != column:
-            self.rearrange(replace(how, sort=column, descending=False))
-        elif not how.descending:
-            self.rearrange(replace(how, descending=True))
-        else:
+        elif how.sort == column and how.descending:
             self.rearrange(replace(how, sort="", descending=False))
+        else:
+            self.rearrange(replace(how, sort=column, descending=how.sort == column))
 
     def _arrange(self) -> None:
         self.shown = arrange(self.all, self.how)
@@ -292,47 +284,42 @@ class ValueTable(ScrollView, can_focus=True):
 
     def render_line(self, y: int) -> Strip:
         offset, top = self.scroll_offset
-        base = self.rich_style
+        base, number, count = self.rich_style, top + y - 1, len(self.shown.rows)
         if not self.shown.columns:
             return Strip.blank(self.size.width, base)
-        number = top + y - 1
+        fill, segments = base, []
         if y == 0:
-            segments = [
-                Segment(_fit(visible(name), width, number) + " " * _GAP, base + rich_style(_HEAD))
-                for number, (name, width) in self._head()
-            ]
-        elif 0 <= number < len(self.shown.rows):
-            segments = self._row(number, base)
-        elif number == len(self.shown.rows) and self.missing:
+            segments = self._head(base)
+        elif number < count:
+            if number == self._at[0] and self.has_focus:
+                fill = base + rich_style(_ROW)
+            segments = self._row(number, fill)
+        elif number == count and self.missing:
             segments = [Segment(f"… {self.missing}", base + rich_style(INK.warn))]
-        else:
-            return Strip.blank(self.size.width, base)
-        strip = Strip(segments)
-        fill = base + rich_style(_ROW) if y and number == self._at[0] and self.has_focus else base
         width = max(self.size.width, self.virtual_size.width)
-        return strip.extend_cell_length(width, fill).crop(offset, offset + self.size.width)
+        strip = Strip(segments).extend_cell_length(width, fill)
+        return strip.crop(offset, offset + self.size.width)
 
-    def _head(self) -> list[tuple[bool, tuple[str, int]]]:
-        first = self.shown.rows[0] if self.shown.rows else (None,) * len(self.shown.columns)
+    def _head(self, base: Style) -> list[Segment]:
+        """Return the names of the columns, each aligned as the first value below it."""
+        names = self.shown.columns
+        first = self.shown.rows[0] if self.shown.rows else (None,) * len(names)
         return [
-            (is_number(value), (name, width))
-            for value, name, width in zip(first, self.shown.columns, self._widths, strict=True)
+            Segment(_fit(visible(name), width, value) + " " * _GAP, base + rich_style(_HEAD))
+            for value, name, width in zip(first, names, self._widths, strict=True)
         ]
 
-    def _row(self, number: int, base: Style) -> list[Segment]:
-        row_style = base + rich_style(_ROW) if number == self._at[0] and self.has_focus else base
+    def _row(self, number: int, row_style: Style) -> list[Segment]:
         segments = []
-        for column, (value, width) in enumerate(
-            zip(self.shown.rows[number], self._widths, strict=True)
-        ):
+        columns = zip(self.shown.rows[number], self._widths, strict=True)
+        for column, (value, width) in enumerate(columns):
             text, colour = cell(value, width)
             style = row_style + rich_style(colour)
             if (number, column) in self.shown.changed:
                 style += _CHANGED
             if (number, column) == self._at and self.has_focus:
-                style = base + rich_style(_HERE)
-            fitted = _fit(text, width, is_number(value))
-            segments += [Segment(fitted, style), Segment(" " * _GAP, row_style)]
+                style = self.rich_style + rich_style(_HERE)
+            segments += [Segment(_fit(text, width, value), style), Segment(" " * _GAP, row_style)]
         return segments
 
     def _measure(self) -> None:
@@ -355,10 +342,11 @@ class ValueTable(ScrollView, can_focus=True):
         self.virtual_size = Size(sum(wanted) + _GAP * len(wanted), lines)
 
 
-def _fit(text: str, width: int, right: bool) -> str:
+def _fit(text: str, width: int, value: Value) -> str:
+    """Cut or pad a text; it stands at the right if the value is a number."""
     text = set_cell_size(text, width) if cell_len(text) > width else text
     missing = " " * (width - cell_len(text))
-    return missing + text if right else text + missing
+    return missing + text if is_number(value) else text + missing
 
 
 def _named_rows(table: Table) -> tuple[tuple[str, ...], tuple[Row, ...]]:

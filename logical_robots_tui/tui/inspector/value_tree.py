@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
@@ -13,7 +13,7 @@ from textual.content import Content
 from textual.widgets import Static, Tree
 
 from logical_robots_tui.schema import ray_angle
-from logical_robots_tui.tui.inspector.widgets.plots import inked, radar_plot
+from logical_robots_tui.tui.inspector.plots import inked, radar_plot
 from logical_robots_tui.tui.layout.dialogs import Dialog
 from logical_robots_tui.tui.theme.themes import INK, rich_style
 from logical_robots_tui.values import Value
@@ -134,14 +134,14 @@ class ValueTree(Dialog[None]):
             self._picture.update(Content("\n").join(radar_plot(radar, _PICTURE_ROWS)))
 
     def _add(self, node: TreeNode[_Part], name: str, part: _Part) -> TreeNode[_Part]:
-        colour = INK.text if _size(part.value) else INK.dim
-        label = Text.assemble((one_line(name), rich_style(colour)), "  ")
+        has_parts = bool(_size(part.value))
+        label = Text.assemble(
+            (one_line(name), rich_style(INK.text if has_parts else INK.dim)), "  "
+        )
         if part.within is None:
             text, colour = inked(part.value, _PREVIEW)
-            label.append(text, rich_style(INK.dim if _size(part.value) else colour))
-        if _size(part.value):
-            return node.add(label, part)
-        return node.add_leaf(label, part)
+            label.append(text, rich_style(INK.dim if has_parts else colour))
+        return node.add(label, part, allow_expand=has_parts)
 
 
 def _size(value: Value) -> int:
@@ -149,24 +149,20 @@ def _size(value: Value) -> int:
 
 
 def _inside(part: _Part) -> Iterator[tuple[str, _Part]]:
-    items = list(_items(part.value))
-    among = part.within or range(len(items))
+    value = part.value
+    if not isinstance(value, Mapping | list | tuple):
+        return
+    items: list[tuple[str | int, Value]]
+    items = list(value.items() if isinstance(value, Mapping) else enumerate(value))
     if part.within is None and len(items) > _GROUP:
         for start in range(0, len(items), _GROUP):
             group = range(start, min(start + _GROUP, len(items)))
-            name = f"{group[0]} to {group[-1]}"
-            yield name, _Part(part.value, part.branch, part.path, group, part.radar)
+            yield f"{group[0]} to {group[-1]}", replace(part, within=group)
         return
-    for step, value in items[among.start : among.stop]:
-        radar = _radar(value) or part.radar
-        yield str(step), _Part(value, part.branch, (*part.path, step), radar=radar)
-
-
-def _items(value: Value) -> Iterator[tuple[str | int, Value]]:
-    if isinstance(value, Mapping):
-        yield from value.items()
-    elif isinstance(value, list | tuple):
-        yield from enumerate(value)
+    among = part.within or range(len(items))
+    for step, each in items[among.start : among.stop]:
+        radar = _radar(each) or part.radar
+        yield str(step), _Part(each, part.branch, (*part.path, step), radar=radar)
 
 
 def _radar(value: Value) -> Sequence[Mapping[str, Any]] | None:

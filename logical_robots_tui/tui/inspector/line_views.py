@@ -46,7 +46,6 @@ class LinesView(ScrollView, can_focus=True):
         return self._painted[number]
 
     def is_at_cursor(self, number: int) -> bool:
-        del number
         return False
 
     def show_lines(self, lines_for: Callable[[int], Sequence[Content]]) -> None:
@@ -161,19 +160,16 @@ class CursorView(LinesView):
             before, self._at = self._at, max(0, min(self._at + down, self.count - 1))
             self._repaint_item(before)
             self._repaint_item(self._at)
-            self.scroll_to_cursor()
+            lines = self.span(self._at)
+            # The last item is shown with the lines below it.
+            stop = self.height if self._at == self.count - 1 else lines.stop
+            area = Region(0, lines.start, 1, stop - lines.start)
+            self.scroll_to_region(area, animate=False, force=True)
             self.cursor_moved()
 
     def action_page(self, down: int) -> None:
         if self.count:
             self.action_move(down * max(1, (self.size.height - 1) // len(self.span(self._at))))
-
-    def scroll_to_cursor(self) -> None:
-        """Scroll the item under the cursor into view; the last item with the lines below it."""
-        lines = self.span(self._at)
-        stop = self.height if self._at == self.count - 1 else lines.stop
-        area = Region(0, lines.start, 1, stop - lines.start)
-        self.scroll_to_region(area, animate=False, force=True)
 
     def _repaint_item(self, item: int) -> None:
         if item < self.count:

@@ -54,11 +54,8 @@ def _could_be_taken_for_another(text: str) -> bool:
 def _colour(value: Value) -> str:
     if value is None:
         return INK.dim
-    if isinstance(value, str):
-        return INK.string
-    if isinstance(value, (bool, int, float)):
-        return INK.number
-    return INK.record
+    is_scalar = isinstance(value, (bool, int, float))
+    return INK.string if isinstance(value, str) else INK.number if is_scalar else INK.record
 
 
 _BRAILLE = 0x2800
@@ -95,15 +92,12 @@ def radar_plot(radar: Sequence[Mapping[str, Any]], rows: int) -> list[Content]:
         put(end, ray["angle"], OBJECT_INKS.get(ray["object"], INK.faint))
     colours[rows - 1, columns // 2] = INK.key
     dots[rows - 1, columns // 2] = 0xC0
-    return [
-        Content.assemble(
-            *(
-                (chr(_BRAILLE + dots.get((row, column), 0)), colours.get((row, column), INK.faint))
-                for column in range(columns)
-            )
-        )
-        for row in range(rows)
+    places = [[(row, column) for column in range(columns)] for row in range(rows)]
+    signs = [
+        [(chr(_BRAILLE + dots.get(at, 0)), colours.get(at, INK.faint)) for at in line]
+        for line in places
     ]
+    return [Content.assemble(*line) for line in signs]
 
 
 class Sample(NamedTuple):

@@ -1,1 +1,0 @@
-"""The tables, trees and lines that the pages of the inspector are made of."""
