@@ -15,7 +15,16 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import Commands, harmless, new_command, number_from
+from logical_robots_tui.cli.command import (
+    Part,
+    command,
+    flag,
+    harmless,
+    number_from,
+    one_of,
+    option,
+)
+from logical_robots_tui.cli.runs import drawn_bar
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,51 +35,37 @@ if TYPE_CHECKING:
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
 
 
-def declare(commands: Commands) -> None:
-    sweep = new_command(commands, "sweep", _sweep)
-    sweep.add_argument("experiment", metavar="EXPERIMENT", type=Path, help="a TOML file")
-    grade = new_command(commands, "grade", _grade)
-    grade.add_argument("assignment", metavar="ASSIGNMENT", type=Path, help="a TOML file")
-    grade.add_argument(
-        "submissions", metavar="SUBMISSIONS", type=Path, help="a folder with one entry per student"
-    )
-    tournament = new_command(commands, "tournament", _tournament)
-    tournament.add_argument("arena", metavar="ARENA", type=Path, help="a TOML file")
-    tournament.add_argument(
-        "players", metavar="PLAYERS", type=Path, help="a folder with one entry per player"
-    )
-    for command in (sweep, grade, tournament):
-        command.add_argument(
-            "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
-        )
-        _add_engine(command)
-    lab = new_command(commands, "lab", _lab)
-    lab.add_argument("action", choices=["status", "resume", "export", "report"], help="what to do")
-    lab.add_argument("folder", metavar="FOLDER", type=Path, help="the folder")
-    _add_engine(lab)
-
-
-def _add_engine(command: argparse.ArgumentParser) -> None:
-    where = command.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers",
-        type=number_from(1),
-        default=_processors(),
-        metavar="N",
-        help="processes on this machine (default: one per processor)",
-    )
-    where.add_argument(
-        "--dask", metavar="ADDRESS", help="a Dask scheduler instead, such as tcp://HOST:8786"
-    )
-    command.add_argument(
-        "--mixed", action="store_true", help="also count results of another version"
-    )
-
-
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+_ENGINE = (
+    one_of(
+        option(
+            "--workers",
+            type=number_from(1),
+            default=_processors,
+            metavar="N",
+            help="processes on this machine (default: one per processor)",
+        ),
+        option(
+            "--dask", metavar="ADDRESS", help="a Dask scheduler instead, such as tcp://HOST:8786"
+        ),
+    ),
+    flag("--mixed", "also count results of another version"),
+)
+
+
+def _path(name: str, about: str) -> Part:
+    return option(name, metavar=name.upper(), type=Path, help=about)
+
+
+_OUTPUT = option(
+    "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
+)
+
+
+@command("sweep", _path("experiment", "a TOML file"), _OUTPUT, *_ENGINE)
 def _sweep(options: argparse.Namespace) -> int:
     """run an experiment: many programs, levels, starts and values
 
@@ -89,6 +84,13 @@ def _sweep(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_sweep(options.experiment))
 
 
+@command(
+    "grade",
+    _path("assignment", "a TOML file"),
+    _path("submissions", "a folder with one entry per student"),
+    _OUTPUT,
+    *_ENGINE,
+)
 def _grade(options: argparse.Namespace) -> int:
     """grade the programs of a class
 
@@ -107,6 +109,13 @@ def _grade(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_grading(options.assignment, options.submissions))
 
 
+@command(
+    "tournament",
+    _path("arena", "a TOML file"),
+    _path("players", "a folder with one entry per player"),
+    _OUTPUT,
+    *_ENGINE,
+)
 def _tournament(options: argparse.Namespace) -> int:
     """let programs play against each other, and rank them
 
@@ -142,6 +151,12 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
         return _work(options, folder, folder.write(manifest, inputs))
 
 
+@command(
+    "lab",
+    option("action", choices=["status", "resume", "export", "report"], help="what to do"),
+    _path("folder", "the folder"),
+    *_ENGINE,
+)
 def _lab(options: argparse.Namespace) -> int:
     """go on with a sweep, a grading or a tournament, export and report it
 
@@ -306,21 +321,8 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
     if not first.due:
         yield lambda: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
-        TextColumn("{task.fields[rest]}"),
-    )
-    is_bar = sys.stderr.isatty()
-    console = Console(stderr=True, width=None if is_bar else 120)
-    with Progress(*columns, console=console, transient=True, disable=not is_bar) as bar:
-        title, total = harmless(manifest.title), first.done + first.due
-        task = bar.add_task(title, completed=first.done, total=total, rest="")
-        due = began + _LINE_SECONDS
+    due = began + _LINE_SECONDS
+    with drawn_bar(manifest.title) as draw:
 
         def show() -> None:
             nonlocal due
@@ -330,9 +332,10 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
             rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
             rest += f", {tally.failed:,} failed" if tally.failed else ""
             done, total = tally.done, tally.done + tally.due
-            bar.update(task, completed=done, total=total, rest=rest)
-            if not is_bar and now >= due:
+            count = f"{done:,} of {total:,} runs"
+            draw(done, total, count, rest)
+            if not sys.stderr.isatty() and now >= due:
                 due = now + _LINE_SECONDS
-                print(f"{done:,} of {total:,} runs, {rest}", file=sys.stderr, flush=True)
+                print(f"{count}, {rest}", file=sys.stderr, flush=True)
 
         yield show

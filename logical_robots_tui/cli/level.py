@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import shutil
 import sys
@@ -11,7 +10,20 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import Commands, harmless, new_command, new_group
+from logical_robots_tui.cli.command import (
+    FORCE,
+    JSON,
+    LEVEL,
+    LEVELS,
+    command,
+    flag,
+    group,
+    harmless,
+    number,
+    one_of,
+    option,
+    print_json,
+)
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file, is_folder
 
@@ -21,74 +33,53 @@ if TYPE_CHECKING:
 
 FINE, WRONG = 0, 2
 
-EPILOG = """\
-examples:
+group(
+    "level",
+    "create, check, convert and show levels",
+    """\
   logical-robots level new maze.toml --labyrinth 8x6 --seed 3
   logical-robots level check maze.toml
   logical-robots level show maze.toml
   logical-robots level convert maze.toml maze.json
+""",
+)
 
-`logical-robots level COMMAND --help` explains a command.
-"""
-
-
-def declare(commands: Commands) -> None:
-    summary = "create, check, convert and show levels"
-    inner = new_group(commands, "level", summary=summary, epilog=EPILOG)
-    _declare_new(inner)
-    check = new_command(inner, "check", _check)
-    check.add_argument("levels", metavar="LEVEL", nargs="+", help="a level's name or file")
-    check.add_argument("--json", action="store_true", help="print JSON")
-    convert = new_command(inner, "convert", _convert)
-    convert.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    convert.add_argument("file", metavar="FILE", type=Path, help="the file to write")
-    add_force(convert)
-    show = new_command(inner, "show", _show)
-    show.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    show.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG file instead")
-    show.add_argument("--ascii", action="store_true", help="draw with ASCII characters")
+_FILE = option("file", metavar="FILE", type=Path, help="the file to write")
 
 
-def _declare_new(commands: Commands) -> None:
-    command = new_command(commands, "new", _new)
-    command.add_argument("file", metavar="FILE", type=Path, help="the file to write")
-    kinds = command.add_mutually_exclusive_group()
-    kinds.add_argument(
-        "--room", metavar="WxH", type=_size, help="an empty room, in map units (default: 600x400)"
-    )
-    kinds.add_argument(
-        "--labyrinth", metavar="CxR", type=_size, help="a labyrinth, in columns and rows"
-    )
-    kinds.add_argument("--copy", metavar="LEVEL", help="a copy of a level, by name or file")
-    command.add_argument("--title", help="the title")
-    command.add_argument(
-        "--wall",
-        type=int,
-        default=10,
-        metavar="N",
-        help="wall thickness in map units (default: 10)",
-    )
-    random = command.add_argument_group("labyrinths")
-    random.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="the random seed (default: 0)"
-    )
-    random.add_argument(
-        "--loops",
-        type=float,
-        default=0.1,
-        metavar="SHARE",
-        help="share of extra walls to open, 0 to 1 (default: 0.1)",
-    )
-    random.add_argument(
-        "--corridor",
-        type=int,
-        default=60,
-        metavar="N",
-        help="corridor width in map units (default: 60)",
-    )
-    add_force(command)
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
+    return int(found[1]), int(found[2])
 
 
+def _labyrinths(parser: argparse._ActionsContainer) -> None:
+    titled = parser.add_argument_group("labyrinths")
+    number("--seed", int, 0, "the random seed")(titled)
+    said = "share of extra walls to open, 0 to 1 (default: 0.1)"
+    titled.add_argument("--loops", type=float, default=0.1, metavar="SHARE", help=said)
+    number("--corridor", int, 60, "corridor width in map units")(titled)
+
+
+@command(
+    "level new",
+    _FILE,
+    one_of(
+        option(
+            "--room",
+            metavar="WxH",
+            type=_size,
+            help="an empty room, in map units (default: 600x400)",
+        ),
+        option("--labyrinth", metavar="CxR", type=_size, help="a labyrinth, in columns and rows"),
+        option("--copy", metavar="LEVEL", help="a copy of a level, by name or file"),
+    ),
+    option("--title", help="the title"),
+    number("--wall", int, 10, "wall thickness in map units"),
+    _labyrinths,
+    FORCE,
+)
 def _new(options: argparse.Namespace) -> int:
     """create a level
 
@@ -138,13 +129,55 @@ def _create(options: argparse.Namespace) -> Level:
     )
 
 
-def _size(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
-    if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
-    return int(found[1]), int(found[2])
+@command("level check", LEVELS, JSON)
+def _check(options: argparse.Namespace) -> int:
+    """check a level for likely mistakes
+
+    Check levels for likely mistakes: unreachable goals, gaps in the rim, things
+    inside walls, unknown names, and names used twice.
+
+    examples:
+      logical-robots level check maze.toml          print errors and warnings
+      logical-robots level check *.toml *.json      check several levels
+      logical-robots level check maze.toml --json   output for scripts
+
+    Positions are x:y in map units from the upper left corner.
+
+    exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
+    """
+    results = []
+    status = FINE
+    for name in options.levels:
+        found = _findings(name)
+        if any(finding.forbids for finding in found):
+            status = WRONG
+        results.append({"file": name, "findings": [asdict(finding) for finding in found]})
+        if not options.json:
+            for finding in found:
+                print(harmless(_line(name, finding)))
+    if options.json:
+        print_json({"ok": status == FINE, "levels": results})
+    return status
 
 
+def _findings(name: str) -> list[LevelFinding]:
+    from logical_robots_tui.editing.checks import LevelFinding, check
+    from logical_robots_tui.world import LevelError, load_level
+
+    try:
+        return check(load_level(name))
+    except LevelError as error:
+        inner = error.place.removeprefix(name).lstrip(":, ")
+        text = f"{inner}: {error.message}" if inner else error.message
+        return [LevelFinding(f"{text} {error.hint}".rstrip(), forbids=True)]
+
+
+def _line(name: str, finding: LevelFinding) -> str:
+    place = "" if finding.x is None else f":{finding.x:.0f}:{finding.y:.0f}"
+    return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
+
+
+@command("level convert", LEVEL, _FILE, FORCE)
 def _convert(options: argparse.Namespace) -> int:
     """convert a level to another format
 
@@ -166,10 +199,6 @@ def _convert(options: argparse.Namespace) -> int:
     _tell_lost(level, options.file)
     print(harmless(f"Wrote {options.file}."))
     return 0
-
-
-def add_force(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def refuse_existing(path: Path, *, force: bool) -> None:
@@ -202,53 +231,12 @@ def write(path: Path, content: str | bytes) -> None:
         raise InputError(f"The file can't be written: {reason}.", place=str(path)) from error
 
 
-def _check(options: argparse.Namespace) -> int:
-    """check a level for likely mistakes
-
-    Check levels for likely mistakes: unreachable goals, gaps in the rim, things
-    inside walls, unknown names, and names used twice.
-
-    examples:
-      logical-robots level check maze.toml          print errors and warnings
-      logical-robots level check *.toml *.json      check several levels
-      logical-robots level check maze.toml --json   output for scripts
-
-    Positions are x:y in map units from the upper left corner.
-
-    exit status: 0 no errors (there may be warnings), 2 a level can't be loaded
-    """
-    results = []
-    status = FINE
-    for name in options.levels:
-        found = _findings(name)
-        if any(finding.forbids for finding in found):
-            status = WRONG
-        results.append({"file": name, "findings": [asdict(finding) for finding in found]})
-        if not options.json:
-            for finding in found:
-                print(harmless(_line(name, finding)))
-    if options.json:
-        print(json.dumps({"ok": status == FINE, "levels": results}, indent=2))
-    return status
-
-
-def _findings(name: str) -> list[LevelFinding]:
-    from logical_robots_tui.editing.checks import LevelFinding, check
-    from logical_robots_tui.world import LevelError, load_level
-
-    try:
-        return check(load_level(name))
-    except LevelError as error:
-        inner = error.place.removeprefix(name).lstrip(":, ")
-        text = f"{inner}: {error.message}" if inner else error.message
-        return [LevelFinding(f"{text} {error.hint}".rstrip(), forbids=True)]
-
-
-def _line(name: str, finding: LevelFinding) -> str:
-    place = "" if finding.x is None else f":{finding.x:.0f}:{finding.y:.0f}"
-    return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
-
-
+@command(
+    "level show",
+    LEVEL,
+    option("--svg", type=Path, metavar="FILE", help="write an SVG file instead"),
+    flag("--ascii", "draw with ASCII characters"),
+)
 def _show(options: argparse.Namespace) -> int:
     """draw a level
 

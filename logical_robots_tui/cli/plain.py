@@ -5,11 +5,10 @@ from __future__ import annotations
 import asyncio
 import math
 import signal
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from logical_robots_tui.cli.command import columns, say
-from logical_robots_tui.cli.failure import ProgramFileError
+from logical_robots_tui.cli.command import ProgramFileError, columns, say
 from logical_robots_tui.cli.line_ui import LineUi, Text, with_words
 from logical_robots_tui.errors import InputError, LogicalRobotsError
 from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program, mistake_in_question
@@ -40,26 +39,10 @@ MOST = 5000
 _DEEPEST = 100  # predicates in a proof
 
 
-class Command(NamedTuple):
-    """What is typed, and what it does with the argument, "" if there is none."""
-
-    word: str
-    argument: str
-    do: Callable[[LineGame, str], Awaitable[None] | None]
-    help: str
-
-    @property
-    def typed(self) -> str:
-        return f"{self.word} {self.argument}".rstrip()
-
-
 class LineGame(SessionListener):
     """A player's session in lines; commands call its methods, which raise what can't be done."""
 
-    def __init__(
-        self, opening: Opening, recorder: ProgressRecorder, commands: Sequence[Command]
-    ) -> None:
-        self._commands = {each.word: each for each in commands}
+    def __init__(self, opening: Opening, recorder: ProgressRecorder) -> None:
         self._ui, self._text = LineUi(), Text()
         self._has_own_text = opening.text is not None
         self.player = Player(opening, recorder, self._ui, self._text, lambda: None, with_words)
@@ -102,7 +85,7 @@ class LineGame(SessionListener):
 
     async def _execute(self, line: str) -> None:
         word, _, argument = line.strip().partition(" ")
-        command = self._commands.get(word)
+        command = next((each for each in COMMANDS if each.word == word), None)
         if command is None:
             if word:
                 say(f"Unknown command {word}. Type help for a list.")
@@ -182,13 +165,7 @@ class LineGame(SessionListener):
 
     # -- moving --------------------------------------------------------------------------------
 
-    async def run(self, ticks: str) -> None:
-        await self._go_on(_number(ticks, MOST))
-
-    async def step(self, ticks: str) -> None:
-        await self._go_on(_number(ticks))
-
-    async def _go_on(self, ticks: int) -> None:
+    async def go_on(self, ticks: int) -> None:
         """Run for some ticks; ^C ends it sooner."""
         loop = asyncio.get_running_loop()
         loop.add_signal_handler(signal.SIGINT, self.session.pause)
@@ -199,20 +176,8 @@ class LineGame(SessionListener):
             loop.remove_signal_handler(signal.SIGINT)
         self._tell_tick()
 
-    def back(self, ticks: str) -> None:
-        self.session.back(_number(ticks))
-        self._tell_tick()
-
-    def go_to(self, tick: str) -> None:
-        self.session.go_to(_number(tick))
-        self._tell_tick()
-
-    def restart(self, _: str) -> None:
-        self.session.restart()
-        self._tell_tick()
-
-    def change_course(self, _: str) -> None:
-        self.session.change_course()
+    def move(self, how: Callable[..., None], *ticks: int) -> None:
+        how(*ticks)
         self._tell_tick()
 
     def _tell_tick(self) -> None:
@@ -255,7 +220,7 @@ class LineGame(SessionListener):
 
     def _named(self, name: str) -> str:
         """Return the robot of that name, by default the one that was chosen, or the first."""
-        from logical_robots_tui.cli.runs.common import check_name
+        from logical_robots_tui.cli.runs import check_name
 
         sources, level = self.session.sources, self.session.level
         names = [each.name for each in level.robots]
@@ -289,7 +254,7 @@ class LineGame(SessionListener):
             await inquiry.close()
 
     async def why(self, text: str) -> None:
-        from logical_robots_tui.cli.runs.why import answer, answer_lines, read_row
+        from logical_robots_tui.cli.why import answer, answer_lines, read_row
         from logical_robots_tui.explain.why.spelling import spell_call
 
         inquiry, program, robot, frame = self._thought()
@@ -310,14 +275,14 @@ class LineGame(SessionListener):
         )
 
     async def ask(self, question: str) -> None:
-        from logical_robots_tui.cli.runs.query import table_lines
+        from logical_robots_tui.cli.query import table_lines
 
         game = self._game
         table = await self._asked().ask(game.program, question, game.frame)
         say(*(table_lines(table) if table.rows else ["No rows."]))
 
     async def origin(self, part: str) -> None:
-        from logical_robots_tui.cli.runs.origin import origin_lines
+        from logical_robots_tui.cli.why import origin_lines
         from logical_robots_tui.explain import Ask
         from logical_robots_tui.explain.why.sources import Subject
         from logical_robots_tui.game import origin_in_game, read_part
@@ -330,7 +295,7 @@ class LineGame(SessionListener):
         say(*origin_lines(await origin_in_game(self._game, robot, subject)))
 
     async def diagnose(self, _: str) -> None:
-        from logical_robots_tui.cli.runs.diagnose import Printer
+        from logical_robots_tui.cli.query import Printer
         from logical_robots_tui.game.diagnosis.diagnosing import diagnose
 
         printer = Printer(is_silent=False)
@@ -353,16 +318,9 @@ class LineGame(SessionListener):
         await library.save_as(path)
         say(f"Edit {path}, then type apply.")
 
-    def replace_line(self, argument: str) -> None:
-        number, _, line = argument.partition(" ")
-        self._edit(number, 1, line)
-
-    def insert_line(self, argument: str) -> None:
-        number, _, line = argument.partition(" ")
-        self._edit(number, 0, line)
-
-    def _edit(self, number: str, replaced: int, line: str) -> None:
+    def edit(self, argument: str, replaced: int) -> None:
         """Put a line in place of as many; an empty one only deletes."""
+        number, _, line = argument.partition(" ")
         lines = self._text.text.splitlines()
         at = _number(number) - 1
         if not 0 <= at <= len(lines) - replaced:
@@ -384,12 +342,6 @@ class LineGame(SessionListener):
     def open_program(self, name: str) -> None:
         library = self.player.library
         library.open_program(load_program(name, library.programs))
-
-    async def next_level(self, _: str) -> None:
-        await self.player.library.next_level()
-
-    async def open_daily(self, _: str) -> None:
-        await self.player.library.open_daily()
 
     async def open_level(self, name: str) -> None:
         if name:
@@ -421,12 +373,6 @@ class LineGame(SessionListener):
                 return
         raise InputError(f"There is no version {number}. Type versions for a list.")
 
-    async def reset(self, _: str) -> None:
-        await self.player.learning.reset()
-
-    def lesson(self, _: str) -> None:
-        say(self.player.learning.lesson())
-
     def results(self, _: str) -> None:
         mine = brief(self._recorder.record.bests)
         say(f"Yours: {mine}" if mine else "You have not won here yet.")
@@ -434,7 +380,7 @@ class LineGame(SessionListener):
         say(*(f"{name}: {brief(measures)}" for name, measures in references))
 
     def help(self, _: str) -> None:
-        say(*columns([(each.typed, each.help) for each in self._commands.values()]))
+        say(*columns([(each.typed, each.help) for each in COMMANDS]))
 
     def quit(self, _: str) -> None:
         self._goes_on = False
@@ -444,3 +390,90 @@ def _number(text: str, usual: int = 1) -> int:
     if text and not (text.isdecimal() and len(text) < 10):
         raise InputError(f"{text} is not a number.")
     return int(text or usual)
+
+
+class Command(NamedTuple):
+    """What is typed, and what it does with the argument, "" if there is none."""
+
+    word: str
+    argument: str
+    do: Callable[[LineGame, str], Awaitable[None] | None]
+    help: str
+
+    @property
+    def typed(self) -> str:
+        return f"{self.word} {self.argument}".rstrip()
+
+
+# fmt: off
+COMMANDS = (
+    Command("run", "[N]", lambda game, n: game.go_on(_number(n, MOST)),
+        f"run until victory or a stop, for at most N ticks ({MOST:,} by default)"),
+    Command("step", "[N]", lambda game, n: game.go_on(_number(n)),
+        "one tick forward, or N ticks"),
+    Command("back", "[N]", lambda game, n: game.move(game.session.back, _number(n)),
+        "one tick back, or N ticks"),
+    Command("goto", "N", lambda game, n: game.move(game.session.go_to, _number(n)),
+        "go to a tick of the past"),
+    Command("other", "", lambda game, _: game.move(game.session.change_course),
+        "switch to the future that was left when the program changed"),
+    Command("restart", "", lambda game, _: game.move(game.session.restart),
+        "start again at tick 0"),
+    Command("where", "", LineGame.where, "positions of the robots, and who is in a goal"),
+    Command("look", "[ROBOT]", LineGame.look,
+        "walls, beacons, robots and areas by direction and distance from a robot"),
+    Command("robot", "NAME", LineGame.choose_robot,
+        "choose the robot that look, why and origin are about"),
+    Command("stop", "QUESTION", LineGame.stop_at,
+        "stop runs when a predicate has rows, or a question in Logica holds; repeat to remove it"),
+    Command("why", "[tree] [P]", LineGame.why,
+        "explain what the robot did in this tick, or a predicate; tree gives the whole proof"),
+    Command("ask", "QUESTION", LineGame.ask, "answer a question in Logica about this tick"),
+    Command("origin", "[PART]", LineGame.origin,
+        "trace back the robot's memory, or a part such as desire.left_engine"),
+    Command("diagnose", "", LineGame.diagnose, "scan the ticks so far for likely mistakes"),
+    Command("program", "", LineGame.show_program, "the program, with the numbers of its lines"),
+    Command("line", "N [TEXT]", lambda game, line: game.edit(line, 1),
+        "replace line N of the program, or delete it"),
+    Command("insert", "N TEXT", lambda game, line: game.edit(line, 0),
+        "insert a line before line N"),
+    Command("save", "[NAME]", LineGame.save,
+        "save the program as a file of your own, which you can edit"),
+    Command("apply", "", LineGame.apply,
+        "continue with the program as you changed it, here or in its file"),
+    Command("open", "PROGRAM", LineGame.open_program, "continue with another program"),
+    Command("versions", "[N]", LineGame.versions,
+        "list your earlier programs for this level, or go back to one"),
+    Command("reset", "", lambda game, _: game.player.learning.reset(),
+        "put the starter program back; yours becomes an earlier version"),
+    Command("briefing", "", LineGame.brief, "the task, and second goals"),
+    Command("hint", "", LineGame.hint, "reveal the next hint"),
+    Command("lesson", "", lambda game, _: say(game.player.learning.lesson()),
+        "what the level teaches and, when you have won, what to try next"),
+    Command("solution", "", LineGame.solution, "the reference programs"),
+    Command("results", "", LineGame.results, "your best results beside the reference programs"),
+    Command("next", "", lambda game, _: game.player.library.next_level(),
+        "open the next level"),
+    Command("level", "[NAME]", LineGame.open_level, "open a level, or list the levels"),
+    Command("daily", "", lambda game, _: game.player.library.open_daily(),
+        "open the labyrinth of today"),
+    Command("help", "", LineGame.help, "this list"),
+    Command("quit", "", LineGame.quit, "leave; so does the end of the input"),
+)
+# fmt: on
+
+
+def play(opening: Opening, recorder: ProgressRecorder) -> int:
+    """Play in lines of text until the player leaves; return the exit status.
+
+    Raises ProgramFileError if a program can't be compiled.
+    """
+    return asyncio.run(LineGame(opening, recorder).play())
+
+
+def table() -> Iterator[str]:
+    """Yield the commands as a table in Markdown."""
+    yield from ("", "| type | what it does |", "|---|---|")
+    for each in COMMANDS:
+        yield f"| `{each.typed}` | {each.help} |"
+    yield ""

@@ -5,23 +5,25 @@ from __future__ import annotations
 import argparse
 import asyncio
 import csv
-import json
 import math
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
 
 from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
+    DATA_DIR,
     columns,
-    finite,
+    command,
+    flag,
     folder_of,
     harmless,
-    new_command,
+    one_of,
+    option,
+    print_json,
 )
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import read_text
@@ -34,21 +36,18 @@ CONFIRMED, NOT_CONFIRMED = 0, 1
 CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
 
 
-def declare(commands: Commands) -> None:
-    command = new_command(commands, "progress", start)
-    layout = command.add_mutually_exclusive_group()
-    layout.add_argument("--json", action="store_true", help="print JSON, with your programs")
-    layout.add_argument("--csv", action="store_true", help="print CSV")
-    command.add_argument(
+@command(
+    "progress",
+    one_of(flag("--json", "print JSON, with your programs"), flag("--csv", "print CSV")),
+    option(
         "--check",
         type=Path,
         metavar="FILE",
         help="play the programs of an exported JSON file again, and compare the results",
-    )
-    add_data_dir(command)
-
-
-def start(options: argparse.Namespace) -> int:
+    ),
+    DATA_DIR,
+)
+def progress(options: argparse.Namespace) -> int:
     """list and export your results, or check an export
 
     List your results in each level, export them, or check an exported file.
@@ -63,11 +62,8 @@ def start(options: argparse.Namespace) -> int:
     if options.check is not None:
         return _check(options.check, as_json=options.json)
     file = folder_of(options.data_dir) / FILE_NAME
-    progress = Progress(file, lambda message: print(harmless(message), file=sys.stderr))
-    try:
-        _list(progress, options)
-    finally:
-        progress.close()
+    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as kept:
+        _list(kept, options)
     return CONFIRMED
 
 
@@ -75,7 +71,7 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
     records = {level: progress.record(level) for level in _levels(progress)}
     if options.json:
         levels = [_as_data(progress, level, record) for level, record in records.items()]
-        print(json.dumps(finite({"format": FORMAT, "levels": levels}), indent=2))
+        print_json({"format": FORMAT, "levels": levels})
     elif options.csv:
         table = csv.writer(sys.stdout, lineterminator="\n")
         table.writerow(["level", *CELLS])
@@ -204,7 +200,7 @@ def _check(file: Path, *, as_json: bool) -> int:
             print(_line(level, found or claimed, problem), flush=True)
     confirmed = all(result["confirmed"] for result in results)
     if as_json:
-        print(json.dumps(finite({"confirmed": confirmed, "results": results}), indent=2))
+        print_json({"confirmed": confirmed, "results": results})
     elif not results:
         print("The file holds no victories.")
     return CONFIRMED if confirmed else NOT_CONFIRMED

@@ -1,65 +1,65 @@
-"""``logical-robots query`` and ``when``: questions about one tick of a run, or about all."""
+"""``logical-robots query``, ``when``, ``diagnose``: questions about a run, and likely mistakes."""
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import shutil
 import sys
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui import game, mind
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
-    Commands,
+    ProgramFileError,
     columns,
+    command,
     cut,
     harmless,
     line_of_json,
+    option,
     prefers_json,
 )
-from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.runs.common import frame_at, new_run_command, open_run, run_shown, show
+from logical_robots_tui.cli.runs import (
+    SOON,
+    frame_at,
+    of_run,
+    open_run,
+    progress_bar,
+    run_shown,
+    show,
+)
 from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Matches
-    from logical_robots_tui.mind import Program, Question, Table
+    from logical_robots_tui.explain.diagnosis.telling import Finding
+    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
     from logical_robots_tui.world import Level
 
 FOUND, NOTHING = 0, 1
-DEFAULT_TICKS = 5000
-WIDEST = 60  # characters of a value in a table
+DEFAULT_TICKS, TICKS_TO_SCAN = 5000, 3000
+NARROWEST, WIDEST = 40, 96  # columns of a diagnosis
 
-
-def declare(commands: Commands) -> None:
-    query = new_run_command(
-        commands, "query", _query, first_tick=0, robot="only rows in this robot's mind"
-    )
-    query.add_argument("query", metavar="QUERY", help="a call, an expression, or whole rules")
-    when = new_run_command(
-        commands,
-        "when",
-        _when,
-        ticks=(DEFAULT_TICKS, "stop after this many ticks"),
-        robot="only rows in this robot's mind",
-    )
-    when.add_argument(
-        "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
-    )
+_WIDEST_CELL = 60  # characters of a value in a table
 
 
 @contextmanager
 def _mistakes_in(what: str) -> Iterator[None]:
-    from logical_robots_tui.mind import ProgramError
-
     try:
         yield
-    except ProgramError as error:
+    except mind.ProgramError as error:
         raise ProgramFileError(what, error) from error
 
 
-def _query(options: argparse.Namespace) -> int:
+@command(
+    "query",
+    of_run(first_tick=0, robot="only rows in this robot's mind"),
+    option("query", metavar="QUERY", help="a call, an expression, or whole rules"),
+)
+def query(options: argparse.Namespace) -> int:
     """query one tick of a run
 
     Run a program to a tick, then answer a query in Logica about that tick.
@@ -96,8 +96,8 @@ def _query(options: argparse.Namespace) -> int:
     return FOUND if table.rows else NOTHING
 
 
-def table_lines(table: Table) -> list[str]:
-    rows = [tuple(cut(spell(value), WIDEST) for value in row) for row in table.rows]
+def table_lines(table: mind.Table) -> list[str]:
+    rows = [tuple(cut(spell(value), _WIDEST_CELL) for value in row) for row in table.rows]
     head = table.columns
     if table.viewers:
         head = ("IN THE MIND OF", *head)
@@ -105,19 +105,26 @@ def table_lines(table: Table) -> list[str]:
     return columns([head, *rows])
 
 
-async def _ask(level: Level, program: Program, query: str, tick: int) -> Table:
-    from logical_robots_tui.game import Inquiry
-
+async def _ask(level: Level, program: mind.Program, query: str, tick: int) -> mind.Table:
     await asyncio.to_thread(program.question, query)  # reports mistakes before the run
     frame = await frame_at(level, program, tick)
-    inquiry = Inquiry(level)
+    inquiry = game.Inquiry(level)
     try:
         return await inquiry.ask(program, query, frame)
     finally:
         await inquiry.close()
 
 
-def _when(options: argparse.Namespace) -> int:
+@command(
+    "when",
+    of_run(
+        ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only rows in this robot's mind"
+    ),
+    option(
+        "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
+    ),
+)
+def when(options: argparse.Namespace) -> int:
     """find the ticks of a run in which something holds
 
     Ask a question in Logica at every tick of a run, and print where it holds.
@@ -137,28 +144,24 @@ def _when(options: argparse.Namespace) -> int:
 
     exit status: 0 found, 1 it never holds, 2 bad level, program or question
     """
-    from logical_robots_tui.mind import QueryError
-
     level, program = open_run(options)
     with _mistakes_in("question"):
         question = program.question(options.question)
     found = asyncio.run(_search(level, program, question, options))
     if found.failed_in == found.ticks:
-        raise QueryError(f"It failed in every tick: {found.reason}")
+        raise mind.QueryError(f"It failed in every tick: {found.reason}")
     show(options, _data(options.question, found), _lines(options.question, found))
     return FOUND if found.stretches else NOTHING
 
 
 async def _search(
-    level: Level, program: Program, question: Question, options: argparse.Namespace
-) -> Matches:
-    from logical_robots_tui.game import find_matches
-
+    level: Level, program: mind.Program, question: mind.Question, options: argparse.Namespace
+) -> game.Matches:
     async with run_shown(level, program, options.ticks) as (run, show):
-        return await find_matches(run, question, options.ticks, options.robot or "", show)
+        return await game.find_matches(run, question, options.ticks, options.robot or "", show)
 
 
-def _lines(question: str, found: Matches) -> list[str]:
+def _lines(question: str, found: game.Matches) -> list[str]:
     extent = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
     extent += ", up to victory" if found.won_at is not None else ""
     lines = []
@@ -183,7 +186,7 @@ def _lines(question: str, found: Matches) -> list[str]:
     return lines
 
 
-def _data(question: str, found: Matches) -> dict[str, Any]:
+def _data(question: str, found: game.Matches) -> dict[str, Any]:
     stretches = found.stretches
     return {
         "question": question,
@@ -196,4 +199,118 @@ def _data(question: str, found: Matches) -> dict[str, Any]:
         "failed_in": found.failed,
         "failure": found.reason or None,
         "reliable": found.is_reliable,
+    }
+
+
+@command("diagnose", of_run(ticks=(TICKS_TO_SCAN, "stop after this many ticks, or at victory")))
+def diagnose(options: argparse.Namespace) -> int:
+    """scan a whole run for likely mistakes
+
+    Run a program, watch all its rules and conditions, and print what stands out.
+
+    examples:
+      logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
+      logical-robots diagnose 01-first-steps first-steps --json | jq .findings
+
+    Warnings come first. A note may well be intended. Ctrl+C ends the search, and
+    what was found by then is printed.
+
+    exit status: 0 no warnings, 1 warnings, 2 bad level or program
+    """
+    level, program = open_run(options)
+    printer = Printer(is_silent=prefers_json(options))
+    found = asyncio.run(_diagnose(level, program, options.ticks, printer))
+    if prefers_json(options):
+        print(line_of_json(_diagnosis(found)))
+    else:
+        printer.finish(found)
+    return int(any(each.severity == "warning" for each in found.findings))
+
+
+async def _diagnose(level: Level, program: mind.Program, ticks: int, printer: Printer) -> Diagnosis:
+    from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
+
+    async with run_shown(level, program, ticks) as (run, ran):
+        with progress_bar("Examining", ticks, after=SOON) as report:
+            try:
+                return await diagnose_run(run, ticks, ran=ran, report=report, show=printer.show)
+            except asyncio.CancelledError:
+                if printer.found is None:
+                    raise
+                return printer.found  # interrupted
+
+
+class Printer:
+    """Prints findings as soon as they are sure."""
+
+    def __init__(self, *, is_silent: bool) -> None:
+        self._is_silent = is_silent
+        self._has_begun = False
+        self._printed = 0
+        self.found: Diagnosis | None = None
+
+    def show(self, found: Diagnosis) -> None:
+        self.found = found
+        if not self._is_silent and found.sure:
+            self._print(found, found.findings[: found.sure])
+
+    def finish(self, found: Diagnosis) -> None:
+        from logical_robots_tui.game.diagnosis.diagnosing import shortcomings
+
+        self._print(found, found.findings)
+        if not found.findings:
+            print("Nothing stands out.")
+        if left := shortcomings(found).strip():
+            print("", *textwrap.wrap(left, _width()), sep="\n")
+
+    def _print(self, found: Diagnosis, findings: Sequence[Finding]) -> None:
+        from logical_robots_tui.game.diagnosis.diagnosing import ticks_of
+
+        if not self._has_begun:
+            self._has_begun = True
+            print(ticks_of(found))
+        for each in findings[self._printed :]:
+            print("", *_finding_lines(each), sep="\n", flush=True)
+            self._printed += 1
+
+
+def _width() -> int:
+    return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
+
+
+def _finding_lines(each: Finding) -> Iterator[str]:
+    line = f"line {each.span.line}" if each.span is not None else "the run"
+    head = f"{each.severity}, {line}, tick {each.tick}: "
+    said = harmless(f"{each.message} {each.hint}")
+    yield from textwrap.wrap(f"{head}{said}", _width(), subsequent_indent="  ")
+    if each.others:
+        lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
+        yield f"  See also line{'s' if ',' in lines else ''} {lines}."
+
+
+def _diagnosis(found: Diagnosis) -> dict[str, Any]:
+    return {
+        "first": found.first,
+        "last": found.last,
+        "won_at": found.won_at,
+        "looked_at_every": found.step,
+        "looked_for_what_never_happened_every": found.second_step,
+        "left_out": found.left_out,
+        "reliable": found.is_reliable,
+        "examined": found.examined,
+        "findings": [_finding(each) for each in found.findings],
+    }
+
+
+def _finding(each: Finding) -> dict[str, Any]:
+    return {
+        "severity": each.severity,
+        "kind": each.kind,
+        "line": each.span.line if each.span else None,
+        "text": each.span.text if each.span else None,
+        "tick": each.tick,
+        "robot": each.robot or None,
+        "message": each.message,
+        "hint": each.hint,
+        "see_also": list(dict.fromkeys(span.line for span in each.others)),
     }

@@ -1,46 +1,49 @@
-"""``logical-robots run``: run a program in a level without a screen."""
+"""``logical-robots run`` and ``trace``: the result of a run, or every tick of it as JSON."""
 
 from __future__ import annotations
 
 import argparse
 import asyncio
-import json
 import math
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from logical_robots_tui import game, mind
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
-    Commands,
     columns,
-    finite,
+    command,
+    flag,
     harmless,
+    line_of_json,
     named_programs,
+    option,
     prefers_json,
+    print_json,
 )
-from logical_robots_tui.cli.runs.common import new_run_command, open_run, progress_bar
+from logical_robots_tui.cli.runs import check_name, of_run, open_run, progress_bar
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Frame
-    from logical_robots_tui.mind import Program
+    import threading
+
     from logical_robots_tui.world import Level
+
+    _Tables: TypeAlias = dict[str, mind.Table | mind.QueryError]
 
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000
 SAMPLE = 10  # notices reported in full
 
 
-def declare(commands: Commands) -> None:
-    command = new_run_command(
-        commands, "run", start, ticks=(DEFAULT_TICKS, "give up after this many ticks")
-    )
-    command.add_argument("--times", action="store_true", help="include times in the JSON output")
-
-
-def start(options: argparse.Namespace) -> int:
+@command(
+    "run",
+    of_run(ticks=(DEFAULT_TICKS, "give up after this many ticks")),
+    flag("--times", "include times in the JSON output"),
+)
+def run(options: argparse.Namespace) -> int:
     """run a program in a level without a screen
 
     Run a program in a level without a screen, as fast as possible.
@@ -59,35 +62,37 @@ def start(options: argparse.Namespace) -> int:
         outcome = asyncio.run(
             play_out(level, program, " ".join(named_programs(options)), options.ticks, show)
         )
-    print(outcome.as_json(times=options.times) if prefers_json(options) else outcome.as_text())
+    if prefers_json(options):
+        print_json(outcome.as_data(times=options.times))
+    else:
+        print(outcome.as_text())
     is_over = level.match_ticks == outcome.frame.tick
     return WON if outcome.won_at is not None or is_over else NOT_WON
 
 
 async def play_out(
     level: Level,
-    program: Program,
+    program: mind.Program,
     program_name: str,
     ticks: int,
     show: Callable[[int], object] = lambda _tick: None,
 ) -> Outcome:
-    from logical_robots_tui.game import Game
     from logical_robots_tui.game.victory import victory_of
 
-    game = Game(level, program, history=1)
-    outcome = Outcome(level, program_name, game.frame)
+    playing = game.Game(level, program, history=1)
+    outcome = Outcome(level, program_name, playing.frame)
 
-    def look(frame: Frame) -> None:
+    def look(frame: game.Frame) -> None:
         outcome.count(frame)
         show(frame.tick)
 
-    game.listen(look)
+    playing.listen(look)
     began = perf_counter()
     try:
-        await game.run_until(tick=ticks)
-        victory = victory_of(game, level)
+        await playing.run_until(tick=ticks)
+        victory = victory_of(playing, level)
     finally:
-        await game.close()
+        await playing.close()
     outcome.seconds = perf_counter() - began
     if victory is not None and victory.measures is not None:
         outcome.reached = victory.measures.goals
@@ -100,7 +105,7 @@ class Outcome:
 
     level: Level
     program_name: str
-    frame: Frame
+    frame: game.Frame
     notices: Counter[str] = field(default_factory=Counter)
     first: list[tuple[int, str, str, str]] = field(default_factory=list)
     think_milliseconds: float = 0.0
@@ -108,7 +113,7 @@ class Outcome:
     seconds: float = 0.0
     reached: tuple[str, ...] = ()
 
-    def count(self, frame: Frame) -> None:
+    def count(self, frame: game.Frame) -> None:
         self.frame = frame
         self.think_milliseconds += frame.think_milliseconds
         self.is_reliable = self.is_reliable and frame.is_reliable
@@ -123,9 +128,8 @@ class Outcome:
     def won_at(self) -> int | None:
         return self.frame.after.won_at
 
-    def as_json(self, *, times: bool = False) -> str:
-        """Return the result as JSON, without times by default, because they vary."""
-        from logical_robots_tui.game import goals
+    def as_data(self, *, times: bool = False) -> dict[str, Any]:
+        """Return what is printed as JSON, without times by default, because they vary."""
         from logical_robots_tui.world.scoring import points
 
         ticks = self.frame.tick
@@ -135,10 +139,13 @@ class Outcome:
             "won": self.won_at is not None,
             "ticks": ticks,
             "reliable": self.is_reliable,
-            "robots": self._robots(),
+            "robots": [
+                {**robot, "memory": self.frame.memories.get(robot["name"])}
+                for robot in _robots(self.level, self.frame, "blocked")
+            ],
             "goals": [
                 {"area": goal.area_name, "wanted": goal.wanted, "inside": goal.inside}
-                for goal in goals(self.level, self.frame.after)
+                for goal in game.goals(self.level, self.frame.after)
             ],
             **({"scores": points(self.level, self.frame.after)} if self.level.scores else {}),
             "second_goals": {
@@ -157,7 +164,7 @@ class Outcome:
             found["milliseconds_per_tick"] = round(self.seconds * 1000 / ticks, 4)
             think = self.think_milliseconds / ticks
             found["think_milliseconds_per_tick"] = round(think, 4)
-        return json.dumps(finite(found), indent=2, allow_nan=False)
+        return found
 
     def as_text(self) -> str:
         lines = [self._verdict()]
@@ -184,7 +191,6 @@ class Outcome:
         return "\n".join(lines)
 
     def _verdict(self) -> str:
-        from logical_robots_tui.game import goals
         from logical_robots_tui.game.frame import standing_words
 
         title = harmless(self.level.title)
@@ -198,7 +204,7 @@ class Outcome:
         missing = [
             f"{harmless(goal.area_name)} is still missing "
             + ", ".join(harmless(name) for name in goal.wanted if name not in goal.inside)
-            for goal in goals(self.level, self.frame.after)
+            for goal in game.goals(self.level, self.frame.after)
             if not goal.reached and len(goal.inside) < len(goal.wanted)
         ]
         return ". ".join([f"{title}: not won within {self.frame.tick} ticks", *missing]) + "."
@@ -213,16 +219,129 @@ class Outcome:
             rows.append((now.name, f"{now.x:.1f}", f"{now.y:.1f}", heading, battery))
         return columns(rows)
 
-    def _robots(self) -> list[dict[str, Any]]:
-        return [
+
+def _robots(level: Level, frame: game.Frame, *more: str) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": now.name,
+            "x": now.x,
+            "y": now.y,
+            "angle": now.angle,
+            "battery_level": now.battery_level if given.has_battery else None,
+            **{name: getattr(now, name) for name in more},
+        }
+        for given, now in zip(level.robots, frame.after.robots, strict=True)
+    ]
+
+
+@command(
+    "trace",
+    of_run(
+        ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only this robot", only_json=True
+    ),
+    option(
+        "--predicates",
+        type=lambda text: tuple(name.strip() for name in text.split(",") if name.strip()),
+        default=(),
+        metavar="A,B",
+        help="include the rows of these predicates",
+    ),
+    flag("--times", "include how long thinking took"),
+)
+def trace(options: argparse.Namespace) -> int:
+    """print every tick of a run as a line of JSON
+
+    Print every tick of a run, up to victory, as a line of JSON.
+
+    examples:
+      logical-robots trace 01-first-steps first-steps > run.jsonl
+      logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 --robot Crow \\
+        | jq .decisions
+      logical-robots trace 06-breadcrumbs breadcrumbs --ticks 100 \\
+        --predicates Next | jq -c .predicates.Next.rows
+
+    A line holds: tick, won, robots (after the tick), sensors and memories (as the
+    program saw them), decisions (desire, memory, notices), areas, the rows of the
+    requested predicates, and reliable: false once a time limit has cut a thought
+    short, so that another run may differ.
+
+    exit status: 0 won, 1 not won in time, 2 bad level or program
+    """
+    level, program = open_run(options)
+    for name in options.predicates:
+        check_name("predicate", name, (p.name for p in program.predicates if p.has_rows))
+    won = asyncio.run(_trace(level, program, options))
+    return WON if won else NOT_WON
+
+
+async def _trace(level: Level, program: mind.Program, options: argparse.Namespace) -> bool:
+    def ask(
+        frame: game.Frame, thinking: mind.Mind, stop: threading.Event
+    ) -> tuple[game.Frame, _Tables]:
+        tables: _Tables = {}
+        for name in options.predicates:
+            try:
+                tables[name] = thinking.query(name, frame.sensors, frame.memories_before, stop=stop)
+            except mind.QueryError as error:
+                tables[name] = error
+        return frame, tables
+
+    run = game.Run(level, program)
+    won, reliable = False, True
+    try:
+        async for frame, tables in run.each(1, options.ticks, ask, to_victory=True):
+            won = frame.after.won_at is not None
+            reliable = reliable and frame.is_reliable
+            data = _data(level, frame, options.robot, tables)
+            data["reliable"] = reliable
+            if options.times:
+                data["think_milliseconds"] = round(frame.think_milliseconds, 4)
+            print(line_of_json(data))
+        return won
+    finally:
+        await run.close()
+
+
+def _data(level: Level, frame: game.Frame, robot: str | None, tables: _Tables) -> dict[str, Any]:
+    mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
+    after = frame.after
+    return {
+        "tick": frame.tick,
+        "won": after.won_at is not None,
+        "robots": [
+            robot
+            for robot in _robots(level, frame, "left_engine", "right_engine", "blocked", "dead")
+            if robot["name"] in mine
+        ],
+        "sensors": {
+            row["robot_name"]: row["sensor"] for row in frame.sensors if row["robot_name"] in mine
+        },
+        "memories": {name: frame.memories_before.get(name) for name in sorted(mine)},
+        "decisions": [
             {
-                "name": now.name,
-                "x": now.x,
-                "y": now.y,
-                "angle": now.angle,
-                "battery_level": now.battery_level if given.has_battery else None,
-                "blocked": now.blocked,
-                "memory": self.frame.memories.get(now.name),
+                "robot": decision.robot_name,
+                "desire": decision.desire and asdict(decision.desire),
+                "memory": decision.memory,
+                "notices": [asdict(notice) for notice in decision.notices],
             }
-            for given, now in zip(self.level.robots, self.frame.after.robots, strict=True)
-        ]
+            for decision in frame.decisions
+            if decision.robot_name in mine
+        ],
+        "areas": [
+            {"name": area.name, "active": area.active, "visitors": area.visitors}
+            for area in after.areas
+        ],
+        "predicates": {name: _rows(table, robot) for name, table in tables.items()},
+    }
+
+
+def _rows(table: mind.Table | mind.QueryError, robot: str | None) -> dict[str, Any]:
+    if isinstance(table, Exception):
+        return {"error": str(table)}
+    mine = table.in_mind_of(robot)
+    data: dict[str, Any] = {"columns": mine.columns, "rows": mine.rows}
+    if table.viewers:
+        data["minds"] = mine.viewers
+    if table.truncated:
+        data["truncated"] = True
+    return data

@@ -10,21 +10,23 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
-    add_json,
-    add_no_solutions,
-    add_programs,
-    add_start,
+    DATA_DIR,
+    LEVEL,
+    NO_SOLUTIONS,
+    START,
+    Part,
+    ProgramFileError,
+    flag,
     harmless,
     line_of_json,
     named_programs,
-    new_command,
+    number,
     number_from,
+    option,
     own_programs,
     prefers_json,
+    programs,
 )
-from logical_robots_tui.cli.failure import ProgramFileError
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,47 +40,39 @@ SOON = 0.5
 """Seconds before the progress bar appears."""
 
 
-def new_run_command(
-    commands: Commands,
-    name: str,
-    start: Callable[[argparse.Namespace], int],
+def of_run(
     *,
     first_tick: int | None = None,
     ticks: tuple[int, str] | None = None,
     robot: str = "",
     needs_robot: bool = False,
     only_json: bool = False,
-) -> argparse.ArgumentParser:
-    """Declare a command that takes a level and a program, which `opened` loads.
+) -> Part:
+    """Return the arguments of a command that takes a level and a program, which `open_run` loads.
 
     `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``,
     `robot` the help of ``--robot``; by default there is no such option.
     """
-    wants_json = (lambda _options: True) if only_json else prefers_json
-    command = new_command(commands, name, start, wants_json=wants_json)
-    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    add_programs(command)
+    parts = [LEVEL, programs()]
     if first_tick is not None:
         said = "the tick" if first_tick else "the tick; 0 is the start"
-        command.add_argument(
-            "--tick", type=number_from(first_tick), required=True, metavar="N", help=said
-        )
+        read = number_from(first_tick)
+        parts.append(option("--tick", type=read, required=True, metavar="N", help=said))
     if ticks is not None:
-        command.add_argument(
-            "--ticks",
-            type=number_from(1),
-            default=ticks[0],
-            metavar="N",
-            help=f"{ticks[1]} (default: %(default)s)",
-        )
+        parts.append(number("--ticks", number_from(1), *ticks))
     if robot:
-        command.add_argument("--robot", required=needs_robot, metavar="R", help=robot)
-    add_start(command)
+        parts.append(option("--robot", required=needs_robot, metavar="R", help=robot))
+    parts.append(START)
     if not only_json:
-        add_json(command)
-    add_data_dir(command)
-    add_no_solutions(command)
-    return command
+        parts.append(flag("--json", "print JSON even to a terminal"))
+    wants_json = (lambda _options: True) if only_json else prefers_json
+
+    def add(parser: argparse._ActionsContainer) -> None:
+        parser.set_defaults(wants_json=wants_json)
+        for part in (*parts, DATA_DIR, NO_SOLUTIONS):
+            part(parser)
+
+    return add
 
 
 def open_run(options: argparse.Namespace) -> tuple[Level, Program]:
@@ -97,10 +91,9 @@ def open_run(options: argparse.Namespace) -> tuple[Level, Program]:
     try:
         program = Program.compile({team: each.text for team, each in sources.items()})
     except ProgramError as error:
-        path, typed = str(sources[error.team].path), named_programs(options)
-        raise ProgramFileError(
-            path if path in typed else sources[error.team].name, error
-        ) from error
+        source = sources[error.team]
+        place = str(source.path) if str(source.path) in named_programs(options) else source.name
+        raise ProgramFileError(place, error) from error
     robot = getattr(options, "robot", None)
     if robot is not None:
         check_name("robot", robot, (robot.name for robot in level.robots))
@@ -142,18 +135,30 @@ async def frame_at(level: Level, program: Program, tick: int) -> Frame:
         return await run.frame(tick, show)
 
 
-_REDRAW_EVERY = 0.1  # seconds
-
-
 @contextmanager
 def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[..., None]]:
     """Show a progress bar after some seconds; yield a callback for finished ticks, and of all."""
     began = monotonic()
-    due = began + after if sys.stderr.isatty() else float("inf")
+    with drawn_bar(title, after) as draw:
+
+        def show(tick: int, of_all: int = ticks) -> None:
+            pace = tick / max(monotonic() - began, 1e-9)
+            draw(tick, of_all, f"tick {tick} of {of_all}", f"{pace:.0f} ticks/s")
+
+        yield show
+
+
+_REDRAW_EVERY = 0.1  # seconds
+
+
+@contextmanager
+def drawn_bar(title: str, after: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
+    """Yield what draws a bar: part, whole, and two texts beside it. In a pipe it does nothing."""
+    due = monotonic() + after if sys.stderr.isatty() else float("inf")
     bar: Progress | None = None
     with ExitStack() as stack:
 
-        def show(tick: int, of_all: int = ticks) -> None:
+        def draw(part: int, whole: int, count: str, rest: str) -> None:
             nonlocal bar, due
             now = monotonic()
             if now < due:
@@ -161,11 +166,11 @@ def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Call
             due = now + _REDRAW_EVERY
             if bar is None:
                 bar = stack.enter_context(_new_bar())
-                bar.add_task(harmless(title), total=ticks, pace=0.0)
-            pace = tick / max(now - began, 1e-9)
-            bar.update(bar.task_ids[0], completed=tick, total=of_all, pace=pace, refresh=True)
+                bar.add_task(harmless(title), total=whole, count="", rest="")
+            task = bar.task_ids[0]
+            bar.update(task, completed=part, total=whole, count=count, rest=rest, refresh=True)
 
-        yield show
+        yield draw
 
 
 def _new_bar() -> Progress:
@@ -175,8 +180,8 @@ def _new_bar() -> Progress:
     return Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("tick {task.completed:.0f} of {task.total:.0f}"),
-        TextColumn("{task.fields[pace]:.0f} ticks/s"),
+        TextColumn("{task.fields[count]}"),
+        TextColumn("{task.fields[rest]}"),
         console=Console(stderr=True),
         auto_refresh=False,
         transient=True,

@@ -1,4 +1,4 @@
-"""``logical-robots why``: which rule made a robot's decision, and what stopped the others."""
+"""``logical-robots why`` and ``origin``: which rules made a decision, and where a value is from."""
 
 from __future__ import annotations
 
@@ -10,66 +10,77 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from logical_robots_tui.cli.command import Commands, cut, harmless, number_from
-from logical_robots_tui.cli.failure import ProgramFileError
-from logical_robots_tui.cli.runs.common import check_name, frame_at, new_run_command, open_run, show
+from logical_robots_tui import explain, game, mind
+from logical_robots_tui.cli.command import (
+    ProgramFileError,
+    command,
+    cut,
+    flag,
+    harmless,
+    number_from,
+    option,
+)
+from logical_robots_tui.cli.runs import check_name, frame_at, of_run, open_run, run_shown, show
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain import Ask, Explanation, Node
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.game import Frame, Inquiry
-    from logical_robots_tui.mind import Program
+    from logical_robots_tui.explain.why.sources import Path, Source
     from logical_robots_tui.world import Level
 
 GAVE, GAVE_NOT = 0, 1
-WIDEST = 100  # columns, if the terminal's width is unknown
-DEEPEST = 100
+WIDEST = 100  # columns, of an explanation if the terminal's width is unknown
+DEEPEST = 100  # predicates in a proof
 
 _LONGEST = 150  # characters of a command that is proposed
 _LONGEST_VALUE = 40
+_LONGEST_ORIGIN = 60  # characters of a value that is traced back
 _MOST_VALUES = 5  # in a line; --json has more
 
 
-def declare(commands: Commands) -> None:
-    command = new_run_command(
-        commands, "why", start, first_tick=1, robot="in whose mind", needs_robot=True
-    )
-    add_row(command)
-    command.add_argument(
-        "--tree", action="store_true", help="the whole proof, down to what was sensed"
-    )
-    command.add_argument(
-        "--depth",
-        type=number_from(1),
-        default=DEEPEST,
-        metavar="N",
-        help="with --tree: the most nested predicates to show",
-    )
+def _column_value(text: str) -> tuple[str, Any]:
+    column, sign, value = text.partition("=")
+    if not sign or not column:
+        raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")
+    try:
+        return column, read_value(value)
+    except ValueError:
+        return column, value
 
 
-def add_row(command: argparse.ArgumentParser) -> None:
-    """Declare the options that name a row of a predicate."""
-    command.add_argument(
+_OF_ROW = (
+    of_run(first_tick=1, robot="in whose mind", needs_robot=True),
+    option(
         "--predicate",
         default="Robot",
         metavar="P",
         help="the predicate, or one with values as in Logica (default: %(default)s)",
-    )
-    command.add_argument(
+    ),
+    option(
         "--given",
         type=_column_value,
         action="append",
         default=[],
         metavar="COLUMN=VALUE",
         help="only rows with this value, as JSON; for functions: an argument",
-    )
-    command.add_argument(
-        "--within", default="", metavar="P", help="within the rules of P, defined with ':='"
-    )
+    ),
+    option("--within", default="", metavar="P", help="within the rules of P, defined with ':='"),
+)
 
 
-def start(options: argparse.Namespace) -> int:
+@command(
+    "why",
+    *_OF_ROW,
+    flag("--tree", "the whole proof, down to what was sensed"),
+    option(
+        "--depth",
+        type=number_from(1),
+        default=DEEPEST,
+        metavar="N",
+        help="with --tree: the most nested predicates to show",
+    ),
+)
+def why(options: argparse.Namespace) -> int:
     """explain why a robot did what it did, or why not
 
     Run a program to a tick, then explain for each rule which parts of it held.
@@ -103,13 +114,11 @@ def start(options: argparse.Namespace) -> int:
 
 
 def read_row(
-    program: Program, predicate: str, given: Mapping[str, Value] = {}, within: str = ""
-) -> Ask:
+    program: mind.Program, predicate: str, given: Mapping[str, Value] = {}, within: str = ""
+) -> explain.Ask:
     """Return the question; raise InputError, ProgramFileError or QueryError."""
-    from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explainer import read_ask
     from logical_robots_tui.explain.why.probing import decompose
-    from logical_robots_tui.mind import ProgramError
 
     own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
     name = predicate.partition("(")[0].strip()
@@ -117,10 +126,10 @@ def read_row(
         check_name("predicate", name, own)
     if name == predicate:
         decompose(program, name, within)  # refuses before the run
-        return Ask(name, given, within)
+        return explain.Ask(name, given, within)
     try:
         asked = read_ask(program, predicate, within)
-    except ProgramError as error:
+    except mind.ProgramError as error:
         raise ProgramFileError("predicate", error) from error
     return replace(asked, given={**asked.given, **given})
 
@@ -131,17 +140,17 @@ class Answer(NamedTuple):
     `nearest` are suggestions with the lines of the rules.
     """
 
-    explanation: Explanation
-    nodes: tuple[Node, ...]
+    explanation: explain.Explanation
+    nodes: tuple[explain.Node, ...]
     is_tree: bool = False
     complete: bool = True
     nearest: Sequence[tuple[int, Suggestion]] = ()
 
 
-async def _ask(level: Level, program: Program, asked: Ask, options: argparse.Namespace) -> Answer:
-    from logical_robots_tui.game import Inquiry
-
-    inquiry = Inquiry(level)
+async def _ask(
+    level: Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+) -> Answer:
+    inquiry = game.Inquiry(level)
     try:
         frame, _ = await asyncio.gather(
             frame_at(level, program, options.tick), inquiry.prepare(program, asked)
@@ -153,7 +162,12 @@ async def _ask(level: Level, program: Program, asked: Ask, options: argparse.Nam
 
 
 async def answer(
-    inquiry: Inquiry, program: Program, robot: str, frame: Frame, asked: Ask, depth: int = 0
+    inquiry: game.Inquiry,
+    program: mind.Program,
+    robot: str,
+    frame: game.Frame,
+    asked: explain.Ask,
+    depth: int = 0,
 ) -> Answer:
     """Explain a row, with a depth by its whole proof; raise QueryError."""
     if depth:
@@ -166,7 +180,7 @@ async def answer(
     return Answer(explanation, explanation.nodes, nearest=nearest)
 
 
-def option_of(ask: Ask) -> str:
+def option_of(ask: explain.Ask) -> str:
     from logical_robots_tui.explain.why.spelling import spell_call
 
     within = f" --within {ask.within}" if ask.within else ""
@@ -175,11 +189,11 @@ def option_of(ask: Ask) -> str:
 
 def answer_lines(
     found: Answer,
-    program: Program,
+    program: mind.Program,
     tick: int,
     *,
     more: str = "For more, add --tree",
-    command: Callable[[Ask], str] = option_of,
+    command: Callable[[explain.Ask], str] = option_of,
 ) -> Iterator[str]:
     """Yield an answer in lines; `more` and `command` say how to see more of it."""
     wide = shutil.get_terminal_size((WIDEST, 0)).columns
@@ -217,7 +231,7 @@ def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
     }
 
 
-def _without_long_values(ask: Ask, program: Program) -> Ask:
+def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask:
     """Return a question without long values that need not be given."""
     known = program.predicate(ask.predicate)
     if known is None or not known.has_rows:
@@ -226,7 +240,7 @@ def _without_long_values(ask: Ask, program: Program) -> Ask:
     return replace(ask, given=given)
 
 
-def _line(depth: int, node: Node, wide: int) -> str:
+def _line(depth: int, node: explain.Node, wide: int) -> str:
     mark = {True: "+", False: "-", None: " "}[node.holds]
     before = f"{'  ' * depth}{mark} "
     place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
@@ -241,7 +255,7 @@ def _line(depth: int, node: Node, wide: int) -> str:
     return cut(f"{whole}{cut(told, wide - len(whole) - len(said))}{said}", wide)
 
 
-def _data(explanation: Explanation, tick: int, program: Program) -> dict[str, Any]:
+def _data(explanation: explain.Explanation, tick: int, program: mind.Program) -> dict[str, Any]:
     return {
         "tick": tick,
         "robot": explanation.robot,
@@ -255,52 +269,160 @@ def _data(explanation: Explanation, tick: int, program: Program) -> dict[str, An
                 "text": rule.span.text,
                 "rows": rule.rows,
                 "gives_row": rule.row is not None,
-                "stopped_by": rule.stopped_by.text if rule.stopped_by else None,
-                "stopped_at_line": rule.stopped_by.span.line
-                if rule.stopped_by and rule.stopped_by.span
-                else None,
+                "stopped_by": rule.stopped_by and rule.stopped_by.text,
+                "stopped_at_line": rule.stopped_by
+                and rule.stopped_by.span
+                and rule.stopped_by.span.line,
             }
             for rule in explanation.rules
         ],
     }
 
 
-def _labelled(predicate: str, row: Mapping[str, Value], program: Program) -> dict[str, Value]:
+def _labelled(predicate: str, row: Mapping[str, Value], program: mind.Program) -> dict[str, Value]:
     labels = program.labels.get(predicate, {})
     return {labels.get(column, column): value for column, value in row.items()}
 
 
-def _node(node: Node, program: Program) -> dict[str, Any]:
-    data: dict[str, Any] = {"kind": node.kind, "text": node.text}
-    if node.said:
-        data["said"] = node.said
-    if node.holds is not None:
-        data["holds"] = node.holds
-    if node.values:
-        data["values"] = node.values
-    if node.more:
-        data["more"] = node.more
-    if node.span is not None:
-        data["line"] = node.span.line
-    if node.robot:
-        data["robot"] = node.robot
-    if node.ray is not None:
-        data["ray"] = node.ray
-    if node.asked is not None:
-        name = node.asked.predicate
-        data["asked"] = {"predicate": name, "given": _labelled(name, node.asked.given, program)}
-        if node.asked.within:
-            data["asked"]["within"] = node.asked.within
-    if node.children:
-        data["children"] = [_node(child, program) for child in node.children]
-    return data
+def _node(node: explain.Node, program: mind.Program) -> dict[str, Any]:
+    asked = node.asked and {
+        "predicate": node.asked.predicate,
+        "given": _labelled(node.asked.predicate, node.asked.given, program),
+        **({"within": node.asked.within} if node.asked.within else {}),
+    }
+    found = {
+        "kind": node.kind,
+        "text": node.text,
+        "said": node.said or None,
+        "holds": node.holds,
+        "values": node.values or None,
+        "more": node.more or None,
+        "line": node.span and node.span.line,
+        "robot": node.robot or None,
+        "ray": node.ray,
+        "asked": asked,
+        "children": [_node(child, program) for child in node.children] or None,
+    }
+    return {key: value for key, value in found.items() if value is not None}
 
 
-def _column_value(text: str) -> tuple[str, Any]:
-    column, sign, value = text.partition("=")
-    if not sign or not column:
-        raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")
+def _part(text: str) -> tuple[str, Path]:
     try:
-        return column, read_value(value)
-    except ValueError:
-        return column, value
+        return game.read_part(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+@command(
+    "origin",
+    *_OF_ROW,
+    option(
+        "--value",
+        type=_part,
+        metavar="PART",
+        help="a column or a part of it, such as memory.plan.at, memory.seen[0] or "
+        "desire.left_engine (default: the memory, or the only column)",
+    ),
+)
+def origin(options: argparse.Namespace) -> int:
+    """trace a value back to the rules and readings that it comes from
+
+    Run a program to a tick, then trace a value back to where it was made.
+
+    examples:
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value memory.visited
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value 'memory.visited[0]'
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value desire.left_engine
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 380 --robot Crow \\
+        --predicate Next --value ray.distance
+
+    A value in a memory, as it is after the tick, comes from the tick of its last
+    change; any other value of a predicate is made in the tick itself. The chain
+    goes on with what it was made from, through rules, earlier ticks and the
+    memories of other robots, to rays, sensor fields, facts or the start. What only
+    passes a value on is left out.
+
+    exit status: 0 found, 2 bad level, program, robot or value
+    """
+    level, program = open_run(options)
+    asked = read_row(program, options.predicate, dict(options.given), options.within)
+    found = asyncio.run(_search(level, program, asked, options))
+    data = {"complete": found.complete, "links": [*map(_link, found.links)]}
+    show(options, data, origin_lines(found))
+    return 0
+
+
+async def _search(
+    level: Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+) -> game.Origin:
+    from logical_robots_tui.explain.why.sources import Subject
+
+    default = "memory" if asked.predicate == "Robot" else ""
+    column, path = options.value or (default, ())
+    async with run_shown(level, program, options.tick) as (run, show):
+        subject = Subject(asked, column, path)
+        return await game.origin_in_run(run, options.robot, subject, options.tick, show)
+
+
+def origin_lines(found: game.Origin) -> Iterator[str]:
+    from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
+
+    for number, link in enumerate(found.links):
+        if number:
+            yield ""
+        yield harmless(f"{number + 1}. {link.name} = {_written(link.value)}")
+        yield from (cut(harmless(f"   {line}"), WIDEST) for line in link_lines(link, _written))
+    if not found.complete:
+        yield from ("", INCOMPLETE)
+
+
+def _written(value: Value) -> str:
+    return cut(spell(value, _LONGEST_ORIGIN, is_rounded=True), _LONGEST_ORIGIN)
+
+
+def _link(link: game.Link) -> dict[str, Any]:
+    from logical_robots_tui.game.debugging.pins import path_text
+
+    source, steps = link.source, link.steps
+    span = source.span if source else None
+    return {
+        "robot": link.robot,
+        "name": link.name,
+        "part": path_text(link.path) if link.path is not None else None,
+        "value": link.value,
+        "tick": link.tick,
+        "until": link.until,
+        "rule_line": source.rule.line if source and source.rule else None,
+        "line": span.line if span else None,
+        "text": span.text if span else None,
+        "conditions": [
+            {"line": each.span.line, "text": each.span.text, "holds": each.holds}
+            for each in (source.conditions if source else ())
+        ],
+        "steps": steps
+        and {
+            "by": steps.by,
+            "since": steps.since,
+            "times": steps.times,
+            "from": steps.begin,
+            "link": link.began,
+        },
+        "from": [*map(_input, link.inputs, link.before)],
+        "more": source.more if source else 0,
+        "problem": link.problem or None,
+    }
+
+
+def _input(source: Source, link: int | None) -> dict[str, Any]:
+    from logical_robots_tui.game.debugging.pins import path_text
+
+    read = source.read
+    return {
+        "name": path_text(read.path, read.what) if read else source.name,
+        "robot": read.robot if read else None,
+        "value": read.value if read else source.value,
+        "link": link,
+    }
