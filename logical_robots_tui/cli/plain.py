@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Game, Hit
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program
+    from logical_robots_tui.player.opening import Opening
     from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.player.session_state import Opening
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.world import Level
 

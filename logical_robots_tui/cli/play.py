@@ -14,25 +14,16 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import (
-    DATA_DIR,
-    NO_SOLUTIONS,
-    START,
-    command,
-    flag,
-    folder_of,
-    is_set,
-    option,
-    programs,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import folder_of, is_set
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_folder, shipped_folder
 from logical_robots_tui.processes.helper import collect_later, is_helper
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.player.open_games import OpenGames
     from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.recovery import OpenGames
 
 SIZES = ("small", "medium", "large")
 
@@ -56,42 +47,40 @@ def _player(text: str) -> str:
     return text
 
 
-@command(
+@command.declare(
     "play",
-    option("level", nargs="?", metavar="LEVEL", help="a level's name or file"),
-    programs("*"),
-    option(
+    command.option("level", "LEVEL", "a level's name or file", nargs="?"),
+    command.programs("*"),
+    command.option(
         "--daily",
+        "DATE",
+        "play the labyrinth of a day, which everybody has; LEVEL is left out",
         nargs="?",
-        metavar="DATE",
         type=_day,
         const="today",
-        help="play the labyrinth of a day, which everybody has; LEVEL is left out",
     ),
-    option("--size", choices=SIZES, default=SIZES[1], help="of the labyrinth of the day"),
-    START,
-    option(
+    command.option("--size", None, "of the labyrinth of the day", choices=SIZES, default=SIZES[1]),
+    command.START,
+    command.flag(
         "--plain",
-        action="store_true",
-        default=lambda: os.environ.get("SSH_ORIGINAL_COMMAND") == "plain",
-        help="play in lines of text: type commands, read one line per event",
+        "play in lines of text: type commands, read one line per event",
+        lambda: os.environ.get("SSH_ORIGINAL_COMMAND") == "plain",
     ),
-    DATA_DIR,
-    option(
+    command.DATA_DIR,
+    command.option(
         "--player",
-        metavar="NAME",
+        "NAME",
+        "the player's name, where many share an account; each gets a folder",
         type=_player,
         default=lambda: os.environ.get("LOGICAL_ROBOTS_PLAYER"),
-        help="the player's name, where many share an account; each gets a folder",
     ),
-    option(
+    command.flag(
         "--restricted",
-        action="store_true",
-        default=lambda: is_set("LOGICAL_ROBOTS_RESTRICTED"),
-        help="for shared machines: only your own files, no other programs, limited resources",
+        "for shared machines: only your own files, no other programs, limited resources",
+        lambda: is_set("LOGICAL_ROBOTS_RESTRICTED"),
     ),
-    NO_SOLUTIONS,
-    flag("--allow-clipboard", "let the restricted game write to your terminal's clipboard"),
+    command.NO_SOLUTIONS,
+    command.flag("--allow-clipboard", "let the restricted game write to your terminal's clipboard"),
 )
 def play(options: argparse.Namespace) -> int:
     """open the game in this terminal
@@ -125,8 +114,7 @@ def play(options: argparse.Namespace) -> int:
         options.data_dir = options.data_dir.absolute()
         games = restrict(options.data_dir)
     recorder = _recorder(options)
-    from logical_robots_tui.player.opening import open_game
-    from logical_robots_tui.player.session_state import Permissions
+    from logical_robots_tui.player.opening import Permissions, open_game
 
     opening = open_game(
         recorder.progress,
@@ -169,7 +157,7 @@ def _recorder(options: argparse.Namespace) -> ProgressRecorder:
 
 def _choose_daily(options: argparse.Namespace) -> None:
     """Take the labyrinth of the day as the level, or raise InputError."""
-    from logical_robots_tui.player.continuing import daily_level
+    from logical_robots_tui.player.opening import daily_level
     from logical_robots_tui.progress import FILE_NAME, Progress
 
     if options.programs:
@@ -253,7 +241,7 @@ def restrict(own: Path) -> OpenGames:
     games; raises InputError if there are too many, or the folder can't be used.
     """
     from logical_robots_tui.confinement import confine
-    from logical_robots_tui.player.open_games import OpenGames
+    from logical_robots_tui.player.recovery import OpenGames
     from logical_robots_tui.processes.audit import refuse_all_but
 
     try:

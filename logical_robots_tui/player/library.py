@@ -16,7 +16,7 @@ from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.player.autosave import Autosave, UnsavedText
+    from logical_robots_tui.player.drafts import Autosave, UnsavedText
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.player.session_state import ProgramText, Ui
@@ -56,7 +56,7 @@ class Library:
         await self.open_level(level)
 
     async def open_daily(self) -> None:
-        from logical_robots_tui.player.continuing import daily_level
+        from logical_robots_tui.player.opening import daily_level
         from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES
 
         today = date.today()

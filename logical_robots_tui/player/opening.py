@@ -4,21 +4,53 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.source import Source, load_program
-from logical_robots_tui.player.continuing import level_to_begin_with, programs_to_begin_with
-from logical_robots_tui.player.recorder import TOUR
-from logical_robots_tui.player.session_state import Opening, Permissions
-from logical_robots_tui.world import Level, LevelError, load_level
+from logical_robots_tui.game.source import Source, load_program, programs_for, shipped_texts
+from logical_robots_tui.game.victory import level_key
+from logical_robots_tui.player.recorder import LAST_LEVEL, TOUR
+from logical_robots_tui.progress import Progress
+from logical_robots_tui.world import Level, LevelError, list_levels, load_level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.player.open_games import OpenGames
+    from logical_robots_tui.player.recovery import OpenGames
     from logical_robots_tui.progress import Progress
+    from logical_robots_tui.world.levels.labyrinths import DailySize
+
+
+class Permissions(NamedTuple):
+    """Everything on one's own machine; less on a shared or public one, or in a class.
+
+    `programs` are an editor, or the shell after suspending.
+    """
+
+    programs: bool = True
+    clipboard: bool = True
+
+
+class Opening(NamedTuple):
+    """What the game opens with.
+
+    `sources` are by team, "" without teams; `text` is the player's version of the program,
+    `welcome` starts the tour. The event loop must have the clock's time.
+    """
+
+    level: Level
+    sources: Mapping[str, Source]
+    data_dir: Path
+    text: str | None = None
+    welcome: bool = False
+    permissions: Permissions = Permissions()
+    replay: Replay | None = None
+    games: OpenGames | None = None
+    clock: Clock = CLOCK
 
 
 def open_game(
@@ -95,3 +127,60 @@ def _source_of(name: str, text: str, own: Path) -> Source:
     except InputError:
         pass
     return Source(name, text, own / f"{name}.l", shipped=False)
+
+
+_PROVING = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops
+_TICKS_PER_CELL = 250
+_MOST_DAILIES = 9
+
+
+def level_to_begin_with(progress: Progress) -> Level:
+    """Return the level played last, or the first one; raise InputError if levels are missing."""
+    names = list_levels()
+    if not names:
+        raise InputError("The levels are missing from this installation.", hint="Install it again.")
+    last = progress.fact(LAST_LEVEL)
+    if last is not None:
+        with suppress(LevelError):  # it was deleted, broken, or renamed in a newer version
+            return load_level(last)
+    return load_level(names[0])
+
+
+def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
+    """Return the labyrinth of a day, shown to be winnable, or raise InputError."""
+    from logical_robots_tui.game.robustness import LateError, play_through
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world.levels.labyrinths import Daily
+
+    program: Program | None = None
+    for number in range(1, _MOST_DAILIES + 1):
+        daily = Daily(day, size, number)
+        level = load_level(daily.name)
+        fact = f"won {daily.name}"
+        if progress.fact(fact) is not None:
+            return level
+        program = program or Program.compile(shipped_texts()[_PROVING])
+        try:
+            played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
+        except LateError:
+            message = "This machine is too busy to check that the labyrinth can be won."
+            raise InputError(message, hint="Try again.") from None
+        if played.won_at is not None:
+            progress.set_fact(fact, str(played.won_at))
+            return level
+    raise InputError(f"No {size} labyrinth of {day.isoformat()} can be won.")
+
+
+def programs_to_begin_with(
+    progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], own: Path
+) -> tuple[dict[str, Source], str | None]:
+    """Return the programs to open, by team, and the player's last text of the first.
+
+    `names` follow the order of the teams; by default the usual ones. In a level without teams
+    the program is that of "". Raises InputError.
+    """
+    sources = programs_for(level, names, by_team, own)
+    mine = next(iter(sources) if names or not by_team else iter(by_team))
+    goes_on = not (names or by_team) and bool(level.starter)
+    text = progress.newest(level_key(level)) if goes_on else None
+    return {mine: sources[mine]} | sources, text

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import level_key
-from logical_robots_tui.player.autosave import Autosave, UnsavedText, program_draft
-from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.learning import Learning
 from logical_robots_tui.player.library import Library
 from logical_robots_tui.player.recovery import Bookmark, Offering, OtherGames
@@ -15,8 +14,9 @@ from logical_robots_tui.player.session import Session
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from logical_robots_tui.player.opening import Opening
     from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.player.session_state import Opening, ProgramText, Ui
+    from logical_robots_tui.player.session_state import ProgramText, Ui
 
 
 class Player:

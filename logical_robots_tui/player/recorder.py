@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game import Source, level_key
+from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.game.victory import Victory, keep_victory, references_for
-from logical_robots_tui.player.continuing import keep_if_own, note_level
 from logical_robots_tui.player.session_state import SessionListener, Ui, nothing
 from logical_robots_tui.progress import NEW, Bests, LevelRecord, Measures, Progress, Version
 from logical_robots_tui.world import Level
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.drafts import Draft
 
-THEME, TOUR = "theme", "tour"
-"""Facts in the player's record: which theme was chosen, and that the tour is over."""
+THEME, TOUR, LAST_LEVEL = "theme", "tour", "level"
+"""Facts in the player's record: the theme chosen, that the tour is over, the level opened last."""
 
 T = TypeVar("T")
 
@@ -213,3 +213,14 @@ class ProgressRecorder(SessionListener):
         if key in self._trials:
             self._trials[key] = (text, trial)
             self._changed()
+
+
+def note_level(progress: Progress, level: Level) -> None:
+    """Record the level opened last, if it has a file."""
+    if level.source:
+        progress.set_fact(LAST_LEVEL, level_key(level))
+
+
+def keep_if_own(progress: Progress, key: str, text: str) -> None:
+    if text not in shipped_texts().values():
+        progress.keep(key, text)

@@ -14,7 +14,7 @@ import pytest
 from logical_robots_tui.cli.play import clear_environment
 from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.player.open_games import MOST_GAMES
+from logical_robots_tui.player.recovery import MOST_GAMES
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 

@@ -10,7 +10,7 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.mind import Program
-from logical_robots_tui.player.session_state import Permissions
+from logical_robots_tui.player.opening import Permissions
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.virtual_time import virtual_loop
