@@ -8,17 +8,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import game, mind
-from logical_robots_tui.cli.command import (
-    DATA_DIR,
-    JSON,
-    NO_SOLUTIONS,
-    command,
-    flag,
-    harmless,
-    option,
-    own_programs,
-    print_json,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless, own_programs, print_json
 
 if TYPE_CHECKING:
     from logical_robots_tui.world import Level
@@ -27,14 +18,14 @@ FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
 
 
-@command(
+@command.declare(
     "check",
-    option("programs", metavar="PROGRAM", nargs="+", help="a program's name or file"),
-    flag("--web", "also print what would fail or mean something else on the web platform"),
-    option("--level", metavar="LEVEL", help="warn about names that no robot can sense in a level"),
-    JSON,
-    DATA_DIR,
-    NO_SOLUTIONS,
+    command.option("programs", "PROGRAM", "a program's name or file", nargs="+"),
+    command.flag("--web", "also print what would fail or mean something else on the web platform"),
+    command.option("--level", "LEVEL", "warn about names that no robot can sense in a level"),
+    command.JSON,
+    command.DATA_DIR,
+    command.NO_SOLUTIONS,
 )
 def check(options: argparse.Namespace) -> int:
     """check a program for errors without running it

@@ -34,18 +34,18 @@ _COMMANDS: dict[str, tuple[Start, tuple[Part, ...]]] = {}
 _GROUPS: dict[str, tuple[str, str]] = {}
 
 
-def command(name: str, *parts: Part) -> Callable[[Start], Start]:
+def declare(name: str, *parts: Part) -> Callable[[Start], Start]:
     """Declare a command, or one of a group, such as ``level new``, with its arguments.
 
     The function does the work and returns the exit status. Its docstring is the help: a line for
     the list of commands, a paragraph, and the rest.
     """
 
-    def declare(start: Start) -> Start:
+    def note(start: Start) -> Start:
         _COMMANDS[name] = start, parts
         return start
 
-    return declare
+    return note
 
 
 def group(name: str, summary: str, examples: str) -> None:
@@ -88,24 +88,24 @@ def _has_json(options: argparse.Namespace) -> bool:
     return "json" in options and options.json
 
 
-def option(*names: str, **settings: Any) -> Part:
-    """Return an argument; a function as its default is called each time."""
+def option(names: str, metavar: str | None, about: str, **settings: Any) -> Part:
+    """Return an argument, named as in ``-o --output``; a default that is a function is called."""
 
     def add(parser: argparse._ActionsContainer) -> None:
         default = settings.get("default")
         called = {"default": default()} if callable(default) else {}
-        parser.add_argument(*names, **settings | called)
+        named: dict[str, Any] = {} if metavar is None else {"metavar": metavar}
+        parser.add_argument(*names.split(), help=about, **named, **settings | called)
 
     return add
 
 
 def number(name: str, read: Callable[[str], float], default: float, about: str) -> Part:
-    said = f"{about} (default: {default})"
-    return option(name, type=read, default=default, metavar="N", help=said)
+    return option(name, "N", f"{about} (default: {default})", type=read, default=default)
 
 
-def flag(name: str, about: str) -> Part:
-    return option(name, action="store_true", help=about)
+def flag(name: str, about: str, default: Callable[[], bool] = bool) -> Part:
+    return option(name, None, about, action="store_true", default=default)
 
 
 def one_of(*options: Part, required: bool = False) -> Part:
@@ -172,28 +172,24 @@ def is_set(variable: str) -> bool:
     return os.environ.get(variable, "") not in ("", "0")
 
 
-LEVEL = option("level", metavar="LEVEL", help="a level's name or file")
-LEVELS = option("levels", metavar="LEVEL", nargs="+", help="a level's name or file")
+LEVEL = option("level", "LEVEL", "a level's name or file")
+LEVELS = option("levels", "LEVEL", "a level's name or file", nargs="+")
 START = option(
     "--start",
+    "N",
+    "a shifted start by its number, as laboratory and robustness try it "
+    "(default: 0, the given one)",
     dest="start_number",
     type=number_from(0),
     default=0,
-    metavar="N",
-    help="a shifted start by its number, as laboratory and robustness try it "
-    "(default: 0, the given one)",
 )
 DATA_DIR = option(
-    "--data-dir",
-    type=Path,
-    metavar="FOLDER",
-    help="the folder for your programs, progress and unsaved work",
+    "--data-dir", "FOLDER", "the folder for your programs, progress and unsaved work", type=Path
 )
-NO_SOLUTIONS = option(
+NO_SOLUTIONS = flag(
     "--no-solutions",
-    action="store_true",
-    default=lambda: is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),  # a teacher sets it for a class
-    help="for a class: hide the solution of each level until it is won",
+    "for a class: hide the solution of each level until it is won",
+    lambda: is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),
 )
 JSON = flag("--json", "print JSON")
 FORCE = flag("--force", "replace an existing file")

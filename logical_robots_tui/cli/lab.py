@@ -15,15 +15,8 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import (
-    Part,
-    command,
-    flag,
-    harmless,
-    number_from,
-    one_of,
-    option,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless
 from logical_robots_tui.cli.runs import drawn_bar
 from logical_robots_tui.errors import InputError
 
@@ -40,32 +33,28 @@ def _processors() -> int:
 
 
 _ENGINE = (
-    one_of(
-        option(
+    command.one_of(
+        command.option(
             "--workers",
-            type=number_from(1),
+            "N",
+            "processes on this machine (default: one per processor)",
+            type=command.number_from(1),
             default=_processors,
-            metavar="N",
-            help="processes on this machine (default: one per processor)",
         ),
-        option(
-            "--dask", metavar="ADDRESS", help="a Dask scheduler instead, such as tcp://HOST:8786"
-        ),
+        command.option("--dask", "ADDRESS", "a Dask scheduler instead, such as tcp://HOST:8786"),
     ),
-    flag("--mixed", "also count results of another version"),
+    command.flag("--mixed", "also count results of another version"),
 )
 
 
-def _path(name: str, about: str) -> Part:
-    return option(name, metavar=name.upper(), type=Path, help=about)
+def _path(name: str, about: str) -> command.Part:
+    return command.option(name, name.upper(), about, type=Path)
 
 
-_OUTPUT = option(
-    "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
-)
+_OUTPUT = command.option("-o --output", "FOLDER", "for all results", type=Path, required=True)
 
 
-@command("sweep", _path("experiment", "a TOML file"), _OUTPUT, *_ENGINE)
+@command.declare("sweep", _path("experiment", "a TOML file"), _OUTPUT, *_ENGINE)
 def _sweep(options: argparse.Namespace) -> int:
     """run an experiment: many programs, levels, starts and values
 
@@ -84,7 +73,7 @@ def _sweep(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_sweep(options.experiment))
 
 
-@command(
+@command.declare(
     "grade",
     _path("assignment", "a TOML file"),
     _path("submissions", "a folder with one entry per student"),
@@ -109,7 +98,7 @@ def _grade(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_grading(options.assignment, options.submissions))
 
 
-@command(
+@command.declare(
     "tournament",
     _path("arena", "a TOML file"),
     _path("players", "a folder with one entry per player"),
@@ -151,9 +140,9 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
         return _work(options, folder, folder.write(manifest, inputs))
 
 
-@command(
+@command.declare(
     "lab",
-    option("action", choices=["status", "resume", "export", "report"], help="what to do"),
+    command.option("action", None, "what to do", choices=["status", "resume", "export", "report"]),
     _path("folder", "the folder"),
     *_ENGINE,
 )

@@ -10,20 +10,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import (
-    FORCE,
-    JSON,
-    LEVEL,
-    LEVELS,
-    command,
-    flag,
-    group,
-    harmless,
-    number,
-    one_of,
-    option,
-    print_json,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless, print_json
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file, is_folder
 
@@ -33,7 +21,7 @@ if TYPE_CHECKING:
 
 FINE, WRONG = 0, 2
 
-group(
+command.group(
     "level",
     "create, check, convert and show levels",
     """\
@@ -44,7 +32,7 @@ group(
 """,
 )
 
-_FILE = option("file", metavar="FILE", type=Path, help="the file to write")
+_FILE = command.option("file", "FILE", "the file to write", type=Path)
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -56,29 +44,26 @@ def _size(text: str) -> tuple[int, int]:
 
 def _labyrinths(parser: argparse._ActionsContainer) -> None:
     titled = parser.add_argument_group("labyrinths")
-    number("--seed", int, 0, "the random seed")(titled)
+    command.number("--seed", int, 0, "the random seed")(titled)
     said = "share of extra walls to open, 0 to 1 (default: 0.1)"
     titled.add_argument("--loops", type=float, default=0.1, metavar="SHARE", help=said)
-    number("--corridor", int, 60, "corridor width in map units")(titled)
+    command.number("--corridor", int, 60, "corridor width in map units")(titled)
 
 
-@command(
+@command.declare(
     "level new",
     _FILE,
-    one_of(
-        option(
-            "--room",
-            metavar="WxH",
-            type=_size,
-            help="an empty room, in map units (default: 600x400)",
+    command.one_of(
+        command.option(
+            "--room", "WxH", "an empty room, in map units (default: 600x400)", type=_size
         ),
-        option("--labyrinth", metavar="CxR", type=_size, help="a labyrinth, in columns and rows"),
-        option("--copy", metavar="LEVEL", help="a copy of a level, by name or file"),
+        command.option("--labyrinth", "CxR", "a labyrinth, in columns and rows", type=_size),
+        command.option("--copy", "LEVEL", "a copy of a level, by name or file"),
     ),
-    option("--title", help="the title"),
-    number("--wall", int, 10, "wall thickness in map units"),
+    command.option("--title", None, "the title"),
+    command.number("--wall", int, 10, "wall thickness in map units"),
     _labyrinths,
-    FORCE,
+    command.FORCE,
 )
 def _new(options: argparse.Namespace) -> int:
     """create a level
@@ -129,7 +114,7 @@ def _create(options: argparse.Namespace) -> Level:
     )
 
 
-@command("level check", LEVELS, JSON)
+@command.declare("level check", command.LEVELS, command.JSON)
 def _check(options: argparse.Namespace) -> int:
     """check a level for likely mistakes
 
@@ -177,7 +162,7 @@ def _line(name: str, finding: LevelFinding) -> str:
     return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
 
 
-@command("level convert", LEVEL, _FILE, FORCE)
+@command.declare("level convert", command.LEVEL, _FILE, command.FORCE)
 def _convert(options: argparse.Namespace) -> int:
     """convert a level to another format
 
@@ -231,11 +216,11 @@ def write(path: Path, content: str | bytes) -> None:
         raise InputError(f"The file can't be written: {reason}.", place=str(path)) from error
 
 
-@command(
+@command.declare(
     "level show",
-    LEVEL,
-    option("--svg", type=Path, metavar="FILE", help="write an SVG file instead"),
-    flag("--ascii", "draw with ASCII characters"),
+    command.LEVEL,
+    command.option("--svg", "FILE", "write an SVG file instead", type=Path),
+    command.flag("--ascii", "draw with ASCII characters"),
 )
 def _show(options: argparse.Namespace) -> int:
     """draw a level

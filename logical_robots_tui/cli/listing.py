@@ -13,19 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui import __version__, game
-from logical_robots_tui.cli.command import (
-    DATA_DIR,
-    JSON,
-    NO_SOLUTIONS,
-    columns,
-    command,
-    flag,
-    folder_of,
-    harmless,
-    option,
-    own_programs,
-    print_json,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import columns, folder_of, harmless, own_programs, print_json
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_folder, is_there
 from logical_robots_tui.wording import join_names
@@ -38,7 +27,7 @@ if TYPE_CHECKING:
 FINE, PROBLEM, WRONG = 0, 1, 2
 
 
-@command("levels", JSON)
+@command.declare("levels", command.JSON)
 def list_all_levels(options: argparse.Namespace) -> int:
     """list the levels that come with the game
 
@@ -71,7 +60,7 @@ def _who(level: Level) -> str:
     return join_names(robot.name for robot in level.robots)
 
 
-@command("programs", JSON, DATA_DIR, NO_SOLUTIONS)
+@command.declare("programs", command.JSON, command.DATA_DIR, command.NO_SOLUTIONS)
 def list_all_programs(options: argparse.Namespace) -> int:
     """list the shipped programs and your own
 
@@ -94,7 +83,7 @@ def list_all_programs(options: argparse.Namespace) -> int:
     return 0
 
 
-@command("help", option("name", metavar="FUNCTION", nargs="?", help="what to explain"))
+@command.declare("help", command.option("name", "FUNCTION", "what to explain", nargs="?"))
 def print_help(options: argparse.Namespace) -> int:
     """explain the functions that a program can use
 
@@ -139,10 +128,10 @@ def _help_of(entry: FunctionHelp) -> str:
     )
 
 
-@command(
+@command.declare(
     "config",
-    flag("--path", "print only the path of the file"),
-    flag("--default", "print the defaults instead"),
+    command.flag("--path", "print only the path of the file"),
+    command.flag("--default", "print the defaults instead"),
 )
 def print_settings(options: argparse.Namespace) -> int:
     """show the settings and keys, and where to change them
@@ -187,7 +176,7 @@ class Fact:
     problem: str = ""
 
 
-@command("doctor", JSON, DATA_DIR)
+@command.declare("doctor", command.JSON, command.DATA_DIR)
 def diagnose_machine(options: argparse.Namespace) -> int:
     """check this machine and this terminal
 
@@ -311,8 +300,9 @@ NAMES = ("levels", "programs")
 FILES, FOLDERS = "file", "directory"  # shtab's names
 
 
-@command(
-    "completion", option("what", choices=(*SHELLS, *NAMES), help="the shell, or names to print")
+@command.declare(
+    "completion",
+    command.option("what", None, "the shell, or names to print", choices=(*SHELLS, *NAMES)),
 )
 def complete(options: argparse.Namespace) -> int:
     """print a completion script for your shell

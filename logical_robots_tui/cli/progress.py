@@ -14,17 +14,8 @@ from typing import Annotated, Any
 
 import msgspec
 
-from logical_robots_tui.cli.command import (
-    DATA_DIR,
-    columns,
-    command,
-    flag,
-    folder_of,
-    harmless,
-    one_of,
-    option,
-    print_json,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
@@ -36,16 +27,18 @@ CONFIRMED, NOT_CONFIRMED = 0, 1
 CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
 
 
-@command(
+@command.declare(
     "progress",
-    one_of(flag("--json", "print JSON, with your programs"), flag("--csv", "print CSV")),
-    option(
-        "--check",
-        type=Path,
-        metavar="FILE",
-        help="play the programs of an exported JSON file again, and compare the results",
+    command.one_of(
+        command.flag("--json", "print JSON, with your programs"), command.flag("--csv", "print CSV")
     ),
-    DATA_DIR,
+    command.option(
+        "--check",
+        "FILE",
+        "play the programs of an exported JSON file again, and compare the results",
+        type=Path,
+    ),
+    command.DATA_DIR,
 )
 def progress(options: argparse.Namespace) -> int:
     """list and export your results, or check an export

@@ -12,15 +12,14 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import game, mind
+from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
     ProgramFileError,
     columns,
-    command,
     cut,
     harmless,
     line_of_json,
-    option,
     prefers_json,
 )
 from logical_robots_tui.cli.runs import (
@@ -54,10 +53,10 @@ def _mistakes_in(what: str) -> Iterator[None]:
         raise ProgramFileError(what, error) from error
 
 
-@command(
+@command.declare(
     "query",
     of_run(first_tick=0, robot="only rows in this robot's mind"),
-    option("query", metavar="QUERY", help="a call, an expression, or whole rules"),
+    command.option("query", "QUERY", "a call, an expression, or whole rules"),
 )
 def query(options: argparse.Namespace) -> int:
     """query one tick of a run
@@ -115,14 +114,12 @@ async def _ask(level: Level, program: mind.Program, query: str, tick: int) -> mi
         await inquiry.close()
 
 
-@command(
+@command.declare(
     "when",
     of_run(
         ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only rows in this robot's mind"
     ),
-    option(
-        "question", metavar="QUESTION", help="a call, an expression, conditions, or whole rules"
-    ),
+    command.option("question", "QUESTION", "a call, an expression, conditions, or whole rules"),
 )
 def when(options: argparse.Namespace) -> int:
     """find the ticks of a run in which something holds
@@ -202,7 +199,9 @@ def _data(question: str, found: game.Matches) -> dict[str, Any]:
     }
 
 
-@command("diagnose", of_run(ticks=(TICKS_TO_SCAN, "stop after this many ticks, or at victory")))
+@command.declare(
+    "diagnose", of_run(ticks=(TICKS_TO_SCAN, "stop after this many ticks, or at victory"))
+)
 def diagnose(options: argparse.Namespace) -> int:
     """scan a whole run for likely mistakes
 

@@ -10,25 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui import game
-from logical_robots_tui.cli.command import (
-    DATA_DIR,
-    FORCE,
-    JSON,
-    LEVEL,
-    NO_SOLUTIONS,
-    START,
-    command,
-    flag,
-    group,
-    harmless,
-    named_programs,
-    number,
-    number_from,
-    one_of,
-    option,
-    print_json,
-    programs,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless, named_programs, print_json
 from logical_robots_tui.cli.level import refuse_existing, write
 from logical_robots_tui.cli.runs import open_run, progress_bar
 from logical_robots_tui.errors import InputError
@@ -40,7 +23,7 @@ if TYPE_CHECKING:
 SAME, DIFFERENT = 0, 3
 DEFAULT_TICKS = 5000
 
-group(
+command.group(
     "replay",
     "record a run in a file, play it again, verify it and show it",
     """\
@@ -51,20 +34,20 @@ group(
 """,
 )
 
-_REPLAY = option("replay", type=Path, metavar="FILE", help="a replay")
+_REPLAY = command.option("replay", "FILE", "a replay", type=Path)
 
 
-@command(
+@command.declare(
     "replay record",
-    LEVEL,
-    programs(),
-    option("-o", "--output", type=Path, required=True, metavar="FILE", help="to write"),
-    number("--ticks", number_from(1), DEFAULT_TICKS, "end after this many ticks"),
-    START,
-    flag("--no-programs", "leave the text of the program out"),
-    FORCE,
-    DATA_DIR,
-    NO_SOLUTIONS,
+    command.LEVEL,
+    command.programs(),
+    command.option("-o --output", "FILE", "to write", type=Path, required=True),
+    command.number("--ticks", command.number_from(1), DEFAULT_TICKS, "end after this many ticks"),
+    command.START,
+    command.flag("--no-programs", "leave the text of the program out"),
+    command.FORCE,
+    command.DATA_DIR,
+    command.NO_SOLUTIONS,
 )
 def _record(options: argparse.Namespace) -> int:
     """run a program and record the run
@@ -110,7 +93,7 @@ def _ticks(replay: Replay) -> str:
     return count_of(replay.last - replay.first, "tick")
 
 
-@command("replay play", _REPLAY, DATA_DIR, NO_SOLUTIONS)
+@command.declare("replay play", _REPLAY, command.DATA_DIR, command.NO_SOLUTIONS)
 def _play(options: argparse.Namespace) -> int:
     """open a replay in the game
 
@@ -127,7 +110,7 @@ def _play(options: argparse.Namespace) -> int:
     return play_replay(options, load_replay(options.replay))
 
 
-@command("replay verify", _REPLAY, JSON)
+@command.declare("replay verify", _REPLAY, command.JSON)
 def _verify(options: argparse.Namespace) -> int:
     """compute a replay again and compare
 
@@ -169,12 +152,12 @@ async def _compute(replay: Replay) -> Verifier:
         await playing.close()
 
 
-@command(
+@command.declare(
     "replay show",
     _REPLAY,
-    one_of(
-        option("--svg", type=Path, metavar="OUT", help="write a drawing"),
-        flag("--json", "print all of it as JSON"),
+    command.one_of(
+        command.option("--svg", "OUT", "write a drawing", type=Path),
+        command.flag("--json", "print all of it as JSON"),
     ),
 )
 def _show(options: argparse.Namespace) -> int:

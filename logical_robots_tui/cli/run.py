@@ -12,15 +12,13 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui import game, mind
+from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
     columns,
-    command,
-    flag,
     harmless,
     line_of_json,
     named_programs,
-    option,
     prefers_json,
     print_json,
 )
@@ -38,10 +36,10 @@ DEFAULT_TICKS = 5000
 SAMPLE = 10  # notices reported in full
 
 
-@command(
+@command.declare(
     "run",
     of_run(ticks=(DEFAULT_TICKS, "give up after this many ticks")),
-    flag("--times", "include times in the JSON output"),
+    command.flag("--times", "include times in the JSON output"),
 )
 def run(options: argparse.Namespace) -> int:
     """run a program in a level without a screen
@@ -234,19 +232,19 @@ def _robots(level: Level, frame: game.Frame, *more: str) -> list[dict[str, Any]]
     ]
 
 
-@command(
+@command.declare(
     "trace",
     of_run(
         ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only this robot", only_json=True
     ),
-    option(
+    command.option(
         "--predicates",
+        "A,B",
+        "include the rows of these predicates",
         type=lambda text: tuple(name.strip() for name in text.split(",") if name.strip()),
         default=(),
-        metavar="A,B",
-        help="include the rows of these predicates",
     ),
-    flag("--times", "include how long thinking took"),
+    command.flag("--times", "include how long thinking took"),
 )
 def trace(options: argparse.Namespace) -> int:
     """print every tick of a run as a line of JSON

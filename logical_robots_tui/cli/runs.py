@@ -9,23 +9,14 @@ from contextlib import ExitStack, asynccontextmanager, contextmanager
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
-    DATA_DIR,
-    LEVEL,
-    NO_SOLUTIONS,
-    START,
-    Part,
     ProgramFileError,
-    flag,
     harmless,
     line_of_json,
     named_programs,
-    number,
-    number_from,
-    option,
     own_programs,
     prefers_json,
-    programs,
 )
 from logical_robots_tui.errors import InputError
 
@@ -47,29 +38,29 @@ def of_run(
     robot: str = "",
     needs_robot: bool = False,
     only_json: bool = False,
-) -> Part:
+) -> command.Part:
     """Return the arguments of a command that takes a level and a program, which `open_run` loads.
 
     `first_tick` is the lowest ``--tick``, `ticks` the default and the help of ``--ticks``,
     `robot` the help of ``--robot``; by default there is no such option.
     """
-    parts = [LEVEL, programs()]
+    parts = [command.LEVEL, command.programs()]
     if first_tick is not None:
         said = "the tick" if first_tick else "the tick; 0 is the start"
-        read = number_from(first_tick)
-        parts.append(option("--tick", type=read, required=True, metavar="N", help=said))
+        read = command.number_from(first_tick)
+        parts.append(command.option("--tick", "N", said, type=read, required=True))
     if ticks is not None:
-        parts.append(number("--ticks", number_from(1), *ticks))
+        parts.append(command.number("--ticks", command.number_from(1), *ticks))
     if robot:
-        parts.append(option("--robot", required=needs_robot, metavar="R", help=robot))
-    parts.append(START)
+        parts.append(command.option("--robot", "R", robot, required=needs_robot))
+    parts.append(command.START)
     if not only_json:
-        parts.append(flag("--json", "print JSON even to a terminal"))
+        parts.append(command.flag("--json", "print JSON even to a terminal"))
     wants_json = (lambda _options: True) if only_json else prefers_json
 
     def add(parser: argparse._ActionsContainer) -> None:
         parser.set_defaults(wants_json=wants_json)
-        for part in (*parts, DATA_DIR, NO_SOLUTIONS):
+        for part in (*parts, command.DATA_DIR, command.NO_SOLUTIONS):
             part(parser)
 
     return add

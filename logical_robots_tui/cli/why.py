@@ -11,15 +11,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from logical_robots_tui import explain, game, mind
-from logical_robots_tui.cli.command import (
-    ProgramFileError,
-    command,
-    cut,
-    flag,
-    harmless,
-    number_from,
-    option,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import ProgramFileError, cut, harmless
 from logical_robots_tui.cli.runs import check_name, frame_at, of_run, open_run, run_shown, show
 from logical_robots_tui.values import Value, read_value, spell
 
@@ -50,34 +43,34 @@ def _column_value(text: str) -> tuple[str, Any]:
 
 _OF_ROW = (
     of_run(first_tick=1, robot="in whose mind", needs_robot=True),
-    option(
+    command.option(
         "--predicate",
+        "P",
+        "the predicate, or one with values as in Logica (default: %(default)s)",
         default="Robot",
-        metavar="P",
-        help="the predicate, or one with values as in Logica (default: %(default)s)",
     ),
-    option(
+    command.option(
         "--given",
+        "COLUMN=VALUE",
+        "only rows with this value, as JSON; for functions: an argument",
         type=_column_value,
         action="append",
         default=[],
-        metavar="COLUMN=VALUE",
-        help="only rows with this value, as JSON; for functions: an argument",
     ),
-    option("--within", default="", metavar="P", help="within the rules of P, defined with ':='"),
+    command.option("--within", "P", "within the rules of P, defined with ':='", default=""),
 )
 
 
-@command(
+@command.declare(
     "why",
     *_OF_ROW,
-    flag("--tree", "the whole proof, down to what was sensed"),
-    option(
+    command.flag("--tree", "the whole proof, down to what was sensed"),
+    command.option(
         "--depth",
-        type=number_from(1),
+        "N",
+        "with --tree: the most nested predicates to show",
+        type=command.number_from(1),
         default=DEEPEST,
-        metavar="N",
-        help="with --tree: the most nested predicates to show",
     ),
 )
 def why(options: argparse.Namespace) -> int:
@@ -313,15 +306,15 @@ def _part(text: str) -> tuple[str, Path]:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-@command(
+@command.declare(
     "origin",
     *_OF_ROW,
-    option(
+    command.option(
         "--value",
-        type=_part,
-        metavar="PART",
-        help="a column or a part of it, such as memory.plan.at, memory.seen[0] or "
+        "PART",
+        "a column or a part of it, such as memory.plan.at, memory.seen[0] or "
         "desire.left_engine (default: the memory, or the only column)",
+        type=_part,
     ),
 )
 def origin(options: argparse.Namespace) -> int:
