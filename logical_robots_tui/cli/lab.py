@@ -22,8 +22,7 @@ from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
-    from logical_robots_tui.lab.folder import Folder, Manifest
-    from logical_robots_tui.lab.ledger import Ledger
+    from logical_robots_tui.lab.folder import Folder, Ledger, Manifest
 
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
 
@@ -118,7 +117,7 @@ def _tournament(options: argparse.Namespace) -> int:
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
-    from logical_robots_tui.lab.tournament.ranking import plan_tournament
+    from logical_robots_tui.lab.tournament import plan_tournament
 
     return _plan(options, lambda: plan_tournament(options.arena, options.players))
 
@@ -221,17 +220,17 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
 def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
     if manifest.kind != "tournament" or not coordinator.tally().is_complete:
         return None
-    from logical_robots_tui.lab.tournament.ranking import next_round
+    from logical_robots_tui.lab.tournament import next_round
 
     return next_round(manifest, ledger)
 
 
 def _engine(options: argparse.Namespace) -> Engine:
     if options.dask:
-        from logical_robots_tui.lab.cluster import ClusterEngine
+        from logical_robots_tui.lab.engines import ClusterEngine
 
         return ClusterEngine(options.dask)
-    from logical_robots_tui.lab.local import LocalEngine
+    from logical_robots_tui.lab.engines import LocalEngine
 
     return LocalEngine(options.workers)
 
@@ -272,7 +271,7 @@ def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
 
         written += export_grades(folder, manifest, ledger)
     elif manifest.kind == "tournament":
-        from logical_robots_tui.lab.tournament.reporting import export_tournament
+        from logical_robots_tui.lab.tournament import export_tournament
 
         written += export_tournament(folder, manifest, ledger)
     print(harmless(f"Written to {folder.path}: {', '.join(written)}"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.ledger import ATTEMPTS, Entry, Ledger
+from logical_robots_tui.lab.folder import ATTEMPTS, Entry, Ledger
 from logical_robots_tui.lab.running import Answer, Task, fingerprint
 
 if TYPE_CHECKING:

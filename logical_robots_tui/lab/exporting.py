@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
-from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
+from logical_robots_tui.lab.folder import ATTEMPTS, Ledger
 from logical_robots_tui.lab.running import Result
 from logical_robots_tui.language.diagnostics import printable
 

@@ -12,10 +12,9 @@ import msgspec
 
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
-from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student, digest
-from logical_robots_tui.lab.ledger import Ledger
+from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.specification import Assignment
+from logical_robots_tui.lab.submissions import Assignment
 from logical_robots_tui.wording import count_of
 
 _LONGEST_FILE = 60

@@ -22,10 +22,9 @@ from logical_robots_tui.lab.exporting import (
     harmless_text,
     shade,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
+from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, grades_of
-from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
-from logical_robots_tui.lab.tournament.reporting import tournament_parts
+from logical_robots_tui.lab.tournament import tournament_parts
 
 _WIDTH = 78
 _MOST_BARS = 40
@@ -83,7 +82,7 @@ def setting_text(cell: Cell) -> str:
 def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
     """Return a short report with text plots; raises InputError without the library."""
     if manifest.kind == "tournament":
-        from logical_robots_tui.lab.tournament.reporting import tournament_lines
+        from logical_robots_tui.lab.tournament import tournament_lines
 
         return tournament_lines(manifest, ledger)
     check_extra("plotext", "a report")

@@ -11,7 +11,7 @@ import pytest
 
 from logical_robots_tui.lab.folder import Manifest, Player
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.tournament.ranking import (
+from logical_robots_tui.lab.tournament import (
     pair_off,
     ranking_of_shares,
     share_of_match,
