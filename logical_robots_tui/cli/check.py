@@ -5,14 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
-from logical_robots_tui import game, mind
+from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import harmless, own_programs, print_json
-
-if TYPE_CHECKING:
-    from logical_robots_tui.world import Level
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
@@ -42,9 +38,7 @@ def check(options: argparse.Namespace) -> int:
 
     exit status: 0 all programs can run (there may be warnings), 2 one can't
     """
-    from logical_robots_tui.world import load_level
-
-    level = load_level(options.level) if options.level else None
+    level = world.load_level(options.level) if options.level else None
     results = []
     status = FINE
     own = own_programs(options)
@@ -63,7 +57,7 @@ def check(options: argparse.Namespace) -> int:
 
 
 def diagnostics(
-    text: str, level: Level | None = None, *, web: bool = False
+    text: str, level: world.Level | None = None, *, web: bool = False
 ) -> tuple[mind.Diagnostic, ...]:
     """Return a program's errors, or its warnings if it can run: in a level, and for the web."""
     try:

@@ -11,18 +11,21 @@ import platform
 import sys
 import traceback
 import unicodedata
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from textwrap import dedent
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui import __version__
 from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from logical_robots_tui.mind import Diagnostic, ProgramError
 
 Part: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
@@ -272,6 +275,59 @@ def line_of_json(value: Any) -> str:
 
 def cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: max(0, width - 3)]}..."
+
+
+@contextmanager
+def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[..., None]]:
+    """Show a progress bar after some seconds; yield a callback for finished ticks, and of all."""
+    began = monotonic()
+    with drawn_bar(title, after) as draw:
+
+        def show(tick: int, of_all: int = ticks) -> None:
+            pace = tick / max(monotonic() - began, 1e-9)
+            draw(tick, of_all, f"tick {tick} of {of_all}", f"{pace:.0f} ticks/s")
+
+        yield show
+
+
+_REDRAW_EVERY = 0.1  # seconds
+
+
+@contextmanager
+def drawn_bar(title: str, after: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
+    """Yield what draws a bar: part, whole, and two texts beside it. In a pipe it does nothing."""
+    due = monotonic() + after if sys.stderr.isatty() else float("inf")
+    bar: Progress | None = None
+    with ExitStack() as stack:
+
+        def draw(part: int, whole: int, count: str, rest: str) -> None:
+            nonlocal bar, due
+            now = monotonic()
+            if now < due:
+                return
+            due = now + _REDRAW_EVERY
+            if bar is None:
+                bar = stack.enter_context(_new_bar())
+                bar.add_task(harmless(title), total=whole, count="", rest="")
+            task = bar.task_ids[0]
+            bar.update(task, completed=part, total=whole, count=count, rest=rest, refresh=True)
+
+        yield draw
+
+
+def _new_bar() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.fields[count]}"),
+        TextColumn("{task.fields[rest]}"),
+        console=Console(stderr=True),
+        auto_refresh=False,
+        transient=True,
+    )
 
 
 BAD_INPUT = 2

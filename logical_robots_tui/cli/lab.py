@@ -16,8 +16,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.cli import command
-from logical_robots_tui.cli.command import harmless
-from logical_robots_tui.cli.runs import drawn_bar
+from logical_robots_tui.cli.command import drawn_bar, harmless
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui import world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import harmless, print_json
 from logical_robots_tui.errors import InputError
@@ -17,7 +18,6 @@ from logical_robots_tui.paths import is_file, is_folder
 
 if TYPE_CHECKING:
     from logical_robots_tui.editing.checks import LevelFinding
-    from logical_robots_tui.world import Level
 
 FINE, WRONG = 0, 2
 
@@ -80,11 +80,10 @@ def _new(options: argparse.Namespace) -> int:
     """
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.things import set_words
-    from logical_robots_tui.world import load_level
     from logical_robots_tui.world.levels.load import read_text
 
     refuse_existing(options.file, force=options.force)
-    level = load_level(options.copy) if options.copy else _create(options)
+    level = world.load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
     new = set_words(level, **words)
     file = Path(level.source)
@@ -100,7 +99,7 @@ def _new(options: argparse.Namespace) -> int:
     return 0
 
 
-def _create(options: argparse.Namespace) -> Level:
+def _create(options: argparse.Namespace) -> world.Level:
     from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
     if options.labyrinth is None:
@@ -147,11 +146,10 @@ def _check(options: argparse.Namespace) -> int:
 
 def _findings(name: str) -> list[LevelFinding]:
     from logical_robots_tui.editing.checks import LevelFinding, check
-    from logical_robots_tui.world import LevelError, load_level
 
     try:
-        return check(load_level(name))
-    except LevelError as error:
+        return check(world.load_level(name))
+    except world.LevelError as error:
         inner = error.place.removeprefix(name).lstrip(":, ")
         text = f"{inner}: {error.message}" if inner else error.message
         return [LevelFinding(f"{text} {error.hint}".rstrip(), forbids=True)]
@@ -176,9 +174,8 @@ def _convert(options: argparse.Namespace) -> int:
     exit status: 0 written, 2 the level can't be read or written
     """
     from logical_robots_tui.editing.files import save_level
-    from logical_robots_tui.world import load_level
 
-    level = load_level(options.level)
+    level = world.load_level(options.level)
     refuse_existing(options.file, force=options.force)
     save_level(level, options.file, anew=True)
     _tell_lost(level, options.file)
@@ -196,7 +193,7 @@ def refuse_existing(path: Path, *, force: bool) -> None:
         )
 
 
-def _tell_lost(level: Level, path: Path) -> None:
+def _tell_lost(level: world.Level, path: Path) -> None:
     from logical_robots_tui.editing.level_text import lost_in_web
     from logical_robots_tui.world.levels.load import WEB
 
@@ -235,9 +232,7 @@ def _show(options: argparse.Namespace) -> int:
 
     exit status: 0 drawn, 2 the level can't be read or the file can't be written
     """
-    from logical_robots_tui.world import load_level
-
-    level = load_level(options.level)
+    level = world.load_level(options.level)
     if options.svg is not None:
         from logical_robots_tui.tui.labyrinth.svg import svg
 
@@ -248,7 +243,7 @@ def _show(options: argparse.Namespace) -> int:
     return 0
 
 
-def _print(level: Level, *, plain: bool) -> None:
+def _print(level: world.Level, *, plain: bool) -> None:
     """Print a level as large as the terminal allows; in ASCII if there are no colours."""
     from rich.console import Console
 

@@ -8,11 +8,10 @@ import platform
 import shutil
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
-from logical_robots_tui import __version__, game
+from logical_robots_tui import __version__, game, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, folder_of, harmless, own_programs, print_json
 from logical_robots_tui.errors import InputError
@@ -21,7 +20,6 @@ from logical_robots_tui.wording import join_names
 
 if TYPE_CHECKING:
     from logical_robots_tui.language.reference import FunctionHelp
-    from logical_robots_tui.world import Level
 
 
 FINE, PROBLEM, WRONG = 0, 1, 2
@@ -33,9 +31,7 @@ def list_all_levels(options: argparse.Namespace) -> int:
 
     List the levels that come with the game.
     """
-    from logical_robots_tui.world import list_shipped, load_level
-
-    levels = [load_level(name) for name in list_shipped()]
+    levels = [world.load_level(name) for name in world.list_shipped()]
     if options.json:
         found = [
             {
@@ -54,7 +50,7 @@ def list_all_levels(options: argparse.Namespace) -> int:
     return 0
 
 
-def _who(level: Level) -> str:
+def _who(level: world.Level) -> str:
     if level.teams:
         return f"teams: {join_names(team.name for team in level.teams)}"
     return join_names(robot.name for robot in level.robots)
@@ -168,12 +164,8 @@ SAFE_SQLITE = (3, 50, 2)
 """The first SQLite without a known hole that a query of a robot's program might reach."""
 
 
-@dataclass(frozen=True)
-class Fact:
-    part: str
-    name: str
-    value: str
-    problem: str = ""
+Fact: TypeAlias = tuple[str, str, str]
+"""A name, what was detected, and what is wrong with it, or ""."""
 
 
 @command.declare("doctor", command.JSON, command.DATA_DIR)
@@ -188,18 +180,22 @@ def diagnose_machine(options: argparse.Namespace) -> int:
 
     exit status: 0 the game can be played here, 1 there are problems, marked with !
     """
-    found = [*_terminal(), *_versions(), *_places(options.data_dir)]
+    parts = {
+        "terminal": [*_terminal()],
+        "versions": [*_versions()],
+        "places": [*_places(options.data_dir)],
+    }
     if options.json:
-        print_json([asdict(fact) for fact in found])
+        keys = ("part", "name", "value", "problem")
+        facts = [(part, *fact) for part, found in parts.items() for fact in found]
+        print_json([dict(zip(keys, fact, strict=True)) for fact in facts])
     else:
-        for part in dict.fromkeys(fact.part for fact in found):
+        for part, found in parts.items():
             print(part)
-            for fact in found:
-                if fact.part == part:
-                    sign = "!" if fact.problem else " "
-                    said = f"  ({fact.problem})" if fact.problem else ""
-                    print(f"{sign} {fact.name:<14} {harmless(fact.value)}{said}")
-    return PROBLEM if any(fact.problem for fact in found) else FINE
+            for name, value, problem in found:
+                said = f"  ({problem})" if problem else ""
+                print(f"{'!' if problem else ' '} {name:<14} {harmless(value)}{said}")
+    return PROBLEM if any(fact[2] for found in parts.values() for fact in found) else FINE
 
 
 def _terminal() -> Iterator[Fact]:
@@ -217,30 +213,26 @@ def _terminal() -> Iterator[Fact]:
     assume_colours(environ)
     console = Console(_environ=environ, file=sys.__stdout__, force_terminal=True)
     is_there = sys.stdin.isatty() and sys.stdout.isatty()
-    yield _fact("name", environ.get("TERM", "") or "none")
-    yield _fact("output", "to the terminal" if is_there else "to a pipe or file")
+    yield "name", environ.get("TERM", "") or "none", ""
+    yield "output", "to the terminal" if is_there else "to a pipe or file", ""
     if is_there:
         columns, lines = os.get_terminal_size(sys.stdout.fileno())
         is_small = columns < LEAST_WIDTH or lines < LEAST_HEIGHT
         problem = f"at least {LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
-        yield _fact("size", f"{columns}x{lines}", problem)
+        yield "size", f"{columns}x{lines}", problem
     colourless = "NO_COLOR" in environ
     colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
-    yield _fact("colours", colours)
+    yield "colours", colours, ""
     encoding = console.encoding
     poor = "" if "utf" in encoding.lower() else "ASCII only; set LANG to a UTF-8 locale"
-    yield _fact("encoding", encoding, poor)
+    yield "encoding", encoding, poor
     drawing = drawing_for(environ, console.color_system, encoding, colourless=colourless)
-    yield _fact("drawing", drawing.value)
+    yield "drawing", drawing.value, ""
     around = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
     words = {"TMUX": "tmux", "STY": "GNU screen", "SSH_CONNECTION": "ssh"}
-    yield _fact("inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh")
-    yield _fact("mouse", "used" if may_use_mouse(environ) else "off in GNU screen")
-    yield _fact("editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi")
-
-
-def _fact(name: str, value: str, problem: str = "") -> Fact:
-    return Fact("terminal", name, value, problem)
+    yield "inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh", ""
+    yield "mouse", "used" if may_use_mouse(environ) else "off in GNU screen", ""
+    yield "editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi", ""
 
 
 def _colours(system: str | None) -> str:
@@ -252,20 +244,20 @@ def _versions() -> Iterator[Fact]:
     import sqlite3
     from importlib.metadata import PackageNotFoundError, version
 
-    yield Fact("versions", "logical-robots", __version__)
-    yield Fact("versions", "python", f"{platform.python_version()} on {platform.platform()}")
+    yield "logical-robots", __version__, ""
+    yield "python", f"{platform.python_version()} on {platform.platform()}", ""
     sqlite = sqlite3.sqlite_version
     if sqlite3.sqlite_version_info < SAFE_SQLITE:
         # Not a problem: distributions mend it without changing the version.
         sqlite += ", which has a hole (CVE-2025-6965) unless your system has mended it"
-    yield Fact("versions", "sqlite", sqlite)
+    yield "sqlite", sqlite, ""
     sandbox = shutil.which("bwrap")
-    yield Fact("versions", "bubblewrap", sandbox or "not installed, a sandbox for classes")
+    yield "bubblewrap", sandbox or "not installed, a sandbox for classes", ""
     for package in PACKAGES:
         try:
-            yield Fact("versions", package, version(package))
+            yield package, version(package), ""
         except PackageNotFoundError:
-            yield Fact("versions", package, "not installed", "required by the game")
+            yield package, "not installed", "required by the game"
 
 
 def _places(data_dir: Path | None) -> Iterator[Fact]:
@@ -279,10 +271,10 @@ def _places(data_dir: Path | None) -> Iterator[Fact]:
     complaints = read_settings(settings, KeyMap(COMMANDS).read).complaints
     wrong = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
-    yield Fact("places", "configuration", value, wrong)
+    yield "configuration", value, wrong
     compiled = cache.folder()
     if compiled is None:
-        yield Fact("places", "cache", "none")
+        yield "cache", "none", ""
     else:
         yield _place("cache", compiled, "programs are compiled again each time")
 
@@ -292,7 +284,7 @@ def _place(name: str, folder: Path, lost: str) -> Fact:
     while not is_there(there) and there != there.parent:
         there = there.parent
     can = is_folder(there) and os.access(there, os.W_OK | os.X_OK)
-    return Fact("places", name, str(folder), "" if can else f"not writable: {lost}")
+    return name, str(folder), "" if can else f"not writable: {lost}"
 
 
 SHELLS = ("bash", "zsh", "fish")

@@ -24,31 +24,23 @@ from logical_robots_tui.processes.helper import collect_seldom
 
 PROGRAM = "logical-robots"
 
-_HOMES = {
-    "play": "play",
-    "run": "run",
-    "trace": "run",
-    "query": "query",
-    "when": "query",
-    "why": "why",
-    "origin": "why",
-    "diagnose": "query",
-    "check": "check",
-    "help": "listing",
-    "levels": "listing",
-    "programs": "listing",
-    "config": "listing",
-    "replay": "replay",
-    "progress": "progress",
-    "level": "level",
-    "sweep": "lab",
-    "grade": "lab",
-    "tournament": "lab",
-    "lab": "lab",
-    "doctor": "listing",
-    "completion": "listing",
-}
-"""The module of each command, in the order of the help."""
+_MODULES = (
+    ("play", "play"),
+    ("run", "run trace"),
+    ("query", "query when"),
+    ("why", "why origin"),
+    ("query", "diagnose"),
+    ("check", "check"),
+    ("listing", "help levels programs config"),
+    ("replay", "replay"),
+    ("progress", "progress"),
+    ("level", "level"),
+    ("lab", "sweep grade tournament lab"),
+    ("listing", "doctor completion"),
+)
+"""The modules of the commands, in the order of the help."""
+
+_HOMES = {name: module for module, names in _MODULES for name in names.split()}
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 PIPE_CLOSED = 141  # 128 + SIGPIPE

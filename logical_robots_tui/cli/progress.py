@@ -14,6 +14,7 @@ from typing import Annotated, Any
 
 import msgspec
 
+from logical_robots_tui import world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
@@ -78,9 +79,7 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
 
 
 def _levels(progress: Progress) -> list[str]:
-    from logical_robots_tui.world import list_levels
-
-    shipped = list_levels()
+    shipped = world.list_levels()
     return [*shipped, *(level for level in progress.levels() if level not in shipped)]
 
 
@@ -203,12 +202,11 @@ async def _replay(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.measuring import MeasuringError, measure
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.mind import Program, ProgramError
-    from logical_robots_tui.world import list_levels, load_level
     from logical_robots_tui.world.levels.labyrinths import Daily
 
-    if level not in list_levels() and Daily.named(level) is None:
+    if level not in world.list_levels() and Daily.named(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
-    where = load_level(level)
+    where = world.load_level(level)
     if is_reference(where, text):
         return "this is a reference program"
     try:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui import game, mind
+from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
@@ -21,13 +21,13 @@ from logical_robots_tui.cli.command import (
     harmless,
     line_of_json,
     prefers_json,
+    progress_bar,
 )
 from logical_robots_tui.cli.runs import (
     SOON,
     frame_at,
     of_run,
     open_run,
-    progress_bar,
     run_shown,
     show,
 )
@@ -36,7 +36,6 @@ from logical_robots_tui.values import spell
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.telling import Finding
     from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
-    from logical_robots_tui.world import Level
 
 FOUND, NOTHING = 0, 1
 DEFAULT_TICKS, TICKS_TO_SCAN = 5000, 3000
@@ -104,7 +103,7 @@ def table_lines(table: mind.Table) -> list[str]:
     return columns([head, *rows])
 
 
-async def _ask(level: Level, program: mind.Program, query: str, tick: int) -> mind.Table:
+async def _ask(level: world.Level, program: mind.Program, query: str, tick: int) -> mind.Table:
     await asyncio.to_thread(program.question, query)  # reports mistakes before the run
     frame = await frame_at(level, program, tick)
     inquiry = game.Inquiry(level)
@@ -152,7 +151,7 @@ def when(options: argparse.Namespace) -> int:
 
 
 async def _search(
-    level: Level, program: mind.Program, question: mind.Question, options: argparse.Namespace
+    level: world.Level, program: mind.Program, question: mind.Question, options: argparse.Namespace
 ) -> game.Matches:
     async with run_shown(level, program, options.ticks) as (run, show):
         return await game.find_matches(run, question, options.ticks, options.robot or "", show)
@@ -226,7 +225,9 @@ def diagnose(options: argparse.Namespace) -> int:
     return int(any(each.severity == "warning" for each in found.findings))
 
 
-async def _diagnose(level: Level, program: mind.Program, ticks: int, printer: Printer) -> Diagnosis:
+async def _diagnose(
+    level: world.Level, program: mind.Program, ticks: int, printer: Printer
+) -> Diagnosis:
     from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
 
     async with run_shown(level, program, ticks) as (run, ran):

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui import game, mind
+from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import (
     UNRELIABLE,
@@ -21,13 +21,12 @@ from logical_robots_tui.cli.command import (
     named_programs,
     prefers_json,
     print_json,
+    progress_bar,
 )
-from logical_robots_tui.cli.runs import check_name, of_run, open_run, progress_bar
+from logical_robots_tui.cli.runs import check_name, of_run, open_run
 
 if TYPE_CHECKING:
     import threading
-
-    from logical_robots_tui.world import Level
 
     _Tables: TypeAlias = dict[str, mind.Table | mind.QueryError]
 
@@ -69,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 async def play_out(
-    level: Level,
+    level: world.Level,
     program: mind.Program,
     program_name: str,
     ticks: int,
@@ -101,7 +100,7 @@ async def play_out(
 class Outcome:
     """The result of a run so far; `first` are a few notices: tick, robot, kind and message."""
 
-    level: Level
+    level: world.Level
     program_name: str
     frame: game.Frame
     notices: Counter[str] = field(default_factory=Counter)
@@ -218,7 +217,7 @@ class Outcome:
         return columns(rows)
 
 
-def _robots(level: Level, frame: game.Frame, *more: str) -> list[dict[str, Any]]:
+def _robots(level: world.Level, frame: game.Frame, *more: str) -> list[dict[str, Any]]:
     return [
         {
             "name": now.name,
@@ -272,7 +271,7 @@ def trace(options: argparse.Namespace) -> int:
     return WON if won else NOT_WON
 
 
-async def _trace(level: Level, program: mind.Program, options: argparse.Namespace) -> bool:
+async def _trace(level: world.Level, program: mind.Program, options: argparse.Namespace) -> bool:
     def ask(
         frame: game.Frame, thinking: mind.Mind, stop: threading.Event
     ) -> tuple[game.Frame, _Tables]:
@@ -300,7 +299,9 @@ async def _trace(level: Level, program: mind.Program, options: argparse.Namespac
         await run.close()
 
 
-def _data(level: Level, frame: game.Frame, robot: str | None, tables: _Tables) -> dict[str, Any]:
+def _data(
+    level: world.Level, frame: game.Frame, robot: str | None, tables: _Tables
+) -> dict[str, Any]:
     mine = frozenset([robot] if robot is not None else [each.name for each in level.robots])
     after = frame.after
     return {

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from logical_robots_tui import explain, game, mind
+from logical_robots_tui import explain, game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import ProgramFileError, cut, harmless
 from logical_robots_tui.cli.runs import check_name, frame_at, of_run, open_run, run_shown, show
@@ -19,7 +19,6 @@ from logical_robots_tui.values import Value, read_value, spell
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.nearest import Suggestion
     from logical_robots_tui.explain.why.sources import Path, Source
-    from logical_robots_tui.world import Level
 
 GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, of an explanation if the terminal's width is unknown
@@ -141,7 +140,7 @@ class Answer(NamedTuple):
 
 
 async def _ask(
-    level: Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+    level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
 ) -> Answer:
     inquiry = game.Inquiry(level)
     try:
@@ -349,7 +348,7 @@ def origin(options: argparse.Namespace) -> int:
 
 
 async def _search(
-    level: Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+    level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
 ) -> game.Origin:
     from logical_robots_tui.explain.why.sources import Subject
 

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+from typing import NamedTuple, Protocol, cast
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.folder import ATTEMPTS, Entry, Ledger
+from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Entry, Folder, Ledger, Manifest
 from logical_robots_tui.lab.running import Answer, Task, fingerprint
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2

@@ -306,6 +306,7 @@ class UnsavedText(NamedTuple):
     level: str
 
 
+@dataclass(eq=False)
 class Autosave(Generic[State]):
     """Keeps edited work safe; a hangup loses at most `delay` seconds of changes.
 
@@ -313,26 +314,16 @@ class Autosave(Generic[State]):
     one that is no longer needed.
     """
 
-    def __init__(
-        self,
-        drafts: Drafts,
-        *,
-        delay: float = 0.25,
-        state: Callable[[], State],
-        draft: Callable[[State], Draft | Key],
-        failed: Callable[[str], None],
-        what: str,
-    ) -> None:
-        self._drafts = drafts
-        self._delay = delay
-        self._state = state
-        self._draft = draft
-        self._failed = failed
-        self._what = what
-        self._has_failed = False
-        self._written: State | None = None
-        self._written_turn = 0
-        self._pending: asyncio.Task[None] | None = None
+    drafts: Drafts
+    state: Callable[[], State]
+    draft: Callable[[State], Draft | Key]
+    failed: Callable[[str], None]
+    what: str
+    delay: float = 0.25
+    _has_failed: bool = False
+    _written: State | None = None
+    _written_turn: int = 0
+    _pending: asyncio.Task[None] | None = None
 
     def edited(self) -> None:
         """Write a draft soon, or delete it if nothing is unsaved any more."""
@@ -342,7 +333,7 @@ class Autosave(Generic[State]):
     def flush(self) -> None:
         """Write the draft now. Safe in a signal handler; never raises."""
         try:
-            self._keep(self._state(), self._drafts.next_turn())
+            self._keep(self.state(), self.drafts.next_turn())
         except OSError as error:
             self.report(error)
 
@@ -355,19 +346,19 @@ class Autosave(Generic[State]):
         if self._pending is not None:
             self._pending.cancel()
         self._written = None
-        self._drafts.drop(key)
+        self.drafts.drop(key)
 
     def report(self, error: OSError) -> None:
         if not self._has_failed:
             self._has_failed = True
             reason = error.strerror or str(error)
-            self._failed(f"{self._what} can't be kept on disk: {reason}. Save it elsewhere.")
+            self.failed(f"{self.what} can't be kept on disk: {reason}. Save it elsewhere.")
 
     async def _keep_soon(self) -> None:
         state = self._written
-        while self._state() != state:
-            await asyncio.sleep(self._delay)
-            state, turn = self._state(), self._drafts.next_turn()
+        while self.state() != state:
+            await asyncio.sleep(self.delay)
+            state, turn = self.state(), self.drafts.next_turn()
             if state == self._written:
                 return
             self._written = None  # until the thread is done, what is on disk is uncertain
@@ -380,11 +371,11 @@ class Autosave(Generic[State]):
     def _keep(self, state: State, turn: int) -> None:
         if state == self._written:
             return
-        draft = self._draft(state)
+        draft = self.draft(state)
         if isinstance(draft, Draft):
-            self._drafts.keep(draft, turn)
+            self.drafts.keep(draft, turn)
         else:
-            self._drafts.drop(draft, turn)
+            self.drafts.drop(draft, turn)
         if turn > self._written_turn:
             self._written, self._written_turn = state, turn
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from datetime import date
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -12,6 +13,7 @@ from logical_robots_tui.game import Source, load_program, save_program
 from logical_robots_tui.game.source import programs_for
 from logical_robots_tui.player.drafts import Draft, Drafts, Key
 from logical_robots_tui.player.recovery import Offers, short_name, when_saved
+from logical_robots_tui.player.session_state import tried
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 
@@ -48,12 +50,8 @@ class Library:
         if not following:
             self._ui.tell("This was the last level.")
             return
-        try:
-            level = await asyncio.to_thread(load_level, following[0])
-        except InputError as error:
-            self._ui.warn(str(error))
-            return
-        await self.open_level(level)
+        if (level := await tried(self._ui, load_level, following[0])) is not None:
+            await self.open_level(level)
 
     async def open_daily(self) -> None:
         from logical_robots_tui.player.opening import daily_level
@@ -65,23 +63,16 @@ class Library:
         answer = await self._ui.choose("Labyrinth of the day", question, answers)
         if answer is None:
             return
-        size = cast("DailySize", answer)
-        try:
-            progress = self._recorder.progress
-            level = await asyncio.to_thread(daily_level, progress, today, size)
-        except InputError as error:
-            self._ui.warn(str(error))
-            return
-        await self.open_level(level)
+        find = partial(daily_level, self._recorder.progress, today, cast("DailySize", answer))
+        if (level := await tried(self._ui, find)) is not None:
+            await self.open_level(level)
 
     async def open_level(self, level: Level) -> None:
         source = self._session.source
         sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
         if level.teams or (level.starter and level.starter != source.name):
-            try:
-                sources = await asyncio.to_thread(programs_for, level, (), {}, self.programs)
-            except InputError as error:
-                self._ui.warn(str(error))
+            found = await tried(self._ui, programs_for, level, (), {}, self.programs)
+            sources = sources if found is None else found
         source = next(iter(sources.values()))
         kept = None
         if source.name == level.starter:

@@ -104,7 +104,12 @@ class ProgressRecorder(SessionListener):
     def program_used(self, program: Program) -> None:
         """Keep the program of the first team as a version, if it is the player's own."""
         key, text = self._key, program.first.text
-        self._write(lambda progress: keep_if_own(progress, key, text))
+
+        def keep(progress: Progress) -> None:
+            if text not in shipped_texts().values():
+                progress.keep(key, text)
+
+        self._write(keep)
 
     def tick_shown(self, frame: Frame) -> None:
         if frame.tick and not self._has_begun:
@@ -219,8 +224,3 @@ def note_level(progress: Progress, level: Level) -> None:
     """Record the level opened last, if it has a file."""
     if level.source:
         progress.set_fact(LAST_LEVEL, level_key(level))
-
-
-def keep_if_own(progress: Progress, key: str, text: str) -> None:
-    if text not in shipped_texts().values():
-        progress.keep(key, text)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
+
+T = TypeVar("T")
 
 
 class OpenLevel:
@@ -226,6 +229,15 @@ class Ui(Protocol):
         self, title: str, question: str, answers: Sequence[tuple[str, str]]
     ) -> str | None:
         """Ask a question and return the name of the answer, or None; only for background work."""
+
+
+async def tried(ui: Ui, work: Callable[..., T], *values: Any) -> T | None:
+    """Return what `work` returns in a thread; None, with a warning, if it raises InputError."""
+    try:
+        return await asyncio.to_thread(work, *values)
+    except InputError as error:
+        ui.warn(str(error))
+        return None
 
 
 class Background:
