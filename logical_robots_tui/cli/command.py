@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from logical_robots_tui import __version__
 from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
+from logical_robots_tui.wording import align
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -82,13 +83,9 @@ def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], n
             if each.startswith(f"{name} "):
                 add_command(inner, each)
         return
-    parser.set_defaults(start=start, wants_json=_has_json)
+    parser.set_defaults(start=start, wants_json=lambda given: getattr(given, "json", False))
     for part in parts:
         part(parser)
-
-
-def _has_json(options: argparse.Namespace) -> bool:
-    return "json" in options and options.json
 
 
 def option(names: str, metavar: str | None, about: str, **settings: Any) -> Part:
@@ -242,12 +239,7 @@ def say(*sentences: str) -> None:
 
 def columns(rows: list[tuple[str, ...]]) -> list[str]:
     """Format rows as aligned columns, two spaces apart, with `harmless` cells."""
-    clean = [tuple(harmless(cell) for cell in row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*clean, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in clean
-    ]
+    return align([[*map(harmless, row)] for row in rows])
 
 
 def _finite(value: Any) -> Any:

@@ -9,7 +9,7 @@ import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from logical_robots_tui import __version__, game, world
 from logical_robots_tui.cli import command
@@ -17,10 +17,6 @@ from logical_robots_tui.cli.command import columns, folder_of, harmless, own_pro
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_folder, is_there
 from logical_robots_tui.wording import join_names
-
-if TYPE_CHECKING:
-    from logical_robots_tui.language.reference import FunctionHelp
-
 
 FINE, PROBLEM, WRONG = 0, 1, 2
 
@@ -107,21 +103,10 @@ def print_help(options: argparse.Namespace) -> int:
         close = similar(options.name)
         hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
         raise InputError(f"there is no function {options.name}.", hint=hint)
-    print(_help_of(entry))
-    return 0
-
-
-def _help_of(entry: FunctionHelp) -> str:
     article = "an" if entry.kind[0] in "ao" else "a"
-    return "\n".join(
-        [
-            entry.signature,
-            f"  {entry.summary} ({article} {entry.kind})",
-            "",
-            f"  {entry.example}",
-            f"  gives {entry.result}",
-        ]
-    )
+    print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
+    print(f"  {entry.example}", f"  gives {entry.result}", sep="\n")
+    return 0
 
 
 @command.declare(

@@ -19,7 +19,7 @@ from logical_robots_tui.game.victory import brief, result_line, robustness_line
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.player.learning import version_name, version_result
-from logical_robots_tui.player.player import Player
+from logical_robots_tui.player.opening import Player
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.player.surroundings import surroundings
 from logical_robots_tui.world import list_shipped, load_level

@@ -157,7 +157,7 @@ def _recorder(options: argparse.Namespace) -> ProgressRecorder:
 
 def _choose_daily(options: argparse.Namespace) -> None:
     """Take the labyrinth of the day as the level, or raise InputError."""
-    from logical_robots_tui.player.opening import daily_level
+    from logical_robots_tui.player.library import daily_level
     from logical_robots_tui.progress import FILE_NAME, Progress
 
     if options.programs:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import asyncio
 import math
+import threading
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
@@ -25,10 +26,7 @@ from logical_robots_tui.cli.command import (
 )
 from logical_robots_tui.cli.runs import check_name, of_run, open_run
 
-if TYPE_CHECKING:
-    import threading
-
-    _Tables: TypeAlias = dict[str, mind.Table | mind.QueryError]
+_Tables: TypeAlias = "dict[str, mind.Table | mind.QueryError]"
 
 WON, NOT_WON = 0, 1
 DEFAULT_TICKS = 5000

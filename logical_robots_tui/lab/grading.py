@@ -65,7 +65,7 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
     for student in manifest.students:
         levels = []
         for each in assignment.level:
-            name = _stem(each.name)
+            name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
             levels.append(_level(manifest, assignment, name, each.points, key in cells, results))
@@ -81,10 +81,6 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             )
         )
     return grades
-
-
-def _stem(name: str) -> str:
-    return re.sub(r"\.(toml|json)$", "", name.rpartition("/")[2])
 
 
 def _level(

@@ -112,7 +112,7 @@ def read_experiment(spec: TomlFile) -> Experiment:
     return found
 
 
-def values_of(vary: Vary) -> list[Scalar]:
+def _values_of(vary: Vary) -> list[Scalar]:
     return _in_range(vary.range) if vary.range is not None else vary.values
 
 
@@ -177,6 +177,10 @@ def level_to_run(
     except ValueError as error:
         spec.problem(ticks_path, str(error))
         return None
+
+
+_Combination: TypeAlias = tuple[Path_, dict[str, Scalar], dict[str, Scalar]]
+"""Where it is said, and the values of constants and of fields of the level."""
 
 
 class _Plan:
@@ -252,28 +256,26 @@ class _Plan:
                     self._spec.problem(("measure", name), f"{program}: {said}")
         return asked
 
-    def _combinations(self) -> list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]]:
-        """Return the place, constants and level fields of each combination; add the cells."""
+    def _combinations(self) -> list[_Combination]:
+        """Return all combinations of values; report those that can't be put in, one by one."""
         varied = [
-            [(bool(vary.constant), vary.constant or vary.level, v) for v in values_of(vary)]
+            (vary.constant or vary.level, bool(vary.constant), _values_of(vary))
             for vary in self._experiment.vary
         ]
-        names = [
-            (bool(vary.constant), vary.constant or vary.level) for vary in self._experiment.vary
-        ]
-        for number, (name, (value, *_)) in enumerate(zip(names, varied, strict=True)):
-            if name in names[:number]:
-                self._spec.problem(("vary", number), f"{name[1]} is varied twice")
-            one = {name[1]: value[2]}
-            for level in self._levels:
-                for program in self._programs:
-                    constants, fields = (one, {}) if name[0] else ({}, one)
-                    self._cell(level, program, (("vary", number), constants, fields))
-        found: list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]] = []
+        for number, (name, is_constant, values) in enumerate(varied):
+            if (name, is_constant) in [known[:2] for known in varied[:number]]:
+                self._spec.problem(("vary", number), f"{name} is varied twice")
+            one = {name: values[0]}
+            combination = ("vary", number), *((one, {}) if is_constant else ({}, one))
+            for level, program in itertools.product(self._levels, self._programs):
+                self._cell(level, program, combination)
+        found: list[_Combination] = []
         if varied or not self._experiment.case:
-            for each in itertools.product(*varied):
-                constants = {name: value for is_constant, name, value in each if is_constant}
-                fields = {name: value for is_constant, name, value in each if not is_constant}
+            for each in itertools.product(*(values for *_, values in varied)):
+                constants: dict[str, Scalar] = {}
+                fields: dict[str, Scalar] = {}
+                for (name, is_constant, _), value in zip(varied, each, strict=True):
+                    (constants if is_constant else fields)[name] = value
                 found.append((("vary",), constants, fields))
                 if len(found) > _MOST_CELLS:
                     self._spec.problem(("vary",), f"more than {_MOST_CELLS:,} combinations")
@@ -282,12 +284,7 @@ class _Plan:
             found.append((("case", number), case.constants, case.level))
         return found
 
-    def _cell(
-        self,
-        level_name: str,
-        program_name: str,
-        combination: tuple[Path_, dict[str, Scalar], dict[str, Scalar]],
-    ) -> Cell | None:
+    def _cell(self, level_name: str, program_name: str, combination: _Combination) -> Cell | None:
         path, constants, fields = combination
         _, level_text, ticks = self._levels[level_name]
         program = self._programs[program_name]
@@ -305,16 +302,9 @@ class _Plan:
         except InputError as error:
             self._spec.problem(path, str(error))
             return None
-        cell = Cell(
-            digest(level_text),
-            digest(program),
-            level_name,
-            program_name,
-            ticks,
-            {**constants, **fields},
-        )
-        self._inputs |= {cell.level: level_text, cell.program: program}
-        return cell
+        level, text = digest(level_text), digest(program)
+        self._inputs |= {level: level_text, text: program}
+        return Cell(level, text, level_name, program_name, ticks, {**constants, **fields})
 
 
 def _several(names: str | list[str]) -> list[str]:

@@ -27,6 +27,7 @@ from logical_robots_tui.lab.submissions import Submission, entries_of, stems_of
 from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_with_text
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import TomlFile
+from logical_robots_tui.wording import align
 from logical_robots_tui.world import Level
 
 
@@ -220,7 +221,7 @@ def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
 
 def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
     ranking = ranking_of(manifest, ledger)
-    lines = _align([_HEAD, *_rows(manifest, ranking)], left=(1, len(_HEAD) - 1))
+    lines = align([_HEAD, *_rows(manifest, ranking)], right=(0, *range(2, len(_HEAD) - 1)))
     names = [each.player for each in ranking.standings]
     if len(names) <= _WIDEST:
         numbers = [str(n) for n in range(1, len(names) + 1)]
@@ -229,7 +230,11 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
             pairings = (ranking.pairings.get((name, other)) for other in names)
             cells = ("·" if each is None else f"{100 * each.share:.0f}" for each in pairings)
             rows.append((number, harmless_text(name), *cells))
-        lines += ["", "The row's share of the points against the column:", *_align(rows, left=(1,))]
+        lines += [
+            "",
+            "The row's share of the points against the column:",
+            *align(rows, right=(0, *range(2, len(rows[0])))),
+        ]
     for cycle in ranking.cycles[:_MOST_CYCLES]:
         lines.append(_cycle_text(cycle))
     if (more := len(ranking.cycles) - _MOST_CYCLES) > 0:
@@ -239,17 +244,6 @@ def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
 
 def _cycle_text(cycle: Sequence[str]) -> str:
     return "Cycle: " + " beats ".join(harmless_text(name) for name in (*cycle, cycle[0]))
-
-
-def _align(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            cell.ljust(width) if n in left else cell.rjust(width)
-            for n, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
 
 
 def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -> list[str]:

@@ -13,14 +13,12 @@ from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
+from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
+from logical_robots_tui.game.source import Source
+from logical_robots_tui.player.session_state import Ui
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.writing import write_atomically
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game import Source
-    from logical_robots_tui.player.session_state import Ui
 
 OLD_DRAFTS_KEPT = 50
 """How many discarded drafts are kept in the folder ``old``."""
@@ -170,7 +168,7 @@ class Drafts:
             if not self._mine and not self._adopted:
                 with suppress(OSError):
                     self._lock_file(self._session).unlink(missing_ok=True)
-            _release(self._lock)
+            release(self._lock)
             self._lock = None
 
     def _is_turn_of(self, key: Key, turn: int | None) -> bool:
@@ -195,13 +193,13 @@ class Drafts:
     def _hold_lock(self) -> None:
         if self._lock is None:
             self.folder.mkdir(parents=True, exist_ok=True)
-            self._lock = _acquire(self._lock_file(self._session))
+            self._lock = acquire(self._lock_file(self._session))
             drafts = map(_from_json, self._draft_files())
             turns = [draft.turn for draft in drafts if draft is not None]
             self._turns_before = max([0, *turns, *map(_number, self.folder.glob("old/*-*.json"))])
 
     def _adopt_session(self, session: str) -> None:
-        lock = _acquire(self._lock_file(session))
+        lock = acquire(self._lock_file(session))
         if lock is None:
             return
         try:
@@ -211,7 +209,7 @@ class Drafts:
             for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
                 file.unlink(missing_ok=True)
         finally:
-            _release(lock)
+            release(lock)
 
     def _adopt_file(self, file: Path) -> None:
         draft = _from_json(file)
@@ -261,9 +259,9 @@ def _from_json(file: Path) -> Draft | None:
     return draft if is_whole else None
 
 
-def _acquire(file: Path) -> int | None:
+def acquire(file: Path) -> int | None:
     """Lock a file; return None if it is locked already or the file system has no locks."""
-    handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while waiting for the lock
@@ -275,20 +273,20 @@ def _acquire(file: Path) -> int | None:
     return handle
 
 
-def _release(handle: int) -> None:
+def release(handle: int) -> None:
     # Closed only, it would be locked for as long as a process that is just starting has it open.
     fcntl.flock(handle, fcntl.LOCK_UN)
-    _close(handle)
+    close_lock(handle)
 
 
-def _close(handle: int) -> None:
+def close_lock(handle: int) -> None:
     _held_locks.discard(handle)
     os.close(handle)
 
 
 def _close_all() -> None:
     for handle in tuple(_held_locks):
-        _close(handle)
+        close_lock(handle)
 
 
 # A forked child would hold the locks after its parent has ended.

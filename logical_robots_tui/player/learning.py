@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
-from logical_robots_tui.player.session_state import tried
+from logical_robots_tui.player.recorder import ProgressRecorder
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import ProgramText, Ui, tried
+from logical_robots_tui.progress import Version
 from logical_robots_tui.wording import count_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.session_state import ProgramText, Ui
-    from logical_robots_tui.progress import Version
 
 
 def version_name(version: Version) -> str:

@@ -1,28 +1,30 @@
-"""Opening the game: the level, the programs and the text that a player begins with."""
+"""Opening the game: what a player begins with, and has in an open game."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.source import Source, load_program, programs_for, shipped_texts
+from logical_robots_tui.game.source import Source, load_program, programs_for
 from logical_robots_tui.game.victory import level_key
-from logical_robots_tui.player.recorder import LAST_LEVEL, TOUR
+from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
+from logical_robots_tui.player.learning import Learning
+from logical_robots_tui.player.library import Library
+from logical_robots_tui.player.recorder import LAST_LEVEL, TOUR, ProgressRecorder
+from logical_robots_tui.player.recovery import Bookmark, Offering, OpenGames, OtherGames
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import ProgramText, Ui
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.world import Level, LevelError, list_levels, load_level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.player.recovery import OpenGames
-    from logical_robots_tui.progress import Progress
-    from logical_robots_tui.world.levels.labyrinths import DailySize
 
 
 class Permissions(NamedTuple):
@@ -129,11 +131,6 @@ def _source_of(name: str, text: str, own: Path) -> Source:
     return Source(name, text, own / f"{name}.l", shipped=False)
 
 
-_PROVING = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops
-_TICKS_PER_CELL = 250
-_MOST_DAILIES = 9
-
-
 def level_to_begin_with(progress: Progress) -> Level:
     """Return the level played last, or the first one; raise InputError if levels are missing."""
     names = list_levels()
@@ -144,31 +141,6 @@ def level_to_begin_with(progress: Progress) -> Level:
         with suppress(LevelError):  # it was deleted, broken, or renamed in a newer version
             return load_level(last)
     return load_level(names[0])
-
-
-def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
-    """Return the labyrinth of a day, shown to be winnable, or raise InputError."""
-    from logical_robots_tui.game.robustness import LateError, play_through
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.world.levels.labyrinths import Daily
-
-    program: Program | None = None
-    for number in range(1, _MOST_DAILIES + 1):
-        daily = Daily(day, size, number)
-        level = load_level(daily.name)
-        fact = f"won {daily.name}"
-        if progress.fact(fact) is not None:
-            return level
-        program = program or Program.compile(shipped_texts()[_PROVING])
-        try:
-            played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
-        except LateError:
-            message = "This machine is too busy to check that the labyrinth can be won."
-            raise InputError(message, hint="Try again.") from None
-        if played.won_at is not None:
-            progress.set_fact(fact, str(played.won_at))
-            return level
-    raise InputError(f"No {size} labyrinth of {day.isoformat()} can be won.")
 
 
 def programs_to_begin_with(
@@ -184,3 +156,60 @@ def programs_to_begin_with(
     goes_on = not (names or by_team) and bool(level.starter)
     text = progress.newest(level_key(level)) if goes_on else None
     return {mine: sources[mine]} | sources, text
+
+
+class Player:
+    """The session, and who keeps what the player does in it.
+
+    `with_keys` says in a text how the commands in braces are given.
+
+    Attributes:
+        first_text: What `program` begins with.
+    """
+
+    def __init__(
+        self,
+        opening: Opening,
+        recorder: ProgressRecorder,
+        ui: Ui,
+        program: ProgramText,
+        changed: Callable[[], None],
+        with_keys: Callable[[str], str],
+    ) -> None:
+        self._opening, self._ui, self.recorder = opening, ui, recorder
+        session = self.session = Session(
+            opening.level, opening.sources, ui.spawn, changed, opening.clock
+        )
+        self.first_text = session.source.text if opening.text is None else opening.text
+        drafts = self.drafts = Drafts(opening.data_dir / "drafts")
+        autosave = self.autosave = Autosave(
+            drafts,
+            state=lambda: UnsavedText(session.source, program.text, level_key(session.level)),
+            draft=program_draft,
+            failed=ui.warn,
+            what="What you type",
+        )
+        library = self.library = Library(
+            session, ui, recorder, drafts, autosave, program, opening.data_dir
+        )
+        self.learning = Learning(session, ui, recorder, program, library.open_program, with_keys)
+        self.bookmark = Bookmark(
+            session, drafts, ui, library.open_level, library.open_program, library.look_at
+        )
+
+    def start(self) -> None:
+        """Begin to record and to compile, once all listen to the session."""
+        self.recorder.level_opened(self.session.opened)
+        self.session.apply(self.first_text)
+
+    def offerings(self, *others: Offering) -> list[Offering]:
+        """Return what to offer from earlier sessions, in order."""
+        games = self._opening.games
+        first = [] if games is None else [OtherGames(games, self._ui)]
+        return [*first, self.library, *others, self.bookmark]
+
+    async def close(self) -> None:
+        self.autosave.stop()
+        self.drafts.close()
+        await self.session.close()
+        await self.recorder.close()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 from logical_robots_tui.game import Source, level_key
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.game.victory import Victory, keep_victory, references_for
+from logical_robots_tui.player.drafts import Draft
 from logical_robots_tui.player.session_state import SessionListener, Ui, nothing
 from logical_robots_tui.progress import NEW, Bests, LevelRecord, Measures, Progress, Version
 from logical_robots_tui.world import Level
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.player.drafts import Draft
 
 THEME, TOUR, LAST_LEVEL = "theme", "tour", "level"
 """Facts in the player's record: the theme chosen, that the tour is over, the level opened last."""

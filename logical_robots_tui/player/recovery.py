@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import fcntl
 import json
 import os
 from collections.abc import Awaitable, Callable, Mapping, Sequence
@@ -24,7 +23,9 @@ from logical_robots_tui.game import (
 )
 from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.paths import is_file
-from logical_robots_tui.player.drafts import Draft, Drafts
+from logical_robots_tui.player.drafts import Draft, Drafts, acquire, release
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import Ui
 from logical_robots_tui.records import record, texts_of
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, load_level
@@ -34,8 +35,6 @@ from logical_robots_tui.world.levels.native import read_native
 if TYPE_CHECKING:
     from logical_robots_tui.game import Game
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.session_state import Ui
 
 Found = TypeVar("Found")
 
@@ -268,8 +267,6 @@ class Bookmark:
 MOST_GAMES = 4
 """Games that one player may have open at the same time, of at most four processes each."""
 
-_OPENING = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
-
 
 class OpenGames:
     """A player's open games, with this process until it ends; may raise InputError, OSError."""
@@ -277,7 +274,7 @@ class OpenGames:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         for number in range(MOST_GAMES):
-            handle = _lock(self._file(number))
+            handle = acquire(self._file(number))
             if handle is not None:
                 self._number, self._handle = number, handle  # closing it would free the place
                 break
@@ -295,9 +292,9 @@ class OpenGames:
             if number == self._number or not self._file(number).exists():
                 continue
             with suppress(OSError, ValueError):
-                handle = _lock(self._file(number))
+                handle = acquire(self._file(number))
                 if handle is not None:
-                    os.close(handle)
+                    release(handle)
                     continue
                 found.append(datetime.fromisoformat(self._file(number).read_text("ascii")))
         return sorted(found)
@@ -318,14 +315,3 @@ class OpenGames:
 
     def _request(self, number: int) -> Path:
         return self._folder / f".end-game-{number}"
-
-
-def _lock(file: Path) -> int | None:
-    """Open and lock a file; None if another process has it. May raise OSError."""
-    handle = os.open(file, _OPENING, 0o600)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(handle)
-        return None
-    return handle

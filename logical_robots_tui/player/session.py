@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Coroutine, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -23,19 +24,19 @@ from logical_robots_tui.player.session_state import (
     Movement,
     OpenLevel,
     ProgramState,
+    SessionListener,
+    Spawn,
     TeamSources,
+    Work,
     nothing,
 )
 from logical_robots_tui.world.levels.load import is_web_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Mapping
-
     from logical_robots_tui.game import Breakpoint, Game, Hit, Source
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind import Predicate, Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.player.session_state import SessionListener, Spawn, Work
     from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 

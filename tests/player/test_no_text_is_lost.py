@@ -123,7 +123,7 @@ class Session:
             self.autosave.stop()
             self.drafts.close()
         elif self.drafts._lock is not None:
-            drafts_module._release(self.drafts._lock)
+            drafts_module.release(self.drafts._lock)
         await self.recorder.close()
 
     async def at_hand(self) -> set[str]:

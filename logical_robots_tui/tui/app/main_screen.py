@@ -15,8 +15,7 @@ from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game import Frame
 from logical_robots_tui.player.drafts import leave
-from logical_robots_tui.player.opening import Opening
-from logical_robots_tui.player.player import Player
+from logical_robots_tui.player.opening import Opening, Player
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
