@@ -262,17 +262,10 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
 
 
 def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
-    from logical_robots_tui.lab.exporting import export_runs, has_extra
+    from logical_robots_tui.lab.exporting import has_extra
+    from logical_robots_tui.lab.reporting import export
 
-    written = export_runs(folder, manifest, ledger)
-    if manifest.kind == "grade":
-        from logical_robots_tui.lab.grading import export_grades
-
-        written += export_grades(folder, manifest, ledger)
-    elif manifest.kind == "tournament":
-        from logical_robots_tui.lab.tournament import export_tournament
-
-        written += export_tournament(folder, manifest, ledger)
+    written = export(folder, manifest, ledger)
     print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")

@@ -81,7 +81,8 @@ class ProgressRecorder(SessionListener):
     async def ask(self, look: Callable[[Progress], T]) -> T:
         """Query the record, after all pending writes."""
         found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
-        self._tell_news()
+        while not self._news.empty():
+            self._ui.warn(self._news.get())
         return found
 
     async def newest(self, level: Level) -> str | None:
@@ -180,10 +181,6 @@ class ProgressRecorder(SessionListener):
             # What is revealed meanwhile is not hidden again.
             self.record = record._replace(hints=max(record.hints, self.record.hints))
             self._changed()
-
-    def _tell_news(self) -> None:
-        while not self._news.empty():
-            self._ui.warn(self._news.get())
 
     async def _measure(self, level: Level, key: str, program: Program) -> None:
         from logical_robots_tui.game.measuring import MeasuringError, Trial, measure

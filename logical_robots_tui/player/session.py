@@ -70,7 +70,7 @@ class Session:
         self.movement = Movement()
         self._spawn = spawn
         self._changed = changed
-        self._program: Program | None = None
+        self.program: Program | None = None  # of the robots; none before the first compilation
         self._won: tuple[Texts, int] | None = None
 
     # -- queries -------------------------------------------------------------------------------
@@ -99,13 +99,8 @@ class Session:
         return self.sources.source
 
     @property
-    def program(self) -> Program | None:
-        """The robots' program, or None before the first compilation."""
-        return self._program
-
-    @property
     def predicates(self) -> tuple[Predicate, ...]:
-        return self._program.predicates if self._program else ()
+        return self.program.predicates if self.program else ()
 
     @property
     def history(self) -> History | None:
@@ -165,9 +160,9 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; cancels an older compilation."""
         texts = self.sources.with_text(text)
-        if self._program is not None and self._program.texts == texts:
+        if self.program is not None and self.program.texts == texts:
             self._spawn(nothing, "compile", exclusive=True)
-            self.use(self._program)
+            self.use(self.program)
             return
         self.state = self.state.compiling(text)
         self._changed()
@@ -310,7 +305,7 @@ class Session:
             self._changed()
 
     def _think_with(self, program: Program) -> Program:
-        program = self._program = self.sources.seen(program)
+        program = self.program = self.sources.seen(program)
         warnings = warnings_in(program, self.level, web=is_web_file(self.opened.source))
         self.state = ProgramState.of_applied(program.text, warnings)
         return program
