@@ -1,4 +1,4 @@
-"""The local engine: worker processes on this machine, each with one task at a time."""
+"""Engines that run tasks: processes on this machine, or the workers of a Dask scheduler."""
 
 from __future__ import annotations
 

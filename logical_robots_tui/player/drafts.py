@@ -1,4 +1,4 @@
-"""Drafts: unsaved texts, levels and positions, kept on disk so that they survive crashes."""
+"""Drafts: unsaved work, written soon after every change, that survives crashes."""
 
 from __future__ import annotations
 
@@ -276,17 +276,17 @@ def acquire(file: Path) -> int | None:
 def release(handle: int) -> None:
     # Closed only, it would be locked for as long as a process that is just starting has it open.
     fcntl.flock(handle, fcntl.LOCK_UN)
-    close_lock(handle)
+    _close(handle)
 
 
-def close_lock(handle: int) -> None:
+def _close(handle: int) -> None:
     _held_locks.discard(handle)
     os.close(handle)
 
 
 def _close_all() -> None:
     for handle in tuple(_held_locks):
-        close_lock(handle)
+        _close(handle)
 
 
 # A forked child would hold the locks after its parent has ended.

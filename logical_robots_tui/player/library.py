@@ -1,4 +1,4 @@
-"""Opening levels and programs, saving, and restoring drafts."""
+"""Opening levels, also that of a day, and programs; saving, and restoring drafts."""
 
 from __future__ import annotations
 

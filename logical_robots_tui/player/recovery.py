@@ -1,4 +1,4 @@
-"""Restores what an earlier session left: unsaved levels, and its place; ends other games."""
+"""What other sessions left, or have open: unsaved levels, the place in a game, open games."""
 
 from __future__ import annotations
 

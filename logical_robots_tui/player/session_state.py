@@ -1,4 +1,4 @@
-"""The state of a session: level, program, what the robots are doing, and who listens."""
+"""What a session is made of: level, program, movement, listeners, and the work for them."""
 
 from __future__ import annotations
 
