@@ -12,15 +12,10 @@ from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
+from logical_robots_tui import game, mind
 from logical_robots_tui.errors import InputError, LogicalRobotsError
-from logical_robots_tui.game import (
-    Source,
-    compile_program,
-    level_key,
-    load_program,
-)
 from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.player.drafts import Draft, Drafts, acquire, release
@@ -31,10 +26,6 @@ from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game import Game
-    from logical_robots_tui.mind import Program
 
 Found = TypeVar("Found")
 
@@ -179,14 +170,14 @@ class Place:
         return list(zip(texts, [*ends, self.tick], strict=True))
 
 
-def place_of(game: Game, level: Level, source: Source) -> Place | None:
+def place_of(played: game.Game, level: Level, source: game.Source) -> Place | None:
     """Return the position of a game; None at the start, or if the level was edited on the way."""
-    history, tick = game.history, game.frame.tick
+    history, tick = played.history, played.frame.tick
     if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
         return None
     programs = tuple((begin, program.texts) for begin, program in history.programs(tick))
     program = source.name if source.shipped else str(source.path)
-    return Place(level_key(level), level.title, program, tick, programs)
+    return Place(game.level_key(level), level.title, program, tick, programs)
 
 
 class Bookmark:
@@ -198,7 +189,7 @@ class Bookmark:
         drafts: Drafts,
         ui: Ui,
         open_level: Callable[[Level], Awaitable[None]],
-        open_program: Callable[[Source, str | None], None],
+        open_program: Callable[[game.Source, str | None], None],
         look_at: Callable[[str], None],
     ) -> None:
         self._session, self._drafts, self._ui = session, drafts, ui
@@ -237,7 +228,7 @@ class Bookmark:
 
     async def _go_to(self, place: Place) -> None:
         """Go to a position; restored unsaved text stays in the editor."""
-        if place.level != level_key(self._session.level):
+        if place.level != game.level_key(self._session.level):
             await self._open_level(await asyncio.to_thread(load_level, place.level))
         last, sources = place.programs[-1][1], self._session.sources
         first = next(iter(last))
@@ -248,18 +239,18 @@ class Bookmark:
         is_unsaved = self._drafts.get(("program", source.draft)) is not None
         self._open_program(source, None if is_unsaved else last.get(sources.team, last[first]))
         self._session.pace.speed = place.speed
-        ends = [(await compile_program(texts), end) for texts, end in place.stretches()]
+        ends = [(await game.compile_program(texts), end) for texts, end in place.stretches()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))
 
-    async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
+    async def _replay(self, ends: list[tuple[mind.Program, int]], playing: game.Game) -> None:
         for program, end in ends:
             self._session.use(program)
-            while game.frame.tick < end:
-                await game.run_until(tick=end)
+            while playing.frame.tick < end:
+                await playing.run_until(tick=end)
 
-    def _source_of(self, place: Place) -> Source:
+    def _source_of(self, place: Place) -> game.Source:
         try:
-            return load_program(place.program)
+            return game.load_program(place.program)
         except InputError:
             return self._session.source
 

@@ -192,7 +192,7 @@ async def test_the_text_that_the_robots_think_with_overtakes_one_that_is_compile
 
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
-        monkeypatch.setattr("logical_robots_tui.player.session.compile_program", compile_slowly)
+        monkeypatch.setattr("logical_robots_tui.game.compile_program", compile_slowly)
         await game.write(PAPER)
         await game.until(begun.is_set)
         await game.press("2", "ctrl+z", "ctrl+r")
