@@ -94,8 +94,7 @@ def option(names: str, metavar: str | None, about: str, **settings: Any) -> Part
     def add(parser: argparse._ActionsContainer) -> None:
         default = settings.get("default")
         called = {"default": default()} if callable(default) else {}
-        named: dict[str, Any] = {} if metavar is None else {"metavar": metavar}
-        parser.add_argument(*names.split(), help=about, **named, **settings | called)
+        parser.add_argument(*names.split(), metavar=metavar, help=about, **settings | called)
 
     return add
 
@@ -105,14 +104,16 @@ def number(name: str, read: Callable[[str], float], default: float, about: str) 
 
 
 def flag(name: str, about: str, default: Callable[[], bool] = bool) -> Part:
-    return option(name, None, about, action="store_true", default=default)
+    return lambda parser: parser.add_argument(
+        name, help=about, action="store_true", default=default()
+    )
 
 
-def one_of(*options: Part, required: bool = False) -> Part:
+def one_of(*options: Part) -> Part:
     """Return options that exclude each other."""
 
     def add(parser: argparse._ActionsContainer) -> None:
-        inner = parser.add_mutually_exclusive_group(required=required)
+        inner = parser.add_mutually_exclusive_group()
         for each in options:
             each(inner)
 

@@ -220,7 +220,7 @@ class LineGame(SessionListener):
 
     def _named(self, name: str) -> str:
         """Return the robot of that name, by default the one that was chosen, or the first."""
-        from logical_robots_tui.cli.runs import check_name
+        from logical_robots_tui.cli.run import check_name
 
         sources, level = self.session.sources, self.session.level
         names = [each.name for each in level.robots]

@@ -23,7 +23,7 @@ from logical_robots_tui.cli.command import (
     prefers_json,
     progress_bar,
 )
-from logical_robots_tui.cli.runs import (
+from logical_robots_tui.cli.run import (
     SOON,
     frame_at,
     of_run,

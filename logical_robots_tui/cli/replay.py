@@ -13,7 +13,7 @@ from logical_robots_tui import game
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import harmless, named_programs, print_json, progress_bar
 from logical_robots_tui.cli.level import refuse_existing, write
-from logical_robots_tui.cli.runs import open_run
+from logical_robots_tui.cli.run import open_run
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
 

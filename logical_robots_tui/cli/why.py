@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from logical_robots_tui import explain, game, mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import ProgramFileError, cut, harmless
-from logical_robots_tui.cli.runs import check_name, frame_at, of_run, open_run, run_shown, show
+from logical_robots_tui.cli.run import check_name, frame_at, of_run, open_run, run_shown, show
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
