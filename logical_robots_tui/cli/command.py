@@ -13,7 +13,6 @@ import traceback
 import unicodedata
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from textwrap import dedent
@@ -368,6 +367,8 @@ def report_bug(error: Exception, *, as_json: bool) -> int:
 
 def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
     if isinstance(error, ProgramFileError):
+        from dataclasses import asdict  # slow to load
+
         return {
             "kind": "program",
             "place": error.place,
