@@ -15,23 +15,20 @@ from logical_robots_tui.game import Breakpoint, Inquiry, goals, load_program, mi
 from logical_robots_tui.game.frame import events_between
 from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.source import target
-from logical_robots_tui.game.victory import brief, result_line, robustness_line
+from logical_robots_tui.game.victory import Victory, brief, result_line, robustness_line
 from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.player.learning import version_name, version_result
-from logical_robots_tui.player.opening import Player
+from logical_robots_tui.player.opening import Opening, Player
+from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.player.surroundings import surroundings
-from logical_robots_tui.world import list_shipped, load_level
+from logical_robots_tui.progress import Measures
+from logical_robots_tui.world import Level, list_shipped, load_level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Game, Hit
-    from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program
-    from logical_robots_tui.player.opening import Opening
-    from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.progress import Measures
-    from logical_robots_tui.world import Level
 
 MOST = 5000
 """The default tick limit of ``run``."""
@@ -131,8 +128,6 @@ class LineGame(SessionListener):
             say(result_line(victory.level, victory.measures))
             say(*(f"Second goal reached: {goal}." for goal in victory.measures.goals))
 
-    # -- events --------------------------------------------------------------------------------
-
     def level_opened(self, level: Level) -> None:
         self._past, self._robot = self.session.frame, ""
         self._ui.spawn(self._forget_inquiry, "close", exclusive=False)
@@ -162,8 +157,6 @@ class LineGame(SessionListener):
 
     def _measured(self, level: Level, found: Measures, _is_here: bool) -> None:
         say(robustness_line(level, found))
-
-    # -- moving --------------------------------------------------------------------------------
 
     async def go_on(self, ticks: int) -> None:
         """Run for some ticks; ^C ends it sooner."""
@@ -196,8 +189,6 @@ class LineGame(SessionListener):
             breakpoints.add(wanted)
         say(problem or f"Runs will stop when {wanted.words}.")
 
-    # -- looking -------------------------------------------------------------------------------
-
     def brief(self, _: str) -> None:
         level = self.session.level
         say(level.briefing.strip(), *(f"Second goal: {goal.words}." for goal in level.second_goals))
@@ -228,8 +219,6 @@ class LineGame(SessionListener):
             check_name("robot", name, names)
         mine = (each.name for each in level.robots if each.team == sources.team)
         return name or self._robot or next(mine, names[0])
-
-    # -- questions -----------------------------------------------------------------------------
 
     @property
     def _game(self) -> Game:
@@ -301,8 +290,6 @@ class LineGame(SessionListener):
         printer = Printer(is_silent=False)
         printer.finish(await diagnose(self._game, show=printer.show))
 
-    # -- program and level ---------------------------------------------------------------------
-
     def show_program(self, _: str) -> None:
         lines = self._text.text.splitlines()
         say(*(f"{number}: {line}" for number, line in enumerate(lines, start=1)))
@@ -348,8 +335,6 @@ class LineGame(SessionListener):
             await self.player.library.open_level(load_level(name))
         else:
             say(*(f"{each}: {load_level(each).title}" for each in list_shipped()))
-
-    # -- learning ------------------------------------------------------------------------------
 
     def hint(self, _: str) -> None:
         learning = self.player.learning

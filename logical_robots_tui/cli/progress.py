@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import msgspec
 
-from logical_robots_tui import world
+from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
@@ -201,7 +201,6 @@ def _check(file: Path, *, as_json: bool) -> int:
 async def _replay(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.measuring import MeasuringError, measure
     from logical_robots_tui.game.victory import is_reference
-    from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world.levels.labyrinths import Daily
 
     if level not in world.list_levels() and Daily.named(level) is None:
@@ -210,8 +209,8 @@ async def _replay(level: str, text: str) -> Measures | str:
     if is_reference(where, text):
         return "this is a reference program"
     try:
-        found = await measure(where, Program.compile(text), None)
-    except ProgramError as error:
+        found = await measure(where, mind.Program.compile(text), None)
+    except mind.ProgramError as error:
         return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
     except MeasuringError:
         return "it could not be played to the end; try again"

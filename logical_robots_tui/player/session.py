@@ -61,8 +61,6 @@ class Session:
         self.program: mind.Program | None = None  # of the robots; none before the first compilation
         self._won: tuple[Texts, int] | None = None
 
-    # -- queries -------------------------------------------------------------------------------
-
     @property
     def level(self) -> Level:
         return self.levels.shown
@@ -108,8 +106,6 @@ class Session:
     def thinking_for(self) -> float:
         """Seconds that the current think has taken; 0.0 while not worth showing."""
         return self.movement.thinking_for(self.clock.now(), self.pace.period)
-
-    # -- level and program ---------------------------------------------------------------------
 
     def open_level(self, level: Level, sources: Mapping[str, game.Source], text: str) -> None:
         """Open a level at its start; `text` replaces that of the first program."""
@@ -171,8 +167,6 @@ class Session:
         else:
             self.game.use(program)
         self._changed()
-
-    # -- moving --------------------------------------------------------------------------------
 
     def toggle_run(self) -> None:
         if self.busy:
@@ -270,8 +264,6 @@ class Session:
         playing, self.game = self.game, None
         if playing is not None:
             await playing.close()
-
-    # -- inside --------------------------------------------------------------------------------
 
     async def _compile(self, text: str, texts: Texts) -> None:
         try:
