@@ -14,7 +14,7 @@ from benchmarks.measure import Effort, Measurement, at_most, best_of, summed_up
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.strokes import paint
 from logical_robots_tui.game import Frame, load_program
-from logical_robots_tui.player.session_state import Opening
+from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.labyrinth.drawing import Look, Picture, Viewport
 from logical_robots_tui.world import AreaState, RobotState, WorldState

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from benchmarks.measure import Effort, Measurement, at_least, at_most, summed_up
 from logical_robots_tui.game.robustness import play_through, start_of
 from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.local import LocalEngine
 from logical_robots_tui.lab.running import Task, execute, fingerprint
 from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.lab.sweeping import plan_sweep

@@ -3,44 +3,27 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
-    add_no_solutions,
-    harmless,
-    new_command,
-)
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind import Diagnostic
-    from logical_robots_tui.world import Level
+from logical_robots_tui import game, mind, world
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless, own_programs, print_json
 
 FINE, WRONG = 0, 2
 WIDEST = 100  # columns of an excerpt
 
 
-def declare(commands: Commands) -> None:
-    command = new_command(commands, "check", start)
-    command.add_argument("programs", metavar="PROGRAM", nargs="+", help="a program's name or file")
-    command.add_argument(
-        "--web",
-        action="store_true",
-        help="also print what would fail or mean something else on the web platform",
-    )
-    command.add_argument(
-        "--level", metavar="LEVEL", help="warn about names that no robot can sense in a level"
-    )
-    command.add_argument("--json", action="store_true", help="print JSON")
-    add_data_dir(command)
-    add_no_solutions(command)
-
-
-def start(options: argparse.Namespace) -> int:
+@command.declare(
+    "check",
+    command.option("programs", "PROGRAM", "a program's name or file", nargs="+"),
+    command.flag("--web", "also print what would fail or mean something else on the web platform"),
+    command.option("--level", "LEVEL", "warn about names that no robot can sense in a level"),
+    command.JSON,
+    command.DATA_DIR,
+    command.NO_SOLUTIONS,
+)
+def check(options: argparse.Namespace) -> int:
     """check a program for errors without running it
 
     Check programs for errors without running them.
@@ -55,16 +38,12 @@ def start(options: argparse.Namespace) -> int:
 
     exit status: 0 all programs can run (there may be warnings), 2 one can't
     """
-    from logical_robots_tui.cli.command import own_programs
-    from logical_robots_tui.game import load_program
-    from logical_robots_tui.world import load_level
-
-    level = load_level(options.level) if options.level else None
+    level = world.load_level(options.level) if options.level else None
     results = []
     status = FINE
     own = own_programs(options)
     for name in options.programs:
-        text = load_program(name, own, pipes=True).text
+        text = game.load_program(name, own, pipes=True).text
         found = diagnostics(text, level, web=options.web)
         if any(diagnostic.severity == "error" for diagnostic in found):
             status = WRONG
@@ -73,25 +52,22 @@ def start(options: argparse.Namespace) -> int:
             for diagnostic in found:
                 print(*map(harmless, _lines(name, text, diagnostic)), sep="\n")
     if options.json:
-        print(json.dumps({"ok": status == FINE, "programs": results}, indent=2))
+        print_json({"ok": status == FINE, "programs": results})
     return status
 
 
 def diagnostics(
-    text: str, level: Level | None = None, *, web: bool = False
-) -> tuple[Diagnostic, ...]:
+    text: str, level: world.Level | None = None, *, web: bool = False
+) -> tuple[mind.Diagnostic, ...]:
     """Return a program's errors, or its warnings if it can run: in a level, and for the web."""
-    from logical_robots_tui.game import warnings_in
-    from logical_robots_tui.mind import Program, ProgramError
-
     try:
-        program = Program.compile(text)
-    except ProgramError as error:
+        program = mind.Program.compile(text)
+    except mind.ProgramError as error:
         return error.diagnostics
-    return warnings_in(program, level, web=web)
+    return game.warnings_in(program, level, web=web)
 
 
-def _lines(file: str, text: str, diagnostic: Diagnostic) -> Iterator[str]:
+def _lines(file: str, text: str, diagnostic: mind.Diagnostic) -> Iterator[str]:
     place = f"{file}:{diagnostic.line}:{diagnostic.column}"
     yield f"{place}: {diagnostic.severity}: {diagnostic.message}"
     lines = text.split("\n")

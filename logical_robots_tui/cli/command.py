@@ -1,58 +1,122 @@
-"""What all commands share: options, and text that is safe to print."""
+"""What all commands share: how they are declared, what they print, and how they fail."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import logging
 import math
 import os
+import platform
 import sys
+import traceback
 import unicodedata
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 from textwrap import dedent
-from typing import Any, Literal, TypeAlias
+from time import monotonic
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+from logical_robots_tui import __version__
+from logical_robots_tui.errors import InputError, LogicalRobotsError, is_out_of_memory
+from logical_robots_tui.wording import align
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from logical_robots_tui.mind import Diagnostic, ProgramError
+
+Part: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
+"""Adds something to a command's parser."""
+
+Start: TypeAlias = Callable[[argparse.Namespace], int]
+
+_COMMANDS: dict[str, tuple[Start, tuple[Part, ...]]] = {}
+_GROUPS: dict[str, tuple[str, str]] = {}
 
 
-def new_command(
-    commands: Commands,
-    name: str,
-    start: Callable[[argparse.Namespace], int],
-    *,
-    wants_json: Callable[[argparse.Namespace], bool] = lambda options: (
-        "json" in options and options.json
-    ),
-) -> argparse.ArgumentParser:
-    """Declare a command; `start` does the work and returns the exit status.
+def declare(name: str, *parts: Part) -> Callable[[Start], Start]:
+    """Declare a command, or one of a group, such as ``level new``, with its arguments.
 
-    Its docstring is the help: a line for the list of commands, a paragraph, and the rest.
-    `wants_json` says whether errors are reported as JSON; by default with ``--json``.
+    The function does the work and returns the exit status. Its docstring is the help: a line for
+    the list of commands, a paragraph, and the rest.
     """
-    summary, _, rest = (start.__doc__ or "").partition("\n\n")
-    description, _, epilog = dedent(rest).partition("\n\n")
-    command = commands.add_parser(
-        name,
+
+    def note(start: Start) -> Start:
+        _COMMANDS[name] = start, parts
+        return start
+
+    return note
+
+
+def group(name: str, summary: str, examples: str) -> None:
+    """Declare a command that consists of commands."""
+    more = f"`logical-robots {name} COMMAND --help` explains a command."
+    _GROUPS[name] = summary, f"examples:\n{examples}\n{more}\n"
+
+
+def add_command(commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str) -> None:
+    """Add a declared command or group to the parser.
+
+    Errors are reported as JSON where `wants_json` says so: by default with ``--json``.
+    """
+    if name in _GROUPS:
+        summary, epilog = _GROUPS[name]
+        description = f"{summary[0].upper()}{summary[1:]}."
+    else:
+        start, parts = _COMMANDS[name]
+        summary, _, rest = (start.__doc__ or "").partition("\n\n")
+        description, _, epilog = dedent(rest).partition("\n\n")
+    parser = commands.add_parser(
+        name.rpartition(" ")[2],
         help=summary,
         description=description,
         epilog=epilog,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    command.set_defaults(start=start, wants_json=wants_json)
-    return command
+    if name in _GROUPS:
+        inner = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+        for each in _COMMANDS:
+            if each.startswith(f"{name} "):
+                add_command(inner, each)
+        return
+    parser.set_defaults(start=start, wants_json=lambda given: getattr(given, "json", False))
+    for part in parts:
+        part(parser)
 
 
-def new_group(commands: Commands, name: str, *, summary: str, epilog: str) -> Commands:
-    """Declare a command that consists of commands, and return where to add those."""
-    command = commands.add_parser(
-        name,
-        help=summary,
-        description=f"{summary[0].upper()}{summary[1:]}.",
-        epilog=epilog,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+def option(names: str, metavar: str | None, about: str, **settings: Any) -> Part:
+    """Return an argument, named as in ``-o --output``; a default that is a function is called."""
+
+    def add(parser: argparse._ActionsContainer) -> None:
+        default = settings.get("default")
+        called = {"default": default()} if callable(default) else {}
+        parser.add_argument(*names.split(), metavar=metavar, help=about, **settings | called)
+
+    return add
+
+
+def number(name: str, read: Callable[[str], float], default: float, about: str) -> Part:
+    return option(name, "N", f"{about} (default: {default})", type=read, default=default)
+
+
+def flag(name: str, about: str, default: Callable[[], bool] = bool) -> Part:
+    return lambda parser: parser.add_argument(
+        name, help=about, action="store_true", default=default()
     )
-    return command.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+
+def one_of(*options: Part) -> Part:
+    """Return options that exclude each other."""
+
+    def add(parser: argparse._ActionsContainer) -> None:
+        inner = parser.add_mutually_exclusive_group()
+        for each in options:
+            each(inner)
+
+    return add
 
 
 def number_from(least: int) -> Callable[[str], int]:
@@ -68,25 +132,29 @@ def number_from(least: int) -> Callable[[str], int]:
     return read
 
 
-def add_programs(command: argparse.ArgumentParser, *, nargs: Literal["+", "*"] = "+") -> None:
-    """Add program arguments: `programs` by order, `teams` by team; both may be empty."""
-    programs = command.add_argument(
-        "programs",
-        nargs=nargs,
-        default=[],
-        metavar="PROGRAM",
-        help="a program's name or file; where teams play, one for each in order",
-    )
-    programs.required = False  # with "*" none could follow an option
-    command.add_argument(
-        "--team",
-        dest="teams",
-        type=_team_and_program,
-        action="append",
-        default=[],
-        metavar="TEAM=PROGRAM",
-        help="the program of a team, by its name",
-    )
+def programs(nargs: Literal["+", "*"] = "+") -> Part:
+    """Return program arguments: `programs` by order, `teams` by team; both may be empty."""
+
+    def add(parser: argparse._ActionsContainer) -> None:
+        by_order = parser.add_argument(
+            "programs",
+            nargs=nargs,
+            default=[],
+            metavar="PROGRAM",
+            help="a program's name or file; where teams play, one for each in order",
+        )
+        by_order.required = False  # with "*" none could follow an option
+        parser.add_argument(
+            "--team",
+            dest="teams",
+            type=_team_and_program,
+            action="append",
+            default=[],
+            metavar="TEAM=PROGRAM",
+            help="the program of a team, by its name",
+        )
+
+    return add
 
 
 def named_programs(options: argparse.Namespace) -> list[str]:
@@ -100,39 +168,31 @@ def _team_and_program(text: str) -> tuple[str, str]:
     return team, program
 
 
-def add_start(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--start",
-        dest="start_number",
-        type=number_from(0),
-        default=0,
-        metavar="N",
-        help="a shifted start by its number, as laboratory and robustness try it "
-        "(default: 0, the given one)",
-    )
-
-
-def add_data_dir(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--data-dir",
-        type=Path,
-        metavar="FOLDER",
-        help="the folder for your programs, progress and unsaved work",
-    )
-
-
 def is_set(variable: str) -> bool:
     return os.environ.get(variable, "") not in ("", "0")
 
 
-def add_no_solutions(command: argparse.ArgumentParser) -> None:
-    """Add the option that hides solutions; a teacher sets it for a class."""
-    command.add_argument(
-        "--no-solutions",
-        action="store_true",
-        default=is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),
-        help="for a class: hide the solution of each level until it is won",
-    )
+LEVEL = option("level", "LEVEL", "a level's name or file")
+LEVELS = option("levels", "LEVEL", "a level's name or file", nargs="+")
+START = option(
+    "--start",
+    "N",
+    "a shifted start by its number, as laboratory and robustness try it "
+    "(default: 0, the given one)",
+    dest="start_number",
+    type=number_from(0),
+    default=0,
+)
+DATA_DIR = option(
+    "--data-dir", "FOLDER", "the folder for your programs, progress and unsaved work", type=Path
+)
+NO_SOLUTIONS = flag(
+    "--no-solutions",
+    "for a class: hide the solution of each level until it is won",
+    lambda: is_set("LOGICAL_ROBOTS_NO_SOLUTIONS"),
+)
+JSON = flag("--json", "print JSON")
+FORCE = flag("--force", "replace an existing file")
 
 
 def folder_of(data_dir: Path | None, player: str | None = None) -> Path:
@@ -153,10 +213,6 @@ def own_programs(options: argparse.Namespace) -> Path:
 
         hide_solutions(Progress(folder / FILE_NAME))
     return folder / "programs"
-
-
-def add_json(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--json", action="store_true", help="print JSON even to a terminal")
 
 
 def prefers_json(options: argparse.Namespace) -> bool:
@@ -183,28 +239,27 @@ def say(*sentences: str) -> None:
 
 def columns(rows: list[tuple[str, ...]]) -> list[str]:
     """Format rows as aligned columns, two spaces apart, with `harmless` cells."""
-    clean = [tuple(harmless(cell) for cell in row) for row in rows]
-    widths = [max(map(len, column)) for column in zip(*clean, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in clean
-    ]
+    return align([[*map(harmless, row)] for row in rows])
 
 
-def finite(value: Any) -> Any:
+def _finite(value: Any) -> Any:
     """Replace infinities and NaN, which JSON does not have, by null."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):
-        return {str(key): finite(inner) for key, inner in value.items()}
+        return {str(key): _finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [finite(inner) for inner in value]
+        return [_finite(inner) for inner in value]
     return value
+
+
+def print_json(value: Any) -> None:
+    print(json.dumps(_finite(value), indent=2))
 
 
 def line_of_json(value: Any) -> str:
     r"""Format a value as one line of JSON, with control characters escaped as in ``\u009b``."""
-    text = json.dumps(finite(value), ensure_ascii=False, allow_nan=False)
+    text = json.dumps(_finite(value), ensure_ascii=False, allow_nan=False)
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in text)
@@ -212,3 +267,160 @@ def line_of_json(value: Any) -> str:
 
 def cut(text: str, width: int) -> str:
     return text if len(text) <= width else f"{text[: max(0, width - 3)]}..."
+
+
+@contextmanager
+def progress_bar(title: str, ticks: int, *, after: float = 0.0) -> Iterator[Callable[..., None]]:
+    """Show a progress bar after some seconds; yield a callback for finished ticks, and of all."""
+    began = monotonic()
+    with drawn_bar(title, after) as draw:
+
+        def show(tick: int, of_all: int = ticks) -> None:
+            pace = tick / max(monotonic() - began, 1e-9)
+            draw(tick, of_all, f"tick {tick} of {of_all}", f"{pace:.0f} ticks/s")
+
+        yield show
+
+
+_REDRAW_EVERY = 0.1  # seconds
+
+
+@contextmanager
+def drawn_bar(title: str, after: float = 0.0) -> Iterator[Callable[[int, int, str, str], None]]:
+    """Yield what draws a bar: part, whole, and two texts beside it. In a pipe it does nothing."""
+    due = monotonic() + after if sys.stderr.isatty() else float("inf")
+    bar: Progress | None = None
+    with ExitStack() as stack:
+
+        def draw(part: int, whole: int, count: str, rest: str) -> None:
+            nonlocal bar, due
+            now = monotonic()
+            if now < due:
+                return
+            due = now + _REDRAW_EVERY
+            if bar is None:
+                bar = stack.enter_context(_new_bar())
+                bar.add_task(harmless(title), total=whole, count="", rest="")
+            task = bar.task_ids[0]
+            bar.update(task, completed=part, total=whole, count=count, rest=rest, refresh=True)
+
+        yield draw
+
+
+def _new_bar() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.fields[count]}"),
+        TextColumn("{task.fields[rest]}"),
+        console=Console(stderr=True),
+        auto_refresh=False,
+        transient=True,
+    )
+
+
+BAD_INPUT = 2
+BUG = 70  # EX_SOFTWARE in sysexits.h
+
+
+class ProgramFileError(LogicalRobotsError):
+    """A program that was read from a file can't be compiled."""
+
+    title = "This program can't run yet"
+
+    def __init__(self, place: str, error: ProgramError) -> None:
+        self.place = place
+        self.diagnostics: tuple[Diagnostic, ...] = error.diagnostics
+        super().__init__(str(error))
+
+
+def report(error: LogicalRobotsError, *, as_json: bool) -> int:
+    """Report a mistake on standard error, with `as_json` also on standard output."""
+    if as_json:
+        print_json({"error": _as_data(error)})
+    _say(*_lines(error))
+    return BAD_INPUT
+
+
+def report_output(error: OSError) -> int:
+    """Report that standard output can't be written; return the exit status."""
+    _say(f"can't write to standard output: {error.strerror}.")
+    return BAD_INPUT
+
+
+def report_bug(error: Exception, *, as_json: bool) -> int:
+    """Write a bug's traceback to a log file, print its path, and return the exit status."""
+    kept = _write_log("".join(traceback.format_exception(error)))
+    name = type(error).__name__
+    where = f"See {kept} for details" if kept else "The details could not be written to a log file"
+    if as_json:
+        print_json({"error": {"kind": "bug", "message": name, "log": str(kept or "")}})
+    if is_out_of_memory(error):
+        _say(f"the game has run out of memory. {where}.")
+    else:
+        _say(f"this is a bug in the game, not your mistake ({name}). {where}.")
+    return BUG
+
+
+def _as_data(error: LogicalRobotsError) -> dict[str, Any]:
+    if isinstance(error, ProgramFileError):
+        from dataclasses import asdict  # slow to load
+
+        return {
+            "kind": "program",
+            "place": error.place,
+            "diagnostics": [
+                {key: value for key, value in asdict(found).items() if key != "severity"}
+                for found in error.diagnostics
+            ],
+        }
+    if isinstance(error, InputError):
+        return {"kind": "input", "place": error.place, "message": error.message, "hint": error.hint}
+    return {"kind": "other", "message": str(error)}
+
+
+def _lines(error: LogicalRobotsError) -> list[str]:
+    if not isinstance(error, ProgramFileError):
+        return [str(error)]
+    lines = []
+    for found in error.diagnostics:
+        lines.append(f"{error.place}:{found.line}:{found.column}: {found.message}")
+        lines += [f"    {more}" for more in (found.excerpt.strip(), found.hint) if more]
+    return lines
+
+
+def _say(head: str, *more: str) -> None:
+    lines = f"logical-robots: {harmless(head)}", *map(harmless, more)
+    with suppress(OSError):  # the exit status still says it
+        print(*lines, sep="\n", file=sys.stderr)
+
+
+class CrashLog(logging.Handler):
+    """Writes each logged bug to its own file, and prints nothing."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        _write_log(self.format(record))
+
+
+def _write_log(what: str) -> Path | None:
+    """Write a new file in the system's log folder; return None if it can't be written."""
+    moment = datetime.now(UTC)
+    versions = f"logical-robots {__version__}, Python {platform.python_version()}, {sys.platform}"
+    text = f"{versions}\n{moment.isoformat(timespec='seconds')}\n\n{what}"
+    try:
+        folder = _log_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"crash-{moment:%Y%m%d-%H%M%S-%f}.log"
+        path.write_text(text, encoding="utf-8")
+    except OSError:
+        return None
+    return path
+
+
+def _log_folder() -> Path:
+    from platformdirs import user_log_path
+
+    return user_log_path("logical-robots", appauthor=False)

@@ -15,62 +15,44 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import Commands, harmless, new_command, number_from
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import drawn_bar, harmless
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
     from logical_robots_tui.lab.coordinating import Coordinator, Engine
-    from logical_robots_tui.lab.folder import Folder, Manifest
-    from logical_robots_tui.lab.ledger import Ledger
+    from logical_robots_tui.lab.folder import Folder, Ledger, Manifest
 
 COMPLETE, INCOMPLETE, WRONG = 0, 1, 2
-
-
-def declare(commands: Commands) -> None:
-    sweep = new_command(commands, "sweep", _sweep)
-    sweep.add_argument("experiment", metavar="EXPERIMENT", type=Path, help="a TOML file")
-    grade = new_command(commands, "grade", _grade)
-    grade.add_argument("assignment", metavar="ASSIGNMENT", type=Path, help="a TOML file")
-    grade.add_argument(
-        "submissions", metavar="SUBMISSIONS", type=Path, help="a folder with one entry per student"
-    )
-    tournament = new_command(commands, "tournament", _tournament)
-    tournament.add_argument("arena", metavar="ARENA", type=Path, help="a TOML file")
-    tournament.add_argument(
-        "players", metavar="PLAYERS", type=Path, help="a folder with one entry per player"
-    )
-    for command in (sweep, grade, tournament):
-        command.add_argument(
-            "-o", "--output", metavar="FOLDER", type=Path, required=True, help="for all results"
-        )
-        _add_engine(command)
-    lab = new_command(commands, "lab", _lab)
-    lab.add_argument("action", choices=["status", "resume", "export", "report"], help="what to do")
-    lab.add_argument("folder", metavar="FOLDER", type=Path, help="the folder")
-    _add_engine(lab)
-
-
-def _add_engine(command: argparse.ArgumentParser) -> None:
-    where = command.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers",
-        type=number_from(1),
-        default=_processors(),
-        metavar="N",
-        help="processes on this machine (default: one per processor)",
-    )
-    where.add_argument(
-        "--dask", metavar="ADDRESS", help="a Dask scheduler instead, such as tcp://HOST:8786"
-    )
-    command.add_argument(
-        "--mixed", action="store_true", help="also count results of another version"
-    )
 
 
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+_ENGINE = (
+    command.one_of(
+        command.option(
+            "--workers",
+            "N",
+            "processes on this machine (default: one per processor)",
+            type=command.number_from(1),
+            default=_processors,
+        ),
+        command.option("--dask", "ADDRESS", "a Dask scheduler instead, such as tcp://HOST:8786"),
+    ),
+    command.flag("--mixed", "also count results of another version"),
+)
+
+
+def _path(name: str, about: str) -> command.Part:
+    return command.option(name, name.upper(), about, type=Path)
+
+
+_OUTPUT = command.option("-o --output", "FOLDER", "for all results", type=Path, required=True)
+
+
+@command.declare("sweep", _path("experiment", "a TOML file"), _OUTPUT, *_ENGINE)
 def _sweep(options: argparse.Namespace) -> int:
     """run an experiment: many programs, levels, starts and values
 
@@ -89,6 +71,13 @@ def _sweep(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_sweep(options.experiment))
 
 
+@command.declare(
+    "grade",
+    _path("assignment", "a TOML file"),
+    _path("submissions", "a folder with one entry per student"),
+    _OUTPUT,
+    *_ENGINE,
+)
 def _grade(options: argparse.Namespace) -> int:
     """grade the programs of a class
 
@@ -107,6 +96,13 @@ def _grade(options: argparse.Namespace) -> int:
     return _plan(options, lambda: plan_grading(options.assignment, options.submissions))
 
 
+@command.declare(
+    "tournament",
+    _path("arena", "a TOML file"),
+    _path("players", "a folder with one entry per player"),
+    _OUTPUT,
+    *_ENGINE,
+)
 def _tournament(options: argparse.Namespace) -> int:
     """let programs play against each other, and rank them
 
@@ -120,7 +116,7 @@ def _tournament(options: argparse.Namespace) -> int:
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
-    from logical_robots_tui.lab.tournament.ranking import plan_tournament
+    from logical_robots_tui.lab.tournament import plan_tournament
 
     return _plan(options, lambda: plan_tournament(options.arena, options.players))
 
@@ -142,6 +138,12 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
         return _work(options, folder, folder.write(manifest, inputs))
 
 
+@command.declare(
+    "lab",
+    command.option("action", None, "what to do", choices=["status", "resume", "export", "report"]),
+    _path("folder", "the folder"),
+    *_ENGINE,
+)
 def _lab(options: argparse.Namespace) -> int:
     """go on with a sweep, a grading or a tournament, export and report it
 
@@ -217,17 +219,17 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
 def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
     if manifest.kind != "tournament" or not coordinator.tally().is_complete:
         return None
-    from logical_robots_tui.lab.tournament.ranking import next_round
+    from logical_robots_tui.lab.tournament import next_round
 
     return next_round(manifest, ledger)
 
 
 def _engine(options: argparse.Namespace) -> Engine:
     if options.dask:
-        from logical_robots_tui.lab.cluster import ClusterEngine
+        from logical_robots_tui.lab.engines import ClusterEngine
 
         return ClusterEngine(options.dask)
-    from logical_robots_tui.lab.local import LocalEngine
+    from logical_robots_tui.lab.engines import LocalEngine
 
     return LocalEngine(options.workers)
 
@@ -260,17 +262,10 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
 
 
 def _export(folder: Folder, manifest: Manifest, ledger: Ledger) -> None:
-    from logical_robots_tui.lab.exporting import export_runs, has_extra
+    from logical_robots_tui.lab.exporting import has_extra
+    from logical_robots_tui.lab.reporting import export
 
-    written = export_runs(folder, manifest, ledger)
-    if manifest.kind == "grade":
-        from logical_robots_tui.lab.grading import export_grades
-
-        written += export_grades(folder, manifest, ledger)
-    elif manifest.kind == "tournament":
-        from logical_robots_tui.lab.tournament.reporting import export_tournament
-
-        written += export_tournament(folder, manifest, ledger)
+    written = export(folder, manifest, ledger)
     print(harmless(f"Written to {folder.path}: {', '.join(written)}"))
     if not has_extra("pyarrow"):
         print("Parquet needs pyarrow: pip install 'logical-robots-tui[lab]'")
@@ -306,21 +301,8 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
     if not first.due:
         yield lambda: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
-        TextColumn("{task.fields[rest]}"),
-    )
-    is_bar = sys.stderr.isatty()
-    console = Console(stderr=True, width=None if is_bar else 120)
-    with Progress(*columns, console=console, transient=True, disable=not is_bar) as bar:
-        title, total = harmless(manifest.title), first.done + first.due
-        task = bar.add_task(title, completed=first.done, total=total, rest="")
-        due = began + _LINE_SECONDS
+    due = began + _LINE_SECONDS
+    with drawn_bar(manifest.title) as draw:
 
         def show() -> None:
             nonlocal due
@@ -330,9 +312,10 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
             rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
             rest += f", {tally.failed:,} failed" if tally.failed else ""
             done, total = tally.done, tally.done + tally.due
-            bar.update(task, completed=done, total=total, rest=rest)
-            if not is_bar and now >= due:
+            count = f"{done:,} of {total:,} runs"
+            draw(done, total, count, rest)
+            if not sys.stderr.isatty() and now >= due:
                 due = now + _LINE_SECONDS
-                print(f"{done:,} of {total:,} runs, {rest}", file=sys.stderr, flush=True)
+                print(f"{count}, {rest}", file=sys.stderr, flush=True)
 
         yield show

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import shutil
 import sys
@@ -11,84 +10,61 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import Commands, harmless, new_command, new_group
+from logical_robots_tui import world
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless, print_json
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import is_file, is_folder
 
 if TYPE_CHECKING:
     from logical_robots_tui.editing.checks import LevelFinding
-    from logical_robots_tui.world import Level
 
 FINE, WRONG = 0, 2
 
-EPILOG = """\
-examples:
+command.group(
+    "level",
+    "create, check, convert and show levels",
+    """\
   logical-robots level new maze.toml --labyrinth 8x6 --seed 3
   logical-robots level check maze.toml
   logical-robots level show maze.toml
   logical-robots level convert maze.toml maze.json
+""",
+)
 
-`logical-robots level COMMAND --help` explains a command.
-"""
-
-
-def declare(commands: Commands) -> None:
-    summary = "create, check, convert and show levels"
-    inner = new_group(commands, "level", summary=summary, epilog=EPILOG)
-    _declare_new(inner)
-    check = new_command(inner, "check", _check)
-    check.add_argument("levels", metavar="LEVEL", nargs="+", help="a level's name or file")
-    check.add_argument("--json", action="store_true", help="print JSON")
-    convert = new_command(inner, "convert", _convert)
-    convert.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    convert.add_argument("file", metavar="FILE", type=Path, help="the file to write")
-    add_force(convert)
-    show = new_command(inner, "show", _show)
-    show.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    show.add_argument("--svg", type=Path, metavar="FILE", help="write an SVG file instead")
-    show.add_argument("--ascii", action="store_true", help="draw with ASCII characters")
+_FILE = command.option("file", "FILE", "the file to write", type=Path)
 
 
-def _declare_new(commands: Commands) -> None:
-    command = new_command(commands, "new", _new)
-    command.add_argument("file", metavar="FILE", type=Path, help="the file to write")
-    kinds = command.add_mutually_exclusive_group()
-    kinds.add_argument(
-        "--room", metavar="WxH", type=_size, help="an empty room, in map units (default: 600x400)"
-    )
-    kinds.add_argument(
-        "--labyrinth", metavar="CxR", type=_size, help="a labyrinth, in columns and rows"
-    )
-    kinds.add_argument("--copy", metavar="LEVEL", help="a copy of a level, by name or file")
-    command.add_argument("--title", help="the title")
-    command.add_argument(
-        "--wall",
-        type=int,
-        default=10,
-        metavar="N",
-        help="wall thickness in map units (default: 10)",
-    )
-    random = command.add_argument_group("labyrinths")
-    random.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="the random seed (default: 0)"
-    )
-    random.add_argument(
-        "--loops",
-        type=float,
-        default=0.1,
-        metavar="SHARE",
-        help="share of extra walls to open, 0 to 1 (default: 0.1)",
-    )
-    random.add_argument(
-        "--corridor",
-        type=int,
-        default=60,
-        metavar="N",
-        help="corridor width in map units (default: 60)",
-    )
-    add_force(command)
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
+    return int(found[1]), int(found[2])
 
 
+def _labyrinths(parser: argparse._ActionsContainer) -> None:
+    titled = parser.add_argument_group("labyrinths")
+    command.number("--seed", int, 0, "the random seed")(titled)
+    said = "share of extra walls to open, 0 to 1 (default: 0.1)"
+    titled.add_argument("--loops", type=float, default=0.1, metavar="SHARE", help=said)
+    command.number("--corridor", int, 60, "corridor width in map units")(titled)
+
+
+@command.declare(
+    "level new",
+    _FILE,
+    command.one_of(
+        command.option(
+            "--room", "WxH", "an empty room, in map units (default: 600x400)", type=_size
+        ),
+        command.option("--labyrinth", "CxR", "a labyrinth, in columns and rows", type=_size),
+        command.option("--copy", "LEVEL", "a copy of a level, by name or file"),
+    ),
+    command.option("--title", None, "the title"),
+    command.number("--wall", int, 10, "wall thickness in map units"),
+    _labyrinths,
+    command.FORCE,
+)
 def _new(options: argparse.Namespace) -> int:
     """create a level
 
@@ -104,11 +80,10 @@ def _new(options: argparse.Namespace) -> int:
     """
     from logical_robots_tui.editing.files import save_level
     from logical_robots_tui.editing.things import set_words
-    from logical_robots_tui.world import load_level
     from logical_robots_tui.world.levels.load import read_text
 
     refuse_existing(options.file, force=options.force)
-    level = load_level(options.copy) if options.copy else _create(options)
+    level = world.load_level(options.copy) if options.copy else _create(options)
     words = {} if options.title is None else {"title": options.title}
     new = set_words(level, **words)
     file = Path(level.source)
@@ -124,7 +99,7 @@ def _new(options: argparse.Namespace) -> int:
     return 0
 
 
-def _create(options: argparse.Namespace) -> Level:
+def _create(options: argparse.Namespace) -> world.Level:
     from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
 
     if options.labyrinth is None:
@@ -138,70 +113,7 @@ def _create(options: argparse.Namespace) -> Level:
     )
 
 
-def _size(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
-    if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a size such as 8x6")
-    return int(found[1]), int(found[2])
-
-
-def _convert(options: argparse.Namespace) -> int:
-    """convert a level to another format
-
-    Convert a level to the format that the new file's ending names: .toml for
-    this game, .json for the web platform. Prints what the new format can't express.
-
-    examples:
-      logical-robots level convert theirs.json theirs.toml    from the web platform
-      logical-robots level convert mine.toml mine.json        to the web platform
-
-    exit status: 0 written, 2 the level can't be read or written
-    """
-    from logical_robots_tui.editing.files import save_level
-    from logical_robots_tui.world import load_level
-
-    level = load_level(options.level)
-    refuse_existing(options.file, force=options.force)
-    save_level(level, options.file, anew=True)
-    _tell_lost(level, options.file)
-    print(harmless(f"Wrote {options.file}."))
-    return 0
-
-
-def add_force(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--force", action="store_true", help="replace an existing file")
-
-
-def refuse_existing(path: Path, *, force: bool) -> None:
-    """Raise InputError if the file exists and may not be replaced."""
-    if (is_file(path) or is_folder(path)) and not force:
-        raise InputError(
-            "This file already exists.",
-            place=str(path),
-            hint="Choose another name, or add --force to replace it.",
-        )
-
-
-def _tell_lost(level: Level, path: Path) -> None:
-    from logical_robots_tui.editing.level_text import lost_in_web
-    from logical_robots_tui.world.levels.load import WEB
-
-    lost = lost_in_web(replace(level, name=path.stem))
-    if path.suffix.lower() == WEB and lost:
-        print(f"Left out because the web platform does not support it: {', '.join(lost)}.")
-
-
-def write(path: Path, content: str | bytes) -> None:
-    """Write a file in one step, or raise InputError."""
-    from logical_robots_tui.writing import write_atomically
-
-    try:
-        write_atomically(path, content)
-    except OSError as error:
-        reason = error.strerror or error
-        raise InputError(f"The file can't be written: {reason}.", place=str(path)) from error
-
-
+@command.declare("level check", command.LEVELS, command.JSON)
 def _check(options: argparse.Namespace) -> int:
     """check a level for likely mistakes
 
@@ -228,17 +140,16 @@ def _check(options: argparse.Namespace) -> int:
             for finding in found:
                 print(harmless(_line(name, finding)))
     if options.json:
-        print(json.dumps({"ok": status == FINE, "levels": results}, indent=2))
+        print_json({"ok": status == FINE, "levels": results})
     return status
 
 
 def _findings(name: str) -> list[LevelFinding]:
     from logical_robots_tui.editing.checks import LevelFinding, check
-    from logical_robots_tui.world import LevelError, load_level
 
     try:
-        return check(load_level(name))
-    except LevelError as error:
+        return check(world.load_level(name))
+    except world.LevelError as error:
         inner = error.place.removeprefix(name).lstrip(":, ")
         text = f"{inner}: {error.message}" if inner else error.message
         return [LevelFinding(f"{text} {error.hint}".rstrip(), forbids=True)]
@@ -249,6 +160,65 @@ def _line(name: str, finding: LevelFinding) -> str:
     return f"{name}{place}: {'error' if finding.forbids else 'warning'}: {finding.text}"
 
 
+@command.declare("level convert", command.LEVEL, _FILE, command.FORCE)
+def _convert(options: argparse.Namespace) -> int:
+    """convert a level to another format
+
+    Convert a level to the format that the new file's ending names: .toml for
+    this game, .json for the web platform. Prints what the new format can't express.
+
+    examples:
+      logical-robots level convert theirs.json theirs.toml    from the web platform
+      logical-robots level convert mine.toml mine.json        to the web platform
+
+    exit status: 0 written, 2 the level can't be read or written
+    """
+    from logical_robots_tui.editing.files import save_level
+
+    level = world.load_level(options.level)
+    refuse_existing(options.file, force=options.force)
+    save_level(level, options.file, anew=True)
+    _tell_lost(level, options.file)
+    print(harmless(f"Wrote {options.file}."))
+    return 0
+
+
+def refuse_existing(path: Path, *, force: bool) -> None:
+    """Raise InputError if the file exists and may not be replaced."""
+    if (is_file(path) or is_folder(path)) and not force:
+        raise InputError(
+            "This file already exists.",
+            place=str(path),
+            hint="Choose another name, or add --force to replace it.",
+        )
+
+
+def _tell_lost(level: world.Level, path: Path) -> None:
+    from logical_robots_tui.editing.level_text import lost_in_web
+    from logical_robots_tui.world.levels.load import WEB
+
+    lost = lost_in_web(replace(level, name=path.stem))
+    if path.suffix.lower() == WEB and lost:
+        print(f"Left out because the web platform does not support it: {', '.join(lost)}.")
+
+
+def write(path: Path, content: str | bytes) -> None:
+    """Write a file in one step, or raise InputError."""
+    from logical_robots_tui.writing import write_atomically
+
+    try:
+        write_atomically(path, content)
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"The file can't be written: {reason}.", place=str(path)) from error
+
+
+@command.declare(
+    "level show",
+    command.LEVEL,
+    command.option("--svg", "FILE", "write an SVG file instead", type=Path),
+    command.flag("--ascii", "draw with ASCII characters"),
+)
 def _show(options: argparse.Namespace) -> int:
     """draw a level
 
@@ -262,9 +232,7 @@ def _show(options: argparse.Namespace) -> int:
 
     exit status: 0 drawn, 2 the level can't be read or the file can't be written
     """
-    from logical_robots_tui.world import load_level
-
-    level = load_level(options.level)
+    level = world.load_level(options.level)
     if options.svg is not None:
         from logical_robots_tui.tui.labyrinth.svg import svg
 
@@ -275,7 +243,7 @@ def _show(options: argparse.Namespace) -> int:
     return 0
 
 
-def _print(level: Level, *, plain: bool) -> None:
+def _print(level: world.Level, *, plain: bool) -> None:
     """Print a level as large as the terminal allows; in ASCII if there are no colours."""
     from rich.console import Console
 

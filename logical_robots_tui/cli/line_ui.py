@@ -9,9 +9,8 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import TypeVar
 
 from logical_robots_tui.cli.command import say
-from logical_robots_tui.player.background import Background
 from logical_robots_tui.player.recovery import Offers
-from logical_robots_tui.player.session_state import Ui
+from logical_robots_tui.player.session_state import Background, Ui
 
 Found = TypeVar("Found")
 

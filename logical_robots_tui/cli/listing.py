@@ -1,51 +1,33 @@
-"""Commands that print what there is: levels, programs, functions, and the settings."""
+"""Commands that print what there is: levels, programs, functions, settings, the machine."""
 
 from __future__ import annotations
 
 import argparse
-import json
+import os
+import platform
+import shutil
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeAlias
 
-from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
-    add_no_solutions,
-    columns,
-    harmless,
-    new_command,
-)
+from logical_robots_tui import __version__, game, world
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import columns, folder_of, harmless, own_programs, print_json
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_there
+from logical_robots_tui.paths import is_folder, is_there
 from logical_robots_tui.wording import join_names
 
-if TYPE_CHECKING:
-    from logical_robots_tui.language.reference import FunctionHelp
-    from logical_robots_tui.world import Level
+FINE, PROBLEM, WRONG = 0, 1, 2
 
 
-def declare(commands: Commands) -> None:
-    help_ = new_command(commands, "help", print_help)
-    help_.add_argument("name", metavar="FUNCTION", nargs="?", help="what to explain")
-    levels = new_command(commands, "levels", list_all_levels)
-    levels.add_argument("--json", action="store_true", help="print JSON")
-    programs = new_command(commands, "programs", list_all_programs)
-    programs.add_argument("--json", action="store_true", help="print JSON")
-    add_data_dir(programs)
-    add_no_solutions(programs)
-    config = new_command(commands, "config", print_settings)
-    config.add_argument("--path", action="store_true", help="print only the path of the file")
-    config.add_argument("--default", action="store_true", help="print the defaults instead")
-
-
+@command.declare("levels", command.JSON)
 def list_all_levels(options: argparse.Namespace) -> int:
     """list the levels that come with the game
 
     List the levels that come with the game.
     """
-    from logical_robots_tui.world import list_shipped, load_level
-
-    levels = [load_level(name) for name in list_shipped()]
+    levels = [world.load_level(name) for name in world.list_shipped()]
     if options.json:
         found = [
             {
@@ -57,35 +39,33 @@ def list_all_levels(options: argparse.Namespace) -> int:
             }
             for level in levels
         ]
-        print(json.dumps(found, indent=2))
+        print_json(found)
         return 0
     rows = [(lv.name, lv.title, _who(lv)) for lv in levels]
     print(*columns([("NAME", "TITLE", "ROBOTS"), *rows]), sep="\n")
     return 0
 
 
-def _who(level: Level) -> str:
+def _who(level: world.Level) -> str:
     if level.teams:
         return f"teams: {join_names(team.name for team in level.teams)}"
     return join_names(robot.name for robot in level.robots)
 
 
+@command.declare("programs", command.JSON, command.DATA_DIR, command.NO_SOLUTIONS)
 def list_all_programs(options: argparse.Namespace) -> int:
     """list the shipped programs and your own
 
     List the programs that come with the game and those you saved in it.
     """
-    from logical_robots_tui.cli.command import own_programs
-    from logical_robots_tui.game import list_programs, load_program
-
     own = own_programs(options)
-    sources = [load_program(name, own) for name in list_programs(own)]
+    sources = [game.load_program(name, own) for name in game.list_programs(own)]
     if options.json:
         found = [
             {"name": source.name, "file": str(source.path), "shipped": source.shipped}
             for source in sources
         ]
-        print(json.dumps(found, indent=2))
+        print_json(found)
         return 0
     rows = [
         (source.name, "comes with the game" if source.shipped else str(source.path))
@@ -95,6 +75,7 @@ def list_all_programs(options: argparse.Namespace) -> int:
     return 0
 
 
+@command.declare("help", command.option("name", "FUNCTION", "what to explain", nargs="?"))
 def print_help(options: argparse.Namespace) -> int:
     """explain the functions that a program can use
 
@@ -122,26 +103,17 @@ def print_help(options: argparse.Namespace) -> int:
         close = similar(options.name)
         hint = f"Did you mean {close}?" if close else "`logical-robots help` lists all functions."
         raise InputError(f"there is no function {options.name}.", hint=hint)
-    print(_help_of(entry))
+    article = "an" if entry.kind[0] in "ao" else "a"
+    print(entry.signature, f"  {entry.summary} ({article} {entry.kind})", "", sep="\n")
+    print(f"  {entry.example}", f"  gives {entry.result}", sep="\n")
     return 0
 
 
-def _help_of(entry: FunctionHelp) -> str:
-    article = "an" if entry.kind[0] in "ao" else "a"
-    return "\n".join(
-        [
-            entry.signature,
-            f"  {entry.summary} ({article} {entry.kind})",
-            "",
-            f"  {entry.example}",
-            f"  gives {entry.result}",
-        ]
-    )
-
-
-FINE, WRONG = 0, 2
-
-
+@command.declare(
+    "config",
+    command.flag("--path", "print only the path of the file"),
+    command.flag("--default", "print the defaults instead"),
+)
 def print_settings(options: argparse.Namespace) -> int:
     """show the settings and keys, and where to change them
 
@@ -169,3 +141,229 @@ def print_settings(options: argparse.Namespace) -> int:
     for complaint in settings.complaints:
         print(harmless(complaint), file=sys.stderr)
     return WRONG if settings.complaints else FINE
+
+
+PACKAGES = ("logica", "textual", "rich", "numpy", "orjson", "sqlglot")
+
+SAFE_SQLITE = (3, 50, 2)
+"""The first SQLite without a known hole that a query of a robot's program might reach."""
+
+
+Fact: TypeAlias = tuple[str, str, str]
+"""A name, what was detected, and what is wrong with it, or ""."""
+
+
+@command.declare("doctor", command.JSON, command.DATA_DIR)
+def diagnose_machine(options: argparse.Namespace) -> int:
+    """check this machine and this terminal
+
+    Print what the game detects on this machine and in this terminal.
+
+    examples:
+      logical-robots doctor           what the game detects (for bug reports)
+      logical-robots doctor --json    the same as JSON
+
+    exit status: 0 the game can be played here, 1 there are problems, marked with !
+    """
+    parts = {
+        "terminal": [*_terminal()],
+        "versions": [*_versions()],
+        "places": [*_places(options.data_dir)],
+    }
+    if options.json:
+        keys = ("part", "name", "value", "problem")
+        facts = [(part, *fact) for part, found in parts.items() for fact in found]
+        print_json([dict(zip(keys, fact, strict=True)) for fact in facts])
+    else:
+        for part, found in parts.items():
+            print(part)
+            for name, value, problem in found:
+                said = f"  ({problem})" if problem else ""
+                print(f"{'!' if problem else ' '} {name:<14} {harmless(value)}{said}")
+    return PROBLEM if any(fact[2] for found in parts.values() for fact in found) else FINE
+
+
+def _terminal() -> Iterator[Fact]:
+    """Yield what is known about the terminal without querying it."""
+    from rich.console import Console
+
+    from logical_robots_tui.tui.layout.arrangement import LEAST_HEIGHT, LEAST_WIDTH
+    from logical_robots_tui.tui.terminal.capabilities import (
+        assume_colours,
+        drawing_for,
+        may_use_mouse,
+    )
+
+    environ = dict(os.environ)
+    assume_colours(environ)
+    console = Console(_environ=environ, file=sys.__stdout__, force_terminal=True)
+    is_there = sys.stdin.isatty() and sys.stdout.isatty()
+    yield "name", environ.get("TERM", "") or "none", ""
+    yield "output", "to the terminal" if is_there else "to a pipe or file", ""
+    if is_there:
+        columns, lines = os.get_terminal_size(sys.stdout.fileno())
+        is_small = columns < LEAST_WIDTH or lines < LEAST_HEIGHT
+        problem = f"at least {LEAST_WIDTH}x{LEAST_HEIGHT} needed" if is_small else ""
+        yield "size", f"{columns}x{lines}", problem
+    colourless = "NO_COLOR" in environ
+    colours = "none (NO_COLOR)" if colourless else _colours(console.color_system)
+    yield "colours", colours, ""
+    encoding = console.encoding
+    poor = "" if "utf" in encoding.lower() else "ASCII only; set LANG to a UTF-8 locale"
+    yield "encoding", encoding, poor
+    drawing = drawing_for(environ, console.color_system, encoding, colourless=colourless)
+    yield "drawing", drawing.value, ""
+    around = [name for name in ("TMUX", "STY", "SSH_CONNECTION") if environ.get(name)]
+    words = {"TMUX": "tmux", "STY": "GNU screen", "SSH_CONNECTION": "ssh"}
+    yield "inside", ", ".join(words[name] for name in around) or "neither tmux nor ssh", ""
+    yield "mouse", "used" if may_use_mouse(environ) else "off in GNU screen", ""
+    yield "editor", environ.get("VISUAL") or environ.get("EDITOR") or "vi", ""
+
+
+def _colours(system: str | None) -> str:
+    known = {"truecolor": "16 million", "256": "256", "standard": "16", "windows": "16"}
+    return known.get(system or "", "none")
+
+
+def _versions() -> Iterator[Fact]:
+    import sqlite3
+    from importlib.metadata import PackageNotFoundError, version
+
+    yield "logical-robots", __version__, ""
+    yield "python", f"{platform.python_version()} on {platform.platform()}", ""
+    sqlite = sqlite3.sqlite_version
+    if sqlite3.sqlite_version_info < SAFE_SQLITE:
+        # Not a problem: distributions mend it without changing the version.
+        sqlite += ", which has a hole (CVE-2025-6965) unless your system has mended it"
+    yield "sqlite", sqlite, ""
+    sandbox = shutil.which("bwrap")
+    yield "bubblewrap", sandbox or "not installed, a sandbox for classes", ""
+    for package in PACKAGES:
+        try:
+            yield package, version(package), ""
+        except PackageNotFoundError:
+            yield package, "not installed", "required by the game"
+
+
+def _places(data_dir: Path | None) -> Iterator[Fact]:
+    from logical_robots_tui.mind import cache
+    from logical_robots_tui.player.settings import read_settings, settings_path
+    from logical_robots_tui.tui.commands.keymap import KeyMap
+    from logical_robots_tui.tui.commands.table import COMMANDS
+
+    yield _place("data", folder_of(data_dir), "your work can't be saved")
+    settings = settings_path()
+    complaints = read_settings(settings, KeyMap(COMMANDS).read).complaints
+    wrong = "it has errors; run logical-robots config" if complaints else ""
+    value = f"{settings}{'' if is_there(settings) else ' (none)'}"
+    yield "configuration", value, wrong
+    compiled = cache.folder()
+    if compiled is None:
+        yield "cache", "none", ""
+    else:
+        yield _place("cache", compiled, "programs are compiled again each time")
+
+
+def _place(name: str, folder: Path, lost: str) -> Fact:
+    there = folder
+    while not is_there(there) and there != there.parent:
+        there = there.parent
+    can = is_folder(there) and os.access(there, os.W_OK | os.X_OK)
+    return name, str(folder), "" if can else f"not writable: {lost}"
+
+
+SHELLS = ("bash", "zsh", "fish")
+NAMES = ("levels", "programs")
+FILES, FOLDERS = "file", "directory"  # shtab's names
+
+
+@command.declare(
+    "completion",
+    command.option("what", None, "the shell, or names to print", choices=(*SHELLS, *NAMES)),
+)
+def complete(options: argparse.Namespace) -> int:
+    """print a completion script for your shell
+
+    Print a script that completes commands, options, levels and programs.
+
+    examples:
+      logical-robots completion bash \\
+        > ~/.local/share/bash-completion/completions/logical-robots
+      logical-robots completion zsh > ~/.zfunc/_logical-robots
+      logical-robots completion fish \\
+        > ~/.config/fish/completions/logical-robots.fish
+
+    Create the folder first if it does not exist; zsh also needs fpath+=~/.zfunc in
+    ~/.zshrc. For the current shell only:
+      eval "$(logical-robots completion bash)"
+
+    The scripts call `completion levels` and `completion programs`, which print one
+    name per line.
+    """
+    if options.what == "levels":
+        from logical_robots_tui.paths import ARENAS, shipped_names
+
+        for within in ("", ARENAS):
+            print(*shipped_names("levels", ".toml", within), sep="\n")
+    elif options.what == "programs":
+        print(*game.list_programs(folder_of(None) / "programs"), sep="\n")
+    else:
+        import shtab
+
+        from logical_robots_tui.cli.main import parser
+
+        top = parser()
+        for action in _arguments(top):
+            completion = _completion(str(action.metavar))
+            if completion:
+                action.complete = completion  # type: ignore[attr-defined] # read by shtab
+        print(shtab.complete(top, options.what))
+    return 0
+
+
+def _arguments(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for command in dict.fromkeys(action.choices.values()):
+                yield from _arguments(command)
+
+
+def _completion(metavar: str) -> dict[str, object] | str | None:
+    if metavar == "LEVEL":
+        return _names_or_files("levels", ("toml", "json"))
+    if metavar == "PROGRAM":
+        return _names_or_files("programs", ("l",))
+    return {"FILE": FILES, "FOLDER": FOLDERS}.get(metavar)
+
+
+def _names_or_files(kind: str, endings: tuple[str, ...]) -> dict[str, object]:
+    name = f"_logical_robots_{kind}"
+    ask = f"logical-robots completion {kind} 2>/dev/null"
+    globs = " ".join(f"'!*.{ending}'" for ending in endings)
+    return {
+        "bash": name,
+        "zsh": name,
+        "fish": f"({name})",
+        "preamble": {
+            "bash": f"""
+{name}() {{
+  compgen -W "$({ask})" -- "$1"
+  local glob
+  for glob in {globs}; do compgen -f -X "$glob" -- "$1"; done
+  compgen -d -- "$1"
+}}""",
+            "zsh": f"""
+{name}() {{
+  local -a names
+  names=(${{(f)"$({ask})"}})
+  compadd -a names
+  _files -g '*.({"|".join(endings)})'
+}}""",
+            "fish": f"""
+function {name}
+  {ask}
+  __fish_complete_suffix {" ".join(f".{ending}" for ending in endings)}
+end""",
+        },
+    }

@@ -12,37 +12,35 @@ from importlib import import_module
 from pathlib import Path
 
 from logical_robots_tui import __version__
-from logical_robots_tui.cli import failure
+from logical_robots_tui.cli.command import (
+    CrashLog,
+    add_command,
+    report,
+    report_bug,
+    report_output,
+)
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.processes.helper import collect_seldom
 
 PROGRAM = "logical-robots"
 
-_HOMES = {
-    "play": "play",
-    "run": "runs.run",
-    "trace": "runs.trace",
-    "query": "runs.query",
-    "when": "runs.query",
-    "why": "runs.why",
-    "origin": "runs.origin",
-    "diagnose": "runs.diagnose",
-    "check": "check",
-    "help": "listing",
-    "levels": "listing",
-    "programs": "listing",
-    "config": "listing",
-    "replay": "runs.replay",
-    "progress": "progress",
-    "level": "level",
-    "sweep": "lab",
-    "grade": "lab",
-    "tournament": "lab",
-    "lab": "lab",
-    "doctor": "doctor",
-    "completion": "completion",
-}
-"""The module of each command, in the order of the help."""
+_MODULES = (
+    ("play", "play"),
+    ("run", "run trace"),
+    ("query", "query when"),
+    ("why", "why origin"),
+    ("query", "diagnose"),
+    ("check", "check"),
+    ("listing", "help levels programs config"),
+    ("replay", "replay"),
+    ("progress", "progress"),
+    ("level", "level"),
+    ("lab", "sweep grade tournament lab"),
+    ("listing", "doctor completion"),
+)
+"""The modules of the commands, in the order of the help."""
+
+_HOMES = {name: module for module, names in _MODULES for name in names.split()}
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell reports it
 PIPE_CLOSED = 141  # 128 + SIGPIPE
@@ -91,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _open_missing_streams()
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr] # typed as TextIO
-    logging.getLogger("logical_robots_tui").handlers = [failure.CrashLog(logging.ERROR)]
+    logging.getLogger("logical_robots_tui").handlers = [CrashLog(logging.ERROR)]
     typed = _with_command(sys.argv[1:] if arguments is None else arguments)
     options = parser(typed[0]).parse_args(typed)
     try:
@@ -102,21 +100,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:  # errors about files are reported where they arise
         # What is still buffered would fail again when Python flushes it at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return PIPE_CLOSED if isinstance(error, BrokenPipeError) else failure.report_output(error)
+        return PIPE_CLOSED if isinstance(error, BrokenPipeError) else report_output(error)
     return status
 
 
 def _start(options: argparse.Namespace) -> int:
     """Run a command and report errors; raise OSError if standard output can't be written."""
     try:
-        status: int = options.start(options)
+        return int(options.start(options))
     except LogicalRobotsError as error:
-        return failure.report(error, as_json=options.wants_json(options))
+        return report(error, as_json=options.wants_json(options))
     except Exception as error:
         if isinstance(error, OSError) and error.errno in OUTPUT_FAILS and error.filename is None:
             raise
-        return failure.report_bug(error, as_json=options.wants_json(options))
-    return status
+        return report_bug(error, as_json=options.wants_json(options))
 
 
 def parser(command: str = "") -> argparse.ArgumentParser:
@@ -132,9 +129,9 @@ def parser(command: str = "") -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"{PROGRAM} {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    wanted = [command] if command in _HOMES else _HOMES
-    for home in dict.fromkeys(_HOMES[name] for name in wanted):
-        import_module(f"logical_robots_tui.cli.{home}").declare(commands)
+    for name in [command] if command in _HOMES else _HOMES:
+        import_module(f"logical_robots_tui.cli.{_HOMES[name]}")
+        add_command(commands, name)
     return top
 
 

@@ -1,83 +1,88 @@
-"""``logical-robots play``: open the game in this terminal."""
+"""``logical-robots play``: open the game in this terminal, for a player, or restricted."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import re
+import resource
+import site
 import sys
+from contextlib import closing
 from datetime import date
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
-    add_no_solutions,
-    add_programs,
-    add_start,
-    folder_of,
-    is_set,
-    new_command,
-)
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import folder_of, is_set
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import is_folder
-from logical_robots_tui.processes.helper import collect_later
+from logical_robots_tui.paths import is_folder, shipped_folder
+from logical_robots_tui.processes.helper import collect_later, is_helper
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.player.open_games import OpenGames
     from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.player.recovery import OpenGames
 
 SIZES = ("small", "medium", "large")
 
 
-def declare(commands: Commands) -> None:
-    command = new_command(commands, "play", start)
-    command.add_argument("level", nargs="?", metavar="LEVEL", help="a level's name or file")
-    add_programs(command, nargs="*")
-    command.add_argument(
+def _day(text: str) -> date:
+    if text == "today":
+        return date.today()
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        message = f"{text!r} is not a date such as 2026-11-22; a program comes before --daily"
+        raise argparse.ArgumentTypeError(message) from None
+
+
+def _player(text: str) -> str:
+    """Accept a name that is valid as a folder name; a teacher chooses it, not the player."""
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}", text):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a name of at most 32 letters, digits and _ . -"
+        )
+    return text
+
+
+@command.declare(
+    "play",
+    command.option("level", "LEVEL", "a level's name or file", nargs="?"),
+    command.programs("*"),
+    command.option(
         "--daily",
+        "DATE",
+        "play the labyrinth of a day, which everybody has; LEVEL is left out",
         nargs="?",
-        metavar="DATE",
         type=_day,
-        const=_day("today"),
-        help="play the labyrinth of a day, which everybody has; LEVEL is left out",
-    )
-    command.add_argument(
-        "--size", choices=SIZES, default=SIZES[1], help="of the labyrinth of the day"
-    )
-    add_start(command)
-    command.add_argument(
+        const="today",
+    ),
+    command.option("--size", None, "of the labyrinth of the day", choices=SIZES, default=SIZES[1]),
+    command.START,
+    command.flag(
         "--plain",
-        action="store_true",
-        default=os.environ.get("SSH_ORIGINAL_COMMAND") == "plain",
-        help="play in lines of text: type commands, read one line per event",
-    )
-    add_data_dir(command)
-    command.add_argument(
+        "play in lines of text: type commands, read one line per event",
+        lambda: os.environ.get("SSH_ORIGINAL_COMMAND") == "plain",
+    ),
+    command.DATA_DIR,
+    command.option(
         "--player",
-        metavar="NAME",
+        "NAME",
+        "the player's name, where many share an account; each gets a folder",
         type=_player,
-        default=os.environ.get("LOGICAL_ROBOTS_PLAYER"),
-        help="the player's name, where many share an account; each gets a folder",
-    )
-    command.add_argument(
+        default=lambda: os.environ.get("LOGICAL_ROBOTS_PLAYER"),
+    ),
+    command.flag(
         "--restricted",
-        action="store_true",
-        default=is_set("LOGICAL_ROBOTS_RESTRICTED"),
-        help="for shared machines: only your own files, no other programs, limited resources",
-    )
-    add_no_solutions(command)
-    command.add_argument(
-        "--allow-clipboard",
-        action="store_true",
-        help="let the restricted game write to your terminal's clipboard",
-    )
-
-
-def start(options: argparse.Namespace) -> int:
+        "for shared machines: only your own files, no other programs, limited resources",
+        lambda: is_set("LOGICAL_ROBOTS_RESTRICTED"),
+    ),
+    command.NO_SOLUTIONS,
+    command.flag("--allow-clipboard", "let the restricted game write to your terminal's clipboard"),
+)
+def play(options: argparse.Namespace) -> int:
     """open the game in this terminal
 
     Open the game in this terminal.
@@ -94,8 +99,6 @@ def start(options: argparse.Namespace) -> int:
     exit status: 0 after quitting, 2 if the game can't be opened
     """
     if options.restricted:
-        from logical_robots_tui.cli.restricted import clear_environment
-
         clear_environment()
     if not options.plain:
         _prepare_screen()
@@ -105,10 +108,13 @@ def start(options: argparse.Namespace) -> int:
     if options.daily is not None:
         _choose_daily(options)
     home = f"logical_robots_tui.{'cli.plain' if options.plain else 'tui.app.app'}"
-    games = _restrict(options, home) if options.restricted else None
+    games = None
+    if options.restricted:
+        import_module(home)  # afterwards no library can be loaded
+        options.data_dir = options.data_dir.absolute()
+        games = restrict(options.data_dir)
     recorder = _recorder(options)
-    from logical_robots_tui.player.opening import open_game
-    from logical_robots_tui.player.session_state import Permissions
+    from logical_robots_tui.player.opening import Permissions, open_game
 
     opening = open_game(
         recorder.progress,
@@ -131,10 +137,10 @@ def play_replay(options: argparse.Namespace, replay: Replay) -> int:
     """Open a replay on the screen; raise InputError if there is no terminal."""
     _prepare_screen()
     from logical_robots_tui.player.opening import open_replay
-    from logical_robots_tui.tui.app.app import play
+    from logical_robots_tui.tui.app import app
 
     options.data_dir = folder_of(options.data_dir)
-    return play(open_replay(replay, options.data_dir), _recorder(options))
+    return app.play(open_replay(replay, options.data_dir), _recorder(options))
 
 
 def _recorder(options: argparse.Namespace) -> ProgressRecorder:
@@ -151,16 +157,13 @@ def _recorder(options: argparse.Namespace) -> ProgressRecorder:
 
 def _choose_daily(options: argparse.Namespace) -> None:
     """Take the labyrinth of the day as the level, or raise InputError."""
-    from logical_robots_tui.player.continuing import daily_level
+    from logical_robots_tui.player.library import daily_level
     from logical_robots_tui.progress import FILE_NAME, Progress
 
     if options.programs:
         raise InputError("--daily is the level; name a program at most, not two things.")
-    progress = Progress(options.data_dir / FILE_NAME)
-    try:
+    with closing(Progress(options.data_dir / FILE_NAME)) as progress:
         level = daily_level(progress, options.daily, options.size)
-    finally:
-        progress.close()
     options.programs = [options.level] if options.level else []
     options.level = level.name
 
@@ -173,15 +176,6 @@ def _refuse_shared_folder(folder: Path) -> None:
             place=str(folder),
             hint="Add --player NAME, or set LOGICAL_ROBOTS_PLAYER=NAME in the environment.",
         )
-
-
-def _restrict(options: argparse.Namespace, game: str) -> OpenGames:
-    """Load the game, then restrict this process: afterwards no library can be loaded."""
-    from logical_robots_tui.cli.restricted import restrict
-
-    import_module(game)
-    options.data_dir = options.data_dir.absolute()
-    return restrict(options.data_dir)
 
 
 def _prepare_screen() -> None:
@@ -203,20 +197,74 @@ def _prepare_screen() -> None:
     collect_later()  # after the first picture
 
 
-def _day(text: str) -> date:
-    if text == "today":
-        return date.today()
-    try:
-        return date.fromisoformat(text)
-    except ValueError:
-        message = f"{text!r} is not a date such as 2026-11-22; a program comes before --daily"
-        raise argparse.ArgumentTypeError(message) from None
+LIMITS = {
+    "RLIMIT_AS": 2 * 1024**3,  # bytes of address space; the game needs half of that
+    "RLIMIT_CPU": 3 * 3600,  # seconds
+    "RLIMIT_FSIZE": 64 * 1024**2,  # bytes of one file
+    "RLIMIT_NOFILE": 256,
+    "RLIMIT_NPROC": 1024,  # processes and threads of the account
+    "RLIMIT_CORE": 0,
+}
+"""Limits for each process of the game, by their names in Python's module ``resource``."""
+
+_KEPT = frozenset(
+    (
+        *("COLORTERM", "HOME", "LANG", "LANGUAGE", "NO_COLOR", "PATH", "SSH_CONNECTION", "STY"),
+        *("TERM", "TMUX", "TZ", "XDG_DATA_HOME", "OPENBLAS_NUM_THREADS"),
+        *("DYLD_LIBRARY_PATH", "LD_LIBRARY_PATH"),
+    )
+)
+"""Environment variables that are left, beside those of the language."""
+
+_GRACE = 5  # processor seconds that a game over its limit has for a clean exit
 
 
-def _player(text: str) -> str:
-    """Accept a name that is valid as a folder name; a teacher chooses it, not the player."""
-    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,31}", text):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a name of at most 32 letters, digits and _ . -"
+def clear_environment() -> None:
+    """Remove variables that affect Python, Textual or an editor, before they are loaded.
+
+    Raises InputError if Python would load modules from the player's home folder.
+    """
+    if site.ENABLE_USER_SITE:
+        raise InputError(
+            "restricted mode needs a Python that loads no packages from home folders",
+            hint="Install the game in a virtual environment, or set PYTHONNOUSERSITE=1.",
         )
-    return text
+    for name in [*os.environ]:
+        if name not in _KEPT and not name.startswith("LC_"):
+            del os.environ[name]
+
+
+def restrict(own: Path) -> OpenGames:
+    """Confine this process and its children to a folder and to `LIMITS`, permanently.
+
+    The folder becomes the home directory, and is created if missing. Returns the player's open
+    games; raises InputError if there are too many, or the folder can't be used.
+    """
+    from logical_robots_tui.confinement import confine
+    from logical_robots_tui.player.recovery import OpenGames
+    from logical_robots_tui.processes.audit import refuse_all_but
+
+    try:
+        own.mkdir(mode=0o700, parents=True, exist_ok=True)
+        own = own.resolve()
+        games = OpenGames(own)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        hint = "Tell the administrator of this machine."
+        said = f"the player's folder can't be used: {reason}"
+        raise InputError(said, place=str(own), hint=hint) from None
+    os.environ.pop("XDG_DATA_HOME", None)
+    os.environ["HOME"] = str(own)
+    os.chdir(own)
+    for name, bound in LIMITS.items():
+        _limit(getattr(resource, name), bound, grace=_GRACE if name == "RLIMIT_CPU" else 0)
+    confine(own, shipped_folder("levels"), shipped_folder("programs"))
+    refuse_all_but(own, is_helper)
+    return games
+
+
+def _limit(which: int, bound: int, grace: int) -> None:
+    """Lower the soft and hard limit, unless they are already lower."""
+    _, hard = resource.getrlimit(which)
+    last = bound + grace if hard == resource.RLIM_INFINITY else min(bound + grace, hard)
+    resource.setrlimit(which, (min(bound, last), last))

@@ -5,24 +5,18 @@ from __future__ import annotations
 import argparse
 import asyncio
 import csv
-import json
 import math
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
 
-from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
-    columns,
-    finite,
-    folder_of,
-    harmless,
-    new_command,
-)
+from logical_robots_tui import mind, world
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
@@ -34,21 +28,20 @@ CONFIRMED, NOT_CONFIRMED = 0, 1
 CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
 
 
-def declare(commands: Commands) -> None:
-    command = new_command(commands, "progress", start)
-    layout = command.add_mutually_exclusive_group()
-    layout.add_argument("--json", action="store_true", help="print JSON, with your programs")
-    layout.add_argument("--csv", action="store_true", help="print CSV")
-    command.add_argument(
+@command.declare(
+    "progress",
+    command.one_of(
+        command.flag("--json", "print JSON, with your programs"), command.flag("--csv", "print CSV")
+    ),
+    command.option(
         "--check",
+        "FILE",
+        "play the programs of an exported JSON file again, and compare the results",
         type=Path,
-        metavar="FILE",
-        help="play the programs of an exported JSON file again, and compare the results",
-    )
-    add_data_dir(command)
-
-
-def start(options: argparse.Namespace) -> int:
+    ),
+    command.DATA_DIR,
+)
+def progress(options: argparse.Namespace) -> int:
     """list and export your results, or check an export
 
     List your results in each level, export them, or check an exported file.
@@ -63,11 +56,8 @@ def start(options: argparse.Namespace) -> int:
     if options.check is not None:
         return _check(options.check, as_json=options.json)
     file = folder_of(options.data_dir) / FILE_NAME
-    progress = Progress(file, lambda message: print(harmless(message), file=sys.stderr))
-    try:
-        _list(progress, options)
-    finally:
-        progress.close()
+    with closing(Progress(file, lambda message: print(harmless(message), file=sys.stderr))) as kept:
+        _list(kept, options)
     return CONFIRMED
 
 
@@ -75,7 +65,7 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
     records = {level: progress.record(level) for level in _levels(progress)}
     if options.json:
         levels = [_as_data(progress, level, record) for level, record in records.items()]
-        print(json.dumps(finite({"format": FORMAT, "levels": levels}), indent=2))
+        print_json({"format": FORMAT, "levels": levels})
     elif options.csv:
         table = csv.writer(sys.stdout, lineterminator="\n")
         table.writerow(["level", *CELLS])
@@ -89,9 +79,7 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
 
 
 def _levels(progress: Progress) -> list[str]:
-    from logical_robots_tui.world import list_levels
-
-    shipped = list_levels()
+    shipped = world.list_levels()
     return [*shipped, *(level for level in progress.levels() if level not in shipped)]
 
 
@@ -204,7 +192,7 @@ def _check(file: Path, *, as_json: bool) -> int:
             print(_line(level, found or claimed, problem), flush=True)
     confirmed = all(result["confirmed"] for result in results)
     if as_json:
-        print(json.dumps(finite({"confirmed": confirmed, "results": results}), indent=2))
+        print_json({"confirmed": confirmed, "results": results})
     elif not results:
         print("The file holds no victories.")
     return CONFIRMED if confirmed else NOT_CONFIRMED
@@ -213,18 +201,16 @@ def _check(file: Path, *, as_json: bool) -> int:
 async def _replay(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.measuring import MeasuringError, measure
     from logical_robots_tui.game.victory import is_reference
-    from logical_robots_tui.mind import Program, ProgramError
-    from logical_robots_tui.world import list_levels, load_level
     from logical_robots_tui.world.levels.labyrinths import Daily
 
-    if level not in list_levels() and Daily.named(level) is None:
+    if level not in world.list_levels() and Daily.named(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
-    where = load_level(level)
+    where = world.load_level(level)
     if is_reference(where, text):
         return "this is a reference program"
     try:
-        found = await measure(where, Program.compile(text), None)
-    except ProgramError as error:
+        found = await measure(where, mind.Program.compile(text), None)
+    except mind.ProgramError as error:
         return f"line {error.diagnostics[0].line}: {error.diagnostics[0].message}"
     except MeasuringError:
         return "it could not be played to the end; try again"

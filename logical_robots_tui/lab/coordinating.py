@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+from typing import NamedTuple, Protocol, cast
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab.ledger import ATTEMPTS, Entry, Ledger
+from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Entry, Folder, Ledger, Manifest
 from logical_robots_tui.lab.running import Answer, Task, fingerprint
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2
@@ -119,12 +116,12 @@ class Coordinator:
         at_work = 0
         while at_work or (self._waiting and not is_stopped()):
             while engine.free and self._waiting and not is_stopped():
-                group, handed = self._next(engine)
-                engine.submit((group, handed), self._task(group, handed))
+                group = self._next(engine)
+                engine.submit(group, self._task(group))
                 at_work += 1
             for key, answer in engine.wait(_LOOK_SECONDS):
                 at_work -= 1
-                self._take(*cast("tuple[_Group, tuple[int, ...]]", key), answer)
+                self._take(cast("_Group", key), answer)
             show()
 
     def _plan(self, cell: Cell) -> None:
@@ -144,26 +141,26 @@ class Coordinator:
             left = [start for start in left if start not in given_up]
             self._waiting.append(group._replace(starts=tuple(left)))
 
-    def _next(self, engine: Engine) -> tuple[_Group, tuple[int, ...]]:
+    def _next(self, engine: Engine) -> _Group:
+        """Return a group whose first starts are to be run now, usually all of them."""
         group = self._waiting.popleft()
-        most = 1 if group.is_alone else _MOST_STARTS
         if self._manifest.given_first and group.starts[0] == 0:
-            return group, group.starts[:most]
+            return group
+        most = 1 if group.is_alone else _MOST_STARTS
         if len(self._waiting) < engine.slots:
             most = min(most, -(-len(group.starts) // engine.slots))
         if rest := group.starts[most:]:
             self._waiting.appendleft(group._replace(starts=rest))
-        handed = group.starts[:most]
-        return group._replace(starts=handed), handed
+        return group._replace(starts=group.starts[:most])
 
-    def _task(self, group: _Group, starts: tuple[int, ...]) -> Task:
+    def _task(self, group: _Group) -> Task:
         manifest, cell = self._manifest, group.cell
         programs = dict(zip(manifest.teams, cell.parts, strict=True)) or {"": cell.program}
         return Task(
             self._folder.text(cell.level),
             {team: self._folder.text(name) for team, name in programs.items()},
             cell.ticks,
-            starts,
+            group.starts[: 1 if group.is_alone else _MOST_STARTS],
             manifest.asked,
             manifest.steps,
             manifest.seconds,
@@ -171,7 +168,7 @@ class Coordinator:
             fingerprint(),
         )
 
-    def _take(self, group: _Group, handed: tuple[int, ...], answer: Answer) -> None:
+    def _take(self, group: _Group, answer: Answer) -> None:
         if answer.refused:
             hint = "Install the same versions everywhere."
             raise InputError("a worker has another version of Logical Robots", hint=hint)
@@ -187,10 +184,10 @@ class Coordinator:
         left = tuple(start for start in group.starts if start in due)
         self._done += len(entries)
         self._left -= len(group.starts) - len(left)
+        culprits = [start for start in group.starts if start not in finished]
         group = group._replace(starts=left)
         if answer.failure:
-            culprits = [start for start in handed if start not in finished]
-            if answer.worker or len(culprits) == 1:
+            if answer.worker or group.is_alone or len(culprits) == 1:
                 group = self._note_failure(group, culprits[0], answer)
             else:
                 group = group._replace(is_alone=True)

@@ -7,16 +7,13 @@ import html
 import io
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.coordinating import cell_to_run, starts_due
-from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
+from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest
 from logical_robots_tui.lab.running import Result
 from logical_robots_tui.language.diagnostics import printable
-
-if TYPE_CHECKING:
-    from logical_robots_tui.lab.folder import Cell, Folder, Manifest
 
 Row: TypeAlias = "tuple[Any, ...]"
 

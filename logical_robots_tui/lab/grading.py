@@ -12,10 +12,9 @@ import msgspec
 
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
-from logical_robots_tui.lab.folder import Cell, Folder, Manifest, Student, digest
-from logical_robots_tui.lab.ledger import Ledger
+from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.specification import Assignment
+from logical_robots_tui.lab.submissions import Assignment
 from logical_robots_tui.wording import count_of
 
 _LONGEST_FILE = 60
@@ -66,7 +65,7 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
     for student in manifest.students:
         levels = []
         for each in assignment.level:
-            name = _stem(each.name)
+            name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
             levels.append(_level(manifest, assignment, name, each.points, key in cells, results))
@@ -82,10 +81,6 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             )
         )
     return grades
-
-
-def _stem(name: str) -> str:
-    return re.sub(r"\.(toml|json)$", "", name.rpartition("/")[2])
 
 
 def _level(

@@ -19,13 +19,13 @@ from logical_robots_tui.lab.exporting import (
     as_table,
     check_extra,
     done_runs,
+    export_runs,
     harmless_text,
     shade,
 )
-from logical_robots_tui.lab.folder import Cell, Folder, Manifest, digest
-from logical_robots_tui.lab.grading import duplicates, grades_of
-from logical_robots_tui.lab.ledger import ATTEMPTS, Ledger
-from logical_robots_tui.lab.tournament.reporting import tournament_parts
+from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest, digest
+from logical_robots_tui.lab.grading import duplicates, export_grades, grades_of
+from logical_robots_tui.lab.tournament import export_tournament, tournament_lines, tournament_parts
 
 _WIDTH = 78
 _MOST_BARS = 40
@@ -83,14 +83,10 @@ def setting_text(cell: Cell) -> str:
 def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
     """Return a short report with text plots; raises InputError without the library."""
     if manifest.kind == "tournament":
-        from logical_robots_tui.lab.tournament.reporting import tournament_lines
-
         return tournament_lines(manifest, ledger)
     check_extra("plotext", "a report")
     done = list(done_runs(manifest, ledger))
     if manifest.kind == "grade":
-        from logical_robots_tui.lab.grading import grades_of
-
         points = [grade.points for grade in grades_of(manifest, ledger)]
         given = by_level(each for each in done if not each.start)
         winners = {level: share_of(runs).won for level, runs in given.items()}
@@ -135,6 +131,16 @@ def write_report(folder: Folder, manifest: Manifest, ledger: Ledger) -> str:
     file = folder.path / "report.html"
     folder.put(file, as_page(manifest.title, parts))
     return str(file)
+
+
+def export(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
+    """Write all tables; return the names of what was written, or raise InputError."""
+    written = export_runs(folder, manifest, ledger)
+    if manifest.kind == "grade":
+        written += export_grades(folder, manifest, ledger)
+    elif manifest.kind == "tournament":
+        written += export_tournament(folder, manifest, ledger)
+    return written
 
 
 def _interval(share: Share) -> str:

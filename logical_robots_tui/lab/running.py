@@ -233,11 +233,6 @@ def _level(text: str) -> Level:
     return read_level(text, "level")
 
 
-def _reads_clock(program: Program) -> bool:
-    tuned = program.tuned.get("Robot")
-    return tuned is None or not {"clock", "sensor"}.isdisjoint(tuned.columns.get("Sensor", ()))
-
-
 class _Watcher:
     """Counts notices, asks questions, and detects when nothing can change any more.
 
@@ -251,7 +246,10 @@ class _Watcher:
         self._task = prepared.task
         self._questions = questions = prepared.questions
         self._level = level = prepared.level
-        self._can_repeat = not (questions or level.teams or _reads_clock(prepared.program))
+        tuned = prepared.program.tuned.get("Robot")
+        reads = {"clock"} if tuned is None else {*tuned.columns.get("Sensor", ())}
+        reads_clock = not reads.isdisjoint({"clock", "sensor"})
+        self._can_repeat = not (questions or level.teams or reads_clock)
         self._team_of = {robot.name: robot.team for robot in level.robots}
         self._robots = Counter(self._team_of.values())
         self._state: WorldState | None = None

@@ -7,24 +7,83 @@ import os
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Annotated, Literal, TypeAlias
 
 import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.game.victory import reference_for
-from logical_robots_tui.lab.folder import Cell, Manifest, Student, digest
-from logical_robots_tui.lab.specification import BUILT_IN, Assignment, read_assignment
-from logical_robots_tui.lab.sweeping import level_to_run
+from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, Student, digest
+from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_to_run
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.paths import is_folder, read_text
-from logical_robots_tui.toml_files import TomlFile
+from logical_robots_tui.toml_files import Bounds, TomlFile
 from logical_robots_tui.world import Level
 
 _MOST_BYTES = 1_000_000
 _LONGEST_NAME = 200
 _MOST_REMARKS = 20
+
+
+Share: TypeAlias = Annotated[float, Bounds(0)]
+
+
+class LevelTable(msgspec.Struct, frozen=True):
+    name: Name
+    points: Share = 10.0
+
+
+class Split(msgspec.Struct, frozen=True):
+    """``[points]``: how the points of a level are split; only the proportions matter."""
+
+    won: Share = 1.0
+    starts: Share = 0.0
+    ticks: Share = 0.0
+    rules: Share = 0.0
+
+
+class Late(msgspec.Struct, frozen=True):
+    """``[late]``: the deadline or a file of late students, and the share of points they keep."""
+
+    after: datetime | None = None
+    students: str = ""
+    keep: Annotated[float, Bounds(0, 1)] = 1.0
+
+
+class AssignmentTable(msgspec.Struct, frozen=True):
+    title: str = ""
+    starts: Starts = 20
+    ticks: Positive | Name = "2*reference+200"
+    given_first: bool = True
+    roster: str = ""
+    show: list[Literal["won", "starts", "ticks", "rules", "distance"]] = msgspec.field(
+        default_factory=lambda: ["won", "starts", "ticks", "rules"]
+    )
+
+
+class Assignment(msgspec.Struct, frozen=True):
+    assignment: AssignmentTable
+    level: Annotated[list[LevelTable], Bounds(1)]
+    points: Split = Split()
+    late: Late = Late()
+    limits: Limit = Limit()
+
+
+def read_assignment(spec: TomlFile) -> Assignment:
+    """Return an assignment, without looking up names, or raise TomlFileError."""
+    found = spec.read(Assignment)
+    if not any(msgspec.structs.astuple(found.points)):
+        spec.problem(("points",), "at least one share of the points must be more than 0")
+    if found.points.starts and not found.assignment.starts:
+        spec.problem(("points", "starts"), "there are points for starts, but starts = 0")
+    names = [level.name for level in found.level]
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            spec.problem(("level", number, "name"), f'the level "{name}" is there twice')
+    spec.refuse()
+    return found
 
 
 class Submission:

@@ -5,32 +5,132 @@ from __future__ import annotations
 import itertools
 import json
 import re
+from collections.abc import Iterable
 from decimal import Decimal
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal, TypeAlias
+
+import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.measuring import patience_for
 from logical_robots_tui.game.source import load_program
 from logical_robots_tui.game.victory import reference_for
-from logical_robots_tui.lab.folder import Cell, Manifest, digest
+from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, digest
 from logical_robots_tui.lab.running import Asked
-from logical_robots_tui.lab.specification import (
-    BUILT_IN,
-    Experiment,
-    Query,
-    Scalar,
-    read_experiment,
-    values_of,
-)
 from logical_robots_tui.mind import Program, ProgramError
-from logical_robots_tui.toml_files import Path_, TomlFile
+from logical_robots_tui.toml_files import Bounds, Path_, TomlFile
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.levels.load import SUFFIXES, is_of_web, read_level, read_text
 
 _TICKS = re.compile(r"(?:(\d+)\s*\*\s*)?reference(?:\s*\+\s*(\d+))?")
 _MOST_CELLS = 100_000
+
+Scalar: TypeAlias = bool | int | float | str
+
+
+_MOST_VALUES = 10_000
+
+Positive: TypeAlias = Annotated[int, Bounds(1)]
+Starts: TypeAlias = Annotated[int, Bounds(0, 10_000)]
+Name: TypeAlias = Annotated[str, Bounds(1)]
+
+
+class Limit(msgspec.Struct, frozen=True):
+    """``[limits]``: steps per think, which affect the result, and seconds per run."""
+
+    steps: Positive = 100_000_000
+    seconds: Annotated[float, Bounds(0.001)] = 600.0
+
+
+class Query(msgspec.Struct, frozen=True):
+    """A Logica question, asked every so many ticks; 0 means in the last tick only."""
+
+    query: Name
+    every: Annotated[int, Bounds(0)] = 0
+
+
+class Vary(msgspec.Struct, frozen=True):
+    """``[[vary]]``: the values of one constant or one field of the level."""
+
+    constant: str = ""
+    level: str = ""
+    values: list[Scalar] = []
+    range: Annotated[list[float], Bounds(2, 3)] | None = None
+
+
+class Case(msgspec.Struct, frozen=True):
+    """``[[case]]``: one combination of constants and fields of the level."""
+
+    constants: dict[str, Scalar] = {}
+    level: dict[str, Scalar] = {}
+
+
+class ExperimentTable(msgspec.Struct, frozen=True):
+    level: Name | Annotated[list[Name], Bounds(1)]
+    program: Name | Annotated[list[Name], Bounds(1)]
+    title: str = ""
+    starts: Starts = 0
+    ticks: Positive | Name = "2*reference+200"
+    given_first: bool = False
+
+
+class Experiment(msgspec.Struct, frozen=True):
+    experiment: ExperimentTable
+    vary: list[Vary] = []
+    case: list[Case] = []
+    measure: dict[str, Literal["end"] | Query] = {}
+    limits: Limit = Limit()
+
+
+def read_experiment(spec: TomlFile) -> Experiment:
+    """Return an experiment, without looking up names, or raise TomlFileError."""
+    found = spec.read(Experiment)
+    for number, vary in enumerate(found.vary):
+        path = ("vary", number)
+        if bool(vary.constant) == bool(vary.level):
+            spec.problem(path, 'name either a "constant" or a field of the "level" to vary')
+        if bool(vary.values) == (vary.range is not None):
+            spec.problem(path, 'give either "values" or a "range" [from, to, step]')
+        elif vary.range is not None and not _in_range(vary.range):
+            spec.problem((*path, "range"), f"a range is [from, to, step], at most {_MOST_VALUES:,}")
+        _check_texts(spec, (*path, "values"), vary.values)
+    for number, case in enumerate(found.case):
+        _check_texts(spec, ("case", number, "constants"), case.constants.values())
+        _check_texts(spec, ("case", number, "level"), case.level.values())
+    for name, measure in found.measure.items():
+        if (measure == "end") != (name in BUILT_IN):
+            spec.problem(
+                ("measure", name),
+                f'"{name}" is measured at the "end"'
+                if name in BUILT_IN
+                else f'write {name} = {{query = "...", every = 10}}; measured without a query are '
+                + ", ".join(BUILT_IN),
+            )
+    spec.refuse()
+    return found
+
+
+def _values_of(vary: Vary) -> list[Scalar]:
+    return _in_range(vary.range) if vary.range is not None else vary.values
+
+
+def _in_range(bounds: list[float]) -> list[Scalar]:
+    """Return the numbers of a range by step; [] if there are infinitely or too many."""
+    first, last, step = (*bounds, 1.0)[:3]
+    steps = (last - first) / step if step else -1.0
+    if not 0 <= steps < _MOST_VALUES:
+        return []
+    found = [float(f"{first + number * step:.12g}") for number in range(int(steps + 1e-9) + 1)]
+    whole = all(number.is_integer() for number in found)
+    return [int(n) if whole else n for n in found]
+
+
+def _check_texts(spec: TomlFile, path: Path_, values: Iterable[Scalar]) -> None:
+    texts = [value for value in values if isinstance(value, str)]
+    if not all(text.isprintable() and '"' not in text for text in texts):
+        spec.problem(path, "a text must be on one line, without double quotes")
 
 
 def plan_sweep(file: Path) -> tuple[Manifest, dict[str, str]]:
@@ -77,6 +177,10 @@ def level_to_run(
     except ValueError as error:
         spec.problem(ticks_path, str(error))
         return None
+
+
+_Combination: TypeAlias = tuple[Path_, dict[str, Scalar], dict[str, Scalar]]
+"""Where it is said, and the values of constants and of fields of the level."""
 
 
 class _Plan:
@@ -152,28 +256,26 @@ class _Plan:
                     self._spec.problem(("measure", name), f"{program}: {said}")
         return asked
 
-    def _combinations(self) -> list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]]:
-        """Return the place, constants and level fields of each combination; add the cells."""
+    def _combinations(self) -> list[_Combination]:
+        """Return all combinations of values; report those that can't be put in, one by one."""
         varied = [
-            [(bool(vary.constant), vary.constant or vary.level, v) for v in values_of(vary)]
+            (vary.constant or vary.level, bool(vary.constant), _values_of(vary))
             for vary in self._experiment.vary
         ]
-        names = [
-            (bool(vary.constant), vary.constant or vary.level) for vary in self._experiment.vary
-        ]
-        for number, (name, (value, *_)) in enumerate(zip(names, varied, strict=True)):
-            if name in names[:number]:
-                self._spec.problem(("vary", number), f"{name[1]} is varied twice")
-            one = {name[1]: value[2]}
-            for level in self._levels:
-                for program in self._programs:
-                    constants, fields = (one, {}) if name[0] else ({}, one)
-                    self._cell(level, program, (("vary", number), constants, fields))
-        found: list[tuple[Path_, dict[str, Scalar], dict[str, Scalar]]] = []
+        for number, (name, is_constant, values) in enumerate(varied):
+            if (name, is_constant) in [known[:2] for known in varied[:number]]:
+                self._spec.problem(("vary", number), f"{name} is varied twice")
+            one = {name: values[0]}
+            combination = ("vary", number), *((one, {}) if is_constant else ({}, one))
+            for level, program in itertools.product(self._levels, self._programs):
+                self._cell(level, program, combination)
+        found: list[_Combination] = []
         if varied or not self._experiment.case:
-            for each in itertools.product(*varied):
-                constants = {name: value for is_constant, name, value in each if is_constant}
-                fields = {name: value for is_constant, name, value in each if not is_constant}
+            for each in itertools.product(*(values for *_, values in varied)):
+                constants: dict[str, Scalar] = {}
+                fields: dict[str, Scalar] = {}
+                for (name, is_constant, _), value in zip(varied, each, strict=True):
+                    (constants if is_constant else fields)[name] = value
                 found.append((("vary",), constants, fields))
                 if len(found) > _MOST_CELLS:
                     self._spec.problem(("vary",), f"more than {_MOST_CELLS:,} combinations")
@@ -182,12 +284,7 @@ class _Plan:
             found.append((("case", number), case.constants, case.level))
         return found
 
-    def _cell(
-        self,
-        level_name: str,
-        program_name: str,
-        combination: tuple[Path_, dict[str, Scalar], dict[str, Scalar]],
-    ) -> Cell | None:
+    def _cell(self, level_name: str, program_name: str, combination: _Combination) -> Cell | None:
         path, constants, fields = combination
         _, level_text, ticks = self._levels[level_name]
         program = self._programs[program_name]
@@ -205,16 +302,9 @@ class _Plan:
         except InputError as error:
             self._spec.problem(path, str(error))
             return None
-        cell = Cell(
-            digest(level_text),
-            digest(program),
-            level_name,
-            program_name,
-            ticks,
-            {**constants, **fields},
-        )
-        self._inputs |= {cell.level: level_text, cell.program: program}
-        return cell
+        level, text = digest(level_text), digest(program)
+        self._inputs |= {level: level_text, text: program}
+        return Cell(level, text, level_name, program_name, ticks, {**constants, **fields})
 
 
 def _several(names: str | list[str]) -> list[str]:

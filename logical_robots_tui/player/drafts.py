@@ -1,17 +1,23 @@
-"""Drafts: unsaved texts, levels and positions, kept on disk so that they survive crashes."""
+"""Drafts: unsaved work, written soon after every change, that survives crashes."""
 
 from __future__ import annotations
 
+import asyncio
 import fcntl
 import json
 import os
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
-from typing import Literal, TypeAlias, get_args
+from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
+from logical_robots_tui.game.source import Source
+from logical_robots_tui.player.session_state import Ui
+from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.writing import write_atomically
 
 OLD_DRAFTS_KEPT = 50
@@ -162,7 +168,7 @@ class Drafts:
             if not self._mine and not self._adopted:
                 with suppress(OSError):
                     self._lock_file(self._session).unlink(missing_ok=True)
-            _release(self._lock)
+            release(self._lock)
             self._lock = None
 
     def _is_turn_of(self, key: Key, turn: int | None) -> bool:
@@ -187,13 +193,13 @@ class Drafts:
     def _hold_lock(self) -> None:
         if self._lock is None:
             self.folder.mkdir(parents=True, exist_ok=True)
-            self._lock = _acquire(self._lock_file(self._session))
+            self._lock = acquire(self._lock_file(self._session))
             drafts = map(_from_json, self._draft_files())
             turns = [draft.turn for draft in drafts if draft is not None]
             self._turns_before = max([0, *turns, *map(_number, self.folder.glob("old/*-*.json"))])
 
     def _adopt_session(self, session: str) -> None:
-        lock = _acquire(self._lock_file(session))
+        lock = acquire(self._lock_file(session))
         if lock is None:
             return
         try:
@@ -203,7 +209,7 @@ class Drafts:
             for file in (self._lock_file(session), *self.folder.glob(f".{session}-*")):
                 file.unlink(missing_ok=True)
         finally:
-            _release(lock)
+            release(lock)
 
     def _adopt_file(self, file: Path) -> None:
         draft = _from_json(file)
@@ -253,9 +259,9 @@ def _from_json(file: Path) -> Draft | None:
     return draft if is_whole else None
 
 
-def _acquire(file: Path) -> int | None:
+def acquire(file: Path) -> int | None:
     """Lock a file; return None if it is locked already or the file system has no locks."""
-    handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    handle = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         if os.fstat(handle).st_ino != file.stat().st_ino:  # removed while waiting for the lock
@@ -267,7 +273,7 @@ def _acquire(file: Path) -> int | None:
     return handle
 
 
-def _release(handle: int) -> None:
+def release(handle: int) -> None:
     # Closed only, it would be locked for as long as a process that is just starting has it open.
     fcntl.flock(handle, fcntl.LOCK_UN)
     _close(handle)
@@ -285,3 +291,117 @@ def _close_all() -> None:
 
 # A forked child would hold the locks after its parent has ended.
 os.register_at_fork(after_in_child=_close_all)
+
+
+State = TypeVar("State")
+
+
+class UnsavedText(NamedTuple):
+    """What is in the editor, and the key of its level."""
+
+    source: Source
+    text: str
+    level: str
+
+
+@dataclass(eq=False)
+class Autosave(Generic[State]):
+    """Keeps edited work safe; a hangup loses at most `delay` seconds of changes.
+
+    `state` returns an immutable state, of which `draft`, in a thread, makes a draft or names
+    one that is no longer needed.
+    """
+
+    drafts: Drafts
+    state: Callable[[], State]
+    draft: Callable[[State], Draft | Key]
+    failed: Callable[[str], None]
+    what: str
+    delay: float = 0.25
+    _has_failed: bool = False
+    _written: State | None = None
+    _written_turn: int = 0
+    _pending: asyncio.Task[None] | None = None
+
+    def edited(self) -> None:
+        """Write a draft soon, or delete it if nothing is unsaved any more."""
+        if self._pending is None or self._pending.done():
+            self._pending = asyncio.create_task(self._keep_soon())
+
+    def flush(self) -> None:
+        """Write the draft now. Safe in a signal handler; never raises."""
+        try:
+            self._keep(self.state(), self.drafts.next_turn())
+        except OSError as error:
+            self.report(error)
+
+    def stop(self) -> None:
+        if self._pending is not None:
+            self._pending.cancel()
+        self.flush()
+
+    def drop(self, key: Key) -> None:
+        if self._pending is not None:
+            self._pending.cancel()
+        self._written = None
+        self.drafts.drop(key)
+
+    def report(self, error: OSError) -> None:
+        if not self._has_failed:
+            self._has_failed = True
+            reason = error.strerror or str(error)
+            self.failed(f"{self.what} can't be kept on disk: {reason}. Save it elsewhere.")
+
+    async def _keep_soon(self) -> None:
+        state = self._written
+        while self.state() != state:
+            await asyncio.sleep(self.delay)
+            state, turn = self.state(), self.drafts.next_turn()
+            if state == self._written:
+                return
+            self._written = None  # until the thread is done, what is on disk is uncertain
+            try:
+                await asyncio.to_thread(self._keep, state, turn)
+            except OSError as error:
+                self.report(error)
+                return
+
+    def _keep(self, state: State, turn: int) -> None:
+        if state == self._written:
+            return
+        draft = self.draft(state)
+        if isinstance(draft, Draft):
+            self.drafts.keep(draft, turn)
+        else:
+            self.drafts.drop(draft, turn)
+        if turn > self._written_turn:
+            self._written, self._written_turn = state, turn
+
+
+def program_draft(unsaved: UnsavedText) -> Draft | Key:
+    """Return a program's draft, or only its key if the text equals that of the file."""
+    source, text, level = unsaved
+    if text == source.text:
+        return "program", source.draft
+    return Draft("program", source.name, source.draft, text, level=level)
+
+
+def leave(ui: Ui, end: Callable[[], None], drafts: Drafts, *flushes: Callable[[], None]) -> None:
+    """End the game; ask first if unsaved work can't be kept."""
+    for flush in flushes:
+        flush()
+    lost = drafts.unwritten()
+    if lost:
+        ui.spawn(partial(_ask, ui, end, *lost[0]), "leaving", exclusive=True)
+    else:
+        end()
+
+
+async def _ask(ui: Ui, end: Callable[[], None], draft: Draft, error: OSError) -> None:
+    question = (
+        f"What you changed in “{clip(one_line(draft.name), 40)}” is not saved and can't be "
+        f"kept for next time: {error.strerror or error}."
+    )
+    answers = [("stay", "Stay"), ("leave", "Leave without it")]
+    if await ui.choose("Not saved", question, answers) == "leave":
+        end()

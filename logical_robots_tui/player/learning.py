@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import is_hidden, reference_names
+from logical_robots_tui.player.recorder import ProgressRecorder
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import ProgramText, Ui, tried
+from logical_robots_tui.progress import Version
 from logical_robots_tui.wording import count_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.session_state import ProgramText, Ui
-    from logical_robots_tui.progress import Version
 
 
 def version_name(version: Version) -> str:
@@ -93,12 +88,8 @@ class Learning:
         if not self._has_won and await asked("Reference programs", question, answers) != "yes":
             return ""
         names = await asyncio.to_thread(reference_names, solution)
-        try:
-            sources = [await asyncio.to_thread(load_program, name) for name in names]
-        except InputError as error:
-            self._ui.warn(str(error))
-            return ""
-        return "\n\n".join(source.text for source in sources)
+        sources = await tried(self._ui, lambda: [*map(load_program, names)])
+        return "\n\n".join(source.text for source in sources or ())
 
     async def versions(self) -> list[Version]:
         """Return the player's programs for this level, last used first."""
@@ -121,10 +112,8 @@ class Learning:
         if not level.starter:
             self._ui.tell("This level has no starter program.")
             return
-        try:
-            starter = await asyncio.to_thread(load_program, level.starter)
-        except InputError as error:
-            self._ui.warn(str(error))
+        starter = await tried(self._ui, load_program, level.starter)
+        if starter is None:
             return
         if starter.text == self._program.text:
             self._ui.tell("This is the starter program.")

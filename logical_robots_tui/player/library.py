@@ -1,26 +1,56 @@
-"""Opening levels and programs, saving, and restoring drafts."""
+"""Opening levels, also that of a day, and programs; saving, and restoring drafts."""
 
 from __future__ import annotations
 
 import asyncio
 from datetime import date
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program, save_program
-from logical_robots_tui.game.source import programs_for
-from logical_robots_tui.player.drafts import Draft, Drafts, Key
+from logical_robots_tui.game.source import programs_for, shipped_texts
+from logical_robots_tui.player.drafts import Autosave, Draft, Drafts, Key, UnsavedText
+from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.recovery import Offers, short_name, when_saved
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import ProgramText, Ui, tried
+from logical_robots_tui.progress import Progress
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, list_arenas, list_levels, load_level
 
 if TYPE_CHECKING:
-    from logical_robots_tui.player.autosave import Autosave, UnsavedText
-    from logical_robots_tui.player.recorder import ProgressRecorder
-    from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.session_state import ProgramText, Ui
     from logical_robots_tui.world.levels.labyrinths import DailySize
+
+_PROVING = "the-long-hall"  # follows a wall, which leads everywhere where there are no loops
+_TICKS_PER_CELL = 250
+_MOST_DAILIES = 9
+
+
+def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
+    """Return the labyrinth of a day, shown to be winnable, or raise InputError."""
+    from logical_robots_tui.game.robustness import LateError, play_through
+    from logical_robots_tui.mind import Program
+    from logical_robots_tui.world.levels.labyrinths import Daily
+
+    program: Program | None = None
+    for number in range(1, _MOST_DAILIES + 1):
+        daily = Daily(day, size, number)
+        level = load_level(daily.name)
+        fact = f"won {daily.name}"
+        if progress.fact(fact) is not None:
+            return level
+        program = program or Program.compile(shipped_texts()[_PROVING])
+        try:
+            played = play_through(level, program, _TICKS_PER_CELL * daily.cells)
+        except LateError:
+            message = "This machine is too busy to check that the labyrinth can be won."
+            raise InputError(message, hint="Try again.") from None
+        if played.won_at is not None:
+            progress.set_fact(fact, str(played.won_at))
+            return level
+    raise InputError(f"No {size} labyrinth of {day.isoformat()} can be won.")
 
 
 class Library:
@@ -53,15 +83,10 @@ class Library:
         if name is None:
             self._ui.tell("This was the last level.")
             return
-        try:
-            level = await asyncio.to_thread(load_level, name)
-        except InputError as error:
-            self._ui.warn(str(error))
-            return
-        await self.open_level(level)
+        if (level := await tried(self._ui, load_level, name)) is not None:
+            await self.open_level(level)
 
     async def open_daily(self) -> None:
-        from logical_robots_tui.player.continuing import daily_level
         from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES
 
         today = date.today()
@@ -70,23 +95,16 @@ class Library:
         answer = await self._ui.choose("Labyrinth of the day", question, answers)
         if answer is None:
             return
-        size = cast("DailySize", answer)
-        try:
-            progress = self._recorder.progress
-            level = await asyncio.to_thread(daily_level, progress, today, size)
-        except InputError as error:
-            self._ui.warn(str(error))
-            return
-        await self.open_level(level)
+        find = partial(daily_level, self._recorder.progress, today, cast("DailySize", answer))
+        if (level := await tried(self._ui, find)) is not None:
+            await self.open_level(level)
 
     async def open_level(self, level: Level) -> None:
         source = self._session.source
         sources = dict.fromkeys([team.name for team in level.teams] or [""], source)
         if level.teams or (level.starter and level.starter != source.name):
-            try:
-                sources = await asyncio.to_thread(programs_for, level, (), {}, self.programs)
-            except InputError as error:
-                self._ui.warn(str(error))
+            found = await tried(self._ui, programs_for, level, (), {}, self.programs)
+            sources = sources if found is None else found
         source = next(iter(sources.values()))
         kept = None
         if source.name == level.starter:

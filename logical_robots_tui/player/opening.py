@@ -1,24 +1,58 @@
-"""Opening the game: the level, the programs and the text that a player begins with."""
+"""Opening the game: what a player begins with, and has in an open game."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.source import Source, load_program
-from logical_robots_tui.player.continuing import level_to_begin_with, programs_to_begin_with
-from logical_robots_tui.player.recorder import TOUR
-from logical_robots_tui.player.session_state import Opening, Permissions
-from logical_robots_tui.world import Level, LevelError, load_level
+from logical_robots_tui.game.source import Source, load_program, programs_for
+from logical_robots_tui.game.victory import level_key
+from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
+from logical_robots_tui.player.learning import Learning
+from logical_robots_tui.player.library import Library
+from logical_robots_tui.player.recorder import LAST_LEVEL, TOUR, ProgressRecorder
+from logical_robots_tui.player.recovery import Bookmark, Offering, OpenGames, OtherGames
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import ProgramText, Ui
+from logical_robots_tui.progress import Progress
+from logical_robots_tui.world import Level, LevelError, list_levels, load_level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.replay import Replay
-    from logical_robots_tui.player.open_games import OpenGames
-    from logical_robots_tui.progress import Progress
+
+
+class Permissions(NamedTuple):
+    """Everything on one's own machine; less on a shared or public one, or in a class.
+
+    `programs` are an editor, or the shell after suspending.
+    """
+
+    programs: bool = True
+    clipboard: bool = True
+
+
+class Opening(NamedTuple):
+    """What the game opens with.
+
+    `sources` are by team, "" without teams; `text` is the player's version of the program,
+    `welcome` starts the tour. The event loop must have the clock's time.
+    """
+
+    level: Level
+    sources: Mapping[str, Source]
+    data_dir: Path
+    text: str | None = None
+    welcome: bool = False
+    permissions: Permissions = Permissions()
+    replay: Replay | None = None
+    games: OpenGames | None = None
+    clock: Clock = CLOCK
 
 
 def open_game(
@@ -95,3 +129,87 @@ def _source_of(name: str, text: str, own: Path) -> Source:
     except InputError:
         pass
     return Source(name, text, own / f"{name}.l", shipped=False)
+
+
+def level_to_begin_with(progress: Progress) -> Level:
+    """Return the level played last, or the first one; raise InputError if levels are missing."""
+    names = list_levels()
+    if not names:
+        raise InputError("The levels are missing from this installation.", hint="Install it again.")
+    last = progress.fact(LAST_LEVEL)
+    if last is not None:
+        with suppress(LevelError):  # it was deleted, broken, or renamed in a newer version
+            return load_level(last)
+    return load_level(names[0])
+
+
+def programs_to_begin_with(
+    progress: Progress, level: Level, names: Sequence[str], by_team: Mapping[str, str], own: Path
+) -> tuple[dict[str, Source], str | None]:
+    """Return the programs to open, by team, and the player's last text of the first.
+
+    `names` follow the order of the teams; by default the usual ones. In a level without teams
+    the program is that of "". Raises InputError.
+    """
+    sources = programs_for(level, names, by_team, own)
+    mine = next(iter(sources) if names or not by_team else iter(by_team))
+    goes_on = not (names or by_team) and bool(level.starter)
+    text = progress.newest(level_key(level)) if goes_on else None
+    return {mine: sources[mine]} | sources, text
+
+
+class Player:
+    """The session, and who keeps what the player does in it.
+
+    `with_keys` says in a text how the commands in braces are given.
+
+    Attributes:
+        first_text: What `program` begins with.
+    """
+
+    def __init__(
+        self,
+        opening: Opening,
+        recorder: ProgressRecorder,
+        ui: Ui,
+        program: ProgramText,
+        changed: Callable[[], None],
+        with_keys: Callable[[str], str],
+    ) -> None:
+        self._opening, self._ui, self.recorder = opening, ui, recorder
+        session = self.session = Session(
+            opening.level, opening.sources, ui.spawn, changed, opening.clock
+        )
+        self.first_text = session.source.text if opening.text is None else opening.text
+        drafts = self.drafts = Drafts(opening.data_dir / "drafts")
+        autosave = self.autosave = Autosave(
+            drafts,
+            state=lambda: UnsavedText(session.source, program.text, level_key(session.level)),
+            draft=program_draft,
+            failed=ui.warn,
+            what="What you type",
+        )
+        library = self.library = Library(
+            session, ui, recorder, drafts, autosave, program, opening.data_dir
+        )
+        self.learning = Learning(session, ui, recorder, program, library.open_program, with_keys)
+        self.bookmark = Bookmark(
+            session, drafts, ui, library.open_level, library.open_program, library.look_at
+        )
+
+    def start(self) -> None:
+        """Begin to record and to compile, once all listen to the session."""
+        self.recorder.level_opened(self.session.opened)
+        self.session.apply(self.first_text)
+
+    def offerings(self, *others: Offering) -> list[Offering]:
+        """Return what to offer from earlier sessions, in order."""
+        games = self._opening.games
+        first = [] if games is None else [OtherGames(games, self._ui)]
+        return [*first, self.library, *others, self.bookmark]
+
+    async def close(self) -> None:
+        self.autosave.stop()
+        self.drafts.close()
+        await self.session.close()
+        await self.recorder.close()

@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.game import Source, level_key
+from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.game.victory import Victory, keep_victory, references_for
-from logical_robots_tui.player.continuing import keep_if_own, note_level
+from logical_robots_tui.player.drafts import Draft
 from logical_robots_tui.player.session_state import SessionListener, Ui, nothing
 from logical_robots_tui.progress import NEW, Bests, LevelRecord, Measures, Progress, Version
 from logical_robots_tui.world import Level
@@ -22,10 +23,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.game import Frame
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.mind import Program
-    from logical_robots_tui.player.drafts import Draft
 
-THEME, TOUR = "theme", "tour"
-"""Facts in the player's record: which theme was chosen, and that the tour is over."""
+THEME, TOUR, LAST_LEVEL = "theme", "tour", "level"
+"""Facts in the player's record: the theme chosen, that the tour is over, the level opened last."""
 
 T = TypeVar("T")
 
@@ -81,7 +81,8 @@ class ProgressRecorder(SessionListener):
     async def ask(self, look: Callable[[Progress], T]) -> T:
         """Query the record, after all pending writes."""
         found = await asyncio.get_running_loop().run_in_executor(self._writer, look, self.progress)
-        self._tell_news()
+        while not self._news.empty():
+            self._ui.warn(self._news.get())
         return found
 
     async def newest(self, level: Level) -> str | None:
@@ -104,7 +105,12 @@ class ProgressRecorder(SessionListener):
     def program_used(self, program: Program) -> None:
         """Keep the program of the first team as a version, if it is the player's own."""
         key, text = self._key, program.first.text
-        self._write(lambda progress: keep_if_own(progress, key, text))
+
+        def keep(progress: Progress) -> None:
+            if text not in shipped_texts().values():
+                progress.keep(key, text)
+
+        self._write(keep)
 
     def tick_shown(self, frame: Frame) -> None:
         if frame.tick and not self._has_begun:
@@ -176,10 +182,6 @@ class ProgressRecorder(SessionListener):
             self.record = record._replace(hints=max(record.hints, self.record.hints))
             self._changed()
 
-    def _tell_news(self) -> None:
-        while not self._news.empty():
-            self._ui.warn(self._news.get())
-
     async def _measure(self, level: Level, key: str, program: Program) -> None:
         from logical_robots_tui.game.measuring import MeasuringError, Trial, measure
 
@@ -213,3 +215,9 @@ class ProgressRecorder(SessionListener):
         if key in self._trials:
             self._trials[key] = (text, trial)
             self._changed()
+
+
+def note_level(progress: Progress, level: Level) -> None:
+    """Record the level opened last, if it has a file."""
+    if level.source:
+        progress.set_fact(LAST_LEVEL, level_key(level))

@@ -1,36 +1,31 @@
-"""Restores what an earlier session left: unsaved levels, and its place; ends other games."""
+"""What other sessions left, or have open: unsaved levels, the place in a game, open games."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import replace
+import json
+import os
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
+from logical_robots_tui import game, mind
 from logical_robots_tui.errors import InputError, LogicalRobotsError
-from logical_robots_tui.game import (
-    Source,
-    compile_program,
-    level_key,
-    load_program,
-)
+from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.paths import is_file
-from logical_robots_tui.player.continuing import Place, place_of
-from logical_robots_tui.player.drafts import Draft, Drafts
+from logical_robots_tui.player.drafts import Draft, Drafts, acquire, release
+from logical_robots_tui.player.session import Session
+from logical_robots_tui.player.session_state import Ui
+from logical_robots_tui.records import record, texts_of
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, load_level
 from logical_robots_tui.world.level import alike
 from logical_robots_tui.world.levels.native import read_native
-
-if TYPE_CHECKING:
-    from logical_robots_tui.game import Game
-    from logical_robots_tui.mind import Program
-    from logical_robots_tui.player.open_games import OpenGames
-    from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.session_state import Ui
 
 Found = TypeVar("Found")
 
@@ -127,6 +122,64 @@ class OtherGames:
         self._ui.warn("It has not ended yet; what you typed there is offered the next time.")
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A tick, and how to get there: same level, same programs, same ticks.
+
+    Attributes:
+        level: Name of a shipped level, otherwise the path of its file.
+        title: The level's title.
+        program: Name of the last program if it is a shipped one, otherwise the path of its file.
+        tick: Number of the tick, at least 1.
+        programs: The first tick that programs decided, and their texts, in order.
+        speed: The speed in ticks per second; None is full speed.
+    """
+
+    level: str
+    title: str
+    program: str
+    tick: int
+    programs: tuple[tuple[int, Mapping[str, str]], ...]
+    speed: float | None = 40.0
+
+    def as_text(self) -> str:
+        return json.dumps(asdict(self), ensure_ascii=False)
+
+    @classmethod
+    def from_text(cls, text: str) -> Place:
+        """Parse a place, or raise ValueError."""
+        try:
+            found = json.loads(text)
+            found["programs"] = [
+                [begin, texts_of(texts) if isinstance(texts, str) else texts]
+                for begin, texts in found["programs"]
+            ]
+            if found.get("speed") not in SPEEDS:
+                del found["speed"]
+            place = record(cls, found)
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError("this is not a place in a game") from error
+        begins = [begin if texts else 0 for begin, texts in place.programs]
+        if begins[:1] != [1] or begins != sorted(set(begins)) or begins[-1] > place.tick:
+            raise ValueError("the programs of this place are out of order")
+        return place
+
+    def stretches(self) -> list[tuple[Mapping[str, str], int]]:
+        ends = [begin - 1 for begin, _ in self.programs[1:]]
+        texts = (texts for _, texts in self.programs)
+        return list(zip(texts, [*ends, self.tick], strict=True))
+
+
+def place_of(played: game.Game, level: Level, source: game.Source) -> Place | None:
+    """Return the position of a game; None at the start, or if the level was edited on the way."""
+    history, tick = played.history, played.frame.tick
+    if tick == 0 or history.level_at(0) is not level or history.is_changed_up_to(tick):
+        return None
+    programs = tuple((begin, program.texts) for begin, program in history.programs(tick))
+    program = source.name if source.shipped else str(source.path)
+    return Place(game.level_key(level), level.title, program, tick, programs)
+
+
 class Bookmark:
     """Saves the position of an interrupted session, and offers it to the next one."""
 
@@ -136,7 +189,7 @@ class Bookmark:
         drafts: Drafts,
         ui: Ui,
         open_level: Callable[[Level], Awaitable[None]],
-        open_program: Callable[[Source, str | None], None],
+        open_program: Callable[[game.Source, str | None], None],
         look_at: Callable[[str], None],
     ) -> None:
         self._session, self._drafts, self._ui = session, drafts, ui
@@ -175,7 +228,7 @@ class Bookmark:
 
     async def _go_to(self, place: Place) -> None:
         """Go to a position; restored unsaved text stays in the editor."""
-        if place.level != level_key(self._session.level):
+        if place.level != game.level_key(self._session.level):
             await self._open_level(await asyncio.to_thread(load_level, place.level))
         last, sources = place.programs[-1][1], self._session.sources
         first = next(iter(last))
@@ -186,17 +239,70 @@ class Bookmark:
         is_unsaved = self._drafts.get(("program", source.draft)) is not None
         self._open_program(source, None if is_unsaved else last.get(sources.team, last[first]))
         self._session.pace.speed = place.speed
-        ends = [(await compile_program(texts), end) for texts, end in place.stretches()]
+        ends = [(await game.compile_program(texts), end) for texts, end in place.stretches()]
         self._session.go_through(ends[0][0], partial(self._replay, ends))
 
-    async def _replay(self, ends: list[tuple[Program, int]], game: Game) -> None:
+    async def _replay(self, ends: list[tuple[mind.Program, int]], playing: game.Game) -> None:
         for program, end in ends:
             self._session.use(program)
-            while game.frame.tick < end:
-                await game.run_until(tick=end)
+            while playing.frame.tick < end:
+                await playing.run_until(tick=end)
 
-    def _source_of(self, place: Place) -> Source:
+    def _source_of(self, place: Place) -> game.Source:
         try:
-            return load_program(place.program)
+            return game.load_program(place.program)
         except InputError:
             return self._session.source
+
+
+MOST_GAMES = 4
+"""Games that one player may have open at the same time, of at most four processes each."""
+
+
+class OpenGames:
+    """A player's open games, with this process until it ends; may raise InputError, OSError."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        for number in range(MOST_GAMES):
+            handle = acquire(self._file(number))
+            if handle is not None:
+                self._number, self._handle = number, handle  # closing it would free the place
+                break
+        else:
+            hint = "Leave one of them first; a game whose connection broke ends within a minute."
+            raise InputError(f"you have {MOST_GAMES} games open, the most allowed", hint=hint)
+        self._request(self._number).unlink(missing_ok=True)
+        os.ftruncate(self._handle, 0)
+        os.write(self._handle, datetime.now(UTC).isoformat(timespec="seconds").encode())
+
+    def others(self) -> list[datetime]:
+        """Return the start times of the player's other games, oldest first."""
+        found = []
+        for number in range(MOST_GAMES):
+            if number == self._number or not self._file(number).exists():
+                continue
+            with suppress(OSError, ValueError):
+                handle = acquire(self._file(number))
+                if handle is not None:
+                    release(handle)
+                    continue
+                found.append(datetime.fromisoformat(self._file(number).read_text("ascii")))
+        return sorted(found)
+
+    def end_others(self) -> None:
+        """Ask the player's other games to end, without waiting for them."""
+        for number in range(MOST_GAMES):
+            if number != self._number and self._file(number).exists():
+                with suppress(OSError):
+                    self._request(number).touch()
+
+    @property
+    def is_to_end(self) -> bool:
+        return self._request(self._number).exists()
+
+    def _file(self, number: int) -> Path:
+        return self._folder / f".game-{number}"
+
+    def _request(self, number: int) -> Path:
+        return self._folder / f".end-game-{number}"

@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Coroutine, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from logical_robots_tui import game, mind
 from logical_robots_tui.clock import CLOCK, Clock
-from logical_robots_tui.game import (
-    Breakpoints,
-    Frame,
-    Pace,
-    Superseded,
-    compile_program,
-    mistake_in,
-    start_frame,
-    warnings_in,
-)
 from logical_robots_tui.game.frame import ends
 from logical_robots_tui.game.victory import victory_of
-from logical_robots_tui.mind import ProgramError
 from logical_robots_tui.player.session_state import (
     Movement,
     OpenLevel,
     ProgramState,
+    SessionListener,
+    Spawn,
     TeamSources,
+    Work,
     nothing,
 )
+from logical_robots_tui.world import Level
 from logical_robots_tui.world.levels.load import is_web_file
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Mapping
-
-    from logical_robots_tui.game import Breakpoint, Game, Hit, Source
     from logical_robots_tui.game.history.history import History
-    from logical_robots_tui.mind import Diagnostic, Predicate, Program
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.player.session_state import SessionListener, Spawn, Work
-    from logical_robots_tui.world import Level
     from logical_robots_tui.world.changing import Pose
 
-    Going = Callable[[Game], Coroutine[Any, Any, object]]
+Going: TypeAlias = "Callable[[game.Game], Coroutine[Any, Any, object]]"
 
 
 class Session:
@@ -52,7 +41,7 @@ class Session:
     def __init__(
         self,
         level: Level,
-        sources: Mapping[str, Source],
+        sources: Mapping[str, game.Source],
         spawn: Spawn,
         changed: Callable[[], None],
         clock: Clock = CLOCK,
@@ -61,19 +50,17 @@ class Session:
         self.levels = OpenLevel(level)
         self.sources = TeamSources(sources)
         self.state = ProgramState()
-        self.pace = Pace(clock=clock)
-        self.game: Game | None = None
-        self.frame = start_frame(level)
-        self.breakpoints = Breakpoints()
+        self.pace = game.Pace(clock=clock)
+        self.game: game.Game | None = None
+        self.frame = game.start_frame(level)
+        self.breakpoints = game.Breakpoints()
         self.listeners: list[SessionListener] = []
         self.movement = Movement()
         self._spawn = spawn
         self._changed = changed
-        self._program: Program | None = None
+        self.program: mind.Program | None = None  # of the robots; none before the first compilation
         self._won: tuple[Texts, int] | None = None
         self._written = self._checking = ""
-
-    # -- queries -------------------------------------------------------------------------------
 
     @property
     def level(self) -> Level:
@@ -94,27 +81,22 @@ class Session:
         return not self.movement.is_resting
 
     @property
-    def source(self) -> Source:
+    def source(self) -> game.Source:
         """The program in the editor: that of the selected team."""
         return self.sources.source
 
     @property
-    def program(self) -> Program | None:
-        """The robots' program, or None before the first compilation."""
-        return self._program
-
-    @property
-    def predicates(self) -> tuple[Predicate, ...]:
-        return self._program.predicates if self._program else ()
+    def predicates(self) -> tuple[mind.Predicate, ...]:
+        return self.program.predicates if self.program else ()
 
     @property
     def history(self) -> History | None:
         return self.game.history if self.game is not None else None
 
-    def problem_with(self, breakpoint_: Breakpoint) -> str:
+    def problem_with(self, breakpoint_: game.Breakpoint) -> str:
         """Return one sentence on why a breakpoint can't be hit, or ""."""
         if self.game is None:
-            return mistake_in(breakpoint_, self.level, None)
+            return game.mistake_in(breakpoint_, self.level, None)
         return self.game.problem_with(breakpoint_)
 
     @property
@@ -126,9 +108,7 @@ class Session:
         """Seconds that the current think has taken; 0.0 while not worth showing."""
         return self.movement.thinking_for(self.clock.now(), self.pace.period)
 
-    # -- level and program ---------------------------------------------------------------------
-
-    def open_level(self, level: Level, sources: Mapping[str, Source], text: str) -> None:
+    def open_level(self, level: Level, sources: Mapping[str, game.Source], text: str) -> None:
         """Open a level at its start; `text` replaces that of the first program."""
         self.pause()
         if self.game is not None:
@@ -136,7 +116,7 @@ class Session:
             self.game = None
         self.state = ProgramState()
         self.levels = OpenLevel(level)
-        self.frame = start_frame(level)
+        self.frame = game.start_frame(level)
         self.sources = TeamSources(sources)
         self._won = None
         self._tell(lambda listener: listener.level_opened(level))
@@ -150,11 +130,11 @@ class Session:
             self._think_with(self.game.program)
         self._changed()
 
-    def open_program(self, source: Source, text: str) -> None:
+    def open_program(self, source: game.Source, text: str) -> None:
         self.sources.source = source
         self.apply(text)
 
-    def saved_as(self, source: Source) -> None:
+    def saved_as(self, source: game.Source) -> None:
         self.sources.source = source
         self._changed()
 
@@ -165,9 +145,9 @@ class Session:
     def apply(self, text: str) -> None:
         """Compile a text in the background and use it; cancels an older compilation."""
         texts = self.sources.with_text(text)
-        if self._program is not None and self._program.texts == texts:
+        if self.program is not None and self.program.texts == texts:
             self._spawn(nothing, "compile", exclusive=True)
-            self.use(self._program)
+            self.use(self.program)
             return
         self.state = self.state.compiling(text)
         if self._checking not in ("", text):
@@ -182,25 +162,21 @@ class Session:
             self._checking = text
             self._spawn(partial(self._check, text), "check", exclusive=True)
 
-    def use(self, program: Program) -> None:
-        from logical_robots_tui.game import Game  # loading it would delay the first picture
-
+    def use(self, program: mind.Program) -> None:
         program = self._think_with(program)
         self._tell(lambda listener: listener.program_used(program))
         if self.game is None:
-            game = self.game = Game(
+            playing = self.game = game.Game(
                 self.level, program, breakpoints=self.breakpoints, clock=self.clock
             )
-            game.pace = self.pace
-            game.listen(lambda frame: self._show(game, frame))
-            self.frame = game.frame
+            playing.pace = self.pace
+            playing.listen(lambda frame: self._show(playing, frame))
+            self.frame = playing.frame
             if self.movement.kind == "awaiting":
                 self.run()
         else:
             self.game.use(program)
         self._changed()
-
-    # -- moving --------------------------------------------------------------------------------
 
     def toggle_run(self) -> None:
         if self.busy:
@@ -210,7 +186,7 @@ class Session:
 
     def run(self) -> None:
         if self.game is not None and self.movement.kind != "run":
-            self._begin(Movement("run"), lambda game: game.run())
+            self._begin(Movement("run"), lambda playing: playing.run())
         elif self.game is None and self.state.phase in ("fresh", "compiling"):
             self.movement = Movement("awaiting")
         self._changed()
@@ -235,9 +211,9 @@ class Session:
     def run_until(self, tick: int) -> None:
         """Run at full speed to a tick, a breakpoint or victory."""
         self.pause()
-        self._begin(Movement("until"), lambda game: game.run_until(tick=tick))
+        self._begin(Movement("until"), lambda playing: playing.run_until(tick=tick))
 
-    def go_through(self, program: Program, work: Going) -> None:
+    def go_through(self, program: mind.Program, work: Going) -> None:
         """Restart with a program and let `work` advance the game until paused."""
         self.restart()
         self._spawn(nothing, "compile", exclusive=True)
@@ -269,7 +245,7 @@ class Session:
         if self.game is not None:
             self.game.change_level(level, poses)
         else:
-            self.levels.shown, self.frame = level, start_frame(level)
+            self.levels.shown, self.frame = level, game.start_frame(level)
             self._changed()
 
     def put(self, robot_name: str, pose: Pose) -> None:
@@ -295,16 +271,14 @@ class Session:
         self._spawn(close, "close", exclusive=False)
 
     async def close(self) -> None:
-        game, self.game = self.game, None
-        if game is not None:
-            await game.close()
-
-    # -- inside --------------------------------------------------------------------------------
+        playing, self.game = self.game, None
+        if playing is not None:
+            await playing.close()
 
     async def _compile(self, text: str, texts: Texts) -> None:
         try:
-            program = await compile_program(texts, partial(self._compiled, text))
-        except ProgramError as error:
+            program = await game.compile_program(texts, partial(self._compiled, text))
+        except mind.ProgramError as error:
             if self.movement.kind == "awaiting":
                 self.movement = Movement()
             mistakes = self.sources.mistakes(error)
@@ -316,9 +290,9 @@ class Session:
     async def _check(self, text: str) -> None:
         sources = self.sources
         try:
-            program = await compile_program(sources.with_text(text))
+            program = await game.compile_program(sources.with_text(text))
             found = self._warnings(program.for_team(sources.team))
-        except ProgramError as error:
+        except mind.ProgramError as error:
             found = sources.mistakes(error)
         finally:
             if self._checking == text:
@@ -331,30 +305,34 @@ class Session:
             self.state = self.state._replace(checked=text, found=found)
             self._changed()
 
-    def _warnings(self, program: Program) -> tuple[Diagnostic, ...]:
-        return warnings_in(program, self.level, web=is_web_file(self.opened.source))
+    def _warnings(self, program: mind.Program) -> tuple[mind.Diagnostic, ...]:
+        return game.warnings_in(program, self.level, web=is_web_file(self.opened.source))
 
     def _compiled(self, text: str, done: int, of_all: int) -> None:
         if self.state.phase == "compiling" and self.state.tried == text:
             self.state = self.state._replace(compiled=(done, of_all))
             self._changed()
 
-    def _think_with(self, program: Program) -> Program:
-        program = self._program = self.sources.seen(program)
+    def _think_with(self, program: mind.Program) -> mind.Program:
+        program = self.program = self.sources.seen(program)
         self.state = ProgramState.of_applied(program.text, self._warnings(program))
         return program
 
-    def _show(self, game: Game, frame: Frame) -> None:
-        if game is not self.game:
+    def _show(self, playing: game.Game, frame: game.Frame) -> None:
+        if playing is not self.game:
             return
         is_next = frame.tick == self.frame.tick + 1
-        is_changed = game.level is not self.level
-        self.frame, self.levels.shown = frame, game.level
+        is_changed = playing.level is not self.level
+        self.frame, self.levels.shown = frame, playing.level
         self.movement.waiting_since = self.clock.now()
         self._tell(lambda listener: listener.tick_shown(frame))
         if is_changed:
             self._tell(lambda listener: listener.level_changed())
-        if is_next and not game.decide and (victory := victory_of(game, self.opened)) is not None:
+        if (
+            is_next
+            and not playing.decide
+            and (victory := victory_of(playing, self.opened)) is not None
+        ):
             won = victory.program.texts, victory.tick
             if won != self._won:
                 self._won = won
@@ -372,29 +350,31 @@ class Session:
             move = partial(self._move, self.game, work, movement)
             self._spawn(move, "move", exclusive=True)
 
-    async def _move(self, game: Game, work: Going, movement: Movement) -> None:
+    async def _move(self, playing: game.Game, work: Going, movement: Movement) -> None:
         try:
-            await work(game)
-            if game is self.game and (hits := self._hits(game)):
+            await work(playing)
+            if playing is self.game and (hits := self._hits(playing)):
                 self._tell(lambda listener: listener.stopped(hits))
-        except Superseded:
+        except game.Superseded:
             pass
         finally:
             if self.movement is movement:
                 self.movement = Movement()
             self._changed()
 
-    async def _step(self, game: Game) -> None:
+    async def _step(self, playing: game.Game) -> None:
         movement = self.movement
         while movement.owed and self.movement is movement:
             movement.owed -= 1
             try:
-                frame = await game.step()
-            except Superseded:  # by another program or a changed level, in which the step is due
-                movement.owed += game is self.game
+                frame = await playing.step()
+            except (
+                game.Superseded
+            ):  # by another program or a changed level, in which the step is due
+                movement.owed += playing is self.game
                 continue
-            if self._hits(game) or ends(game.level, frame):
+            if self._hits(playing) or ends(playing.level, frame):
                 movement.owed = 0
 
-    def _hits(self, game: Game) -> tuple[Hit, ...]:
-        return tuple(hit for hit in game.hits if self.breakpoints.is_on(hit.breakpoint))
+    def _hits(self, playing: game.Game) -> tuple[game.Hit, ...]:
+        return tuple(hit for hit in playing.hits if self.breakpoints.is_on(hit.breakpoint))

@@ -1,24 +1,24 @@
-"""The state of a session: level, program, what the robots are doing, and who listens."""
+"""What a session is made of: level, program, movement, listeners, and the work for them."""
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, TypeAlias, TypeVar
 
-from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.editing.edits import Edits
+from logical_robots_tui.errors import InputError
 from logical_robots_tui.world import Level
 from logical_robots_tui.world.level import alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Frame, Hit, Source
-    from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.game.victory import Victory
     from logical_robots_tui.mind import Diagnostic, Program, ProgramError
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.player.open_games import OpenGames
+
+T = TypeVar("T")
 
 
 class OpenLevel:
@@ -241,29 +241,38 @@ class Ui(Protocol):
         """Ask a question and return the name of the answer, or None; only for background work."""
 
 
-class Permissions(NamedTuple):
-    """Everything on one's own machine; less on a shared or public one, or in a class.
+async def tried(ui: Ui, work: Callable[..., T], *values: Any) -> T | None:
+    """Return what `work` returns in a thread; None, with a warning, if it raises InputError."""
+    try:
+        return await asyncio.to_thread(work, *values)
+    except InputError as error:
+        ui.warn(str(error))
+        return None
 
-    `programs` are an editor, or the shell after suspending.
-    """
 
-    programs: bool = True
-    clipboard: bool = True
+class Background:
+    def __init__(self) -> None:
+        self._tasks: dict[asyncio.Task[None], str] = {}
 
+    def spawn(self, work: Work, group: str, *, exclusive: bool) -> None:
+        """Start background work; exclusive work cancels the other work of its group."""
+        for task, known in self._tasks.items():
+            if exclusive and known == group:
+                task.cancel()
+        task = asyncio.ensure_future(work())
+        self._tasks[task] = group
+        task.add_done_callback(self._tasks.pop)
 
-class Opening(NamedTuple):
-    """What the game opens with.
+    async def done(self, *, but: str) -> None:
+        """Wait until the work is done, but for groups that begin so; raise what it raises."""
+        while tasks := [each for each, group in self._tasks.items() if not group.startswith(but)]:
+            for task in (await asyncio.wait(tasks))[0]:
+                if not task.cancelled():
+                    task.result()
 
-    `sources` are by team, "" without teams; `text` is the player's version of the program,
-    `welcome` starts the tour. The event loop must have the clock's time.
-    """
-
-    level: Level
-    sources: Mapping[str, Source]
-    data_dir: Path
-    text: str | None = None
-    welcome: bool = False
-    permissions: Permissions = Permissions()
-    replay: Replay | None = None
-    games: OpenGames | None = None
-    clock: Clock = CLOCK
+    async def close(self) -> None:
+        """Cancel all work, and wait for its end."""
+        tasks = [*self._tasks]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)

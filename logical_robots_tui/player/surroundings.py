@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.schema import NO_OBJECT, SENSOR_RANGE, WALL
 from logical_robots_tui.wording import join_names
+from logical_robots_tui.world import Level, WorldState
+from logical_robots_tui.world.dynamics import AreaState
+from logical_robots_tui.world.level import Area
 from logical_robots_tui.world.sensing import Senses
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from logical_robots_tui.world import Level, WorldState
-    from logical_robots_tui.world.dynamics import AreaState
-    from logical_robots_tui.world.level import Area
 
 _STEP = 30  # degrees between two looks at walls
 _RADAR = 120  # degrees that the radar covers

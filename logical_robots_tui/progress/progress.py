@@ -5,7 +5,6 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Callable
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
 from logical_robots_tui.progress.store import Bests, LevelRecord, Measures, State, Store, Version
@@ -55,23 +54,11 @@ AND number NOT IN (SELECT * FROM (
 """
 
 
-class Progress:
+class Progress(Store):
     """A player's progress by level name, on disk or without a file in memory.
 
-    Methods block, never raise disk errors, and may be called from any thread. `tell` is called
-    once about each problem.
+    Methods block, never raise disk errors, and may be called from any thread.
     """
-
-    def __init__(self, file: Path | None, tell: Callable[[str], None] = lambda _message: None):
-        self._store = Store(file, tell)
-
-    @property
-    def is_kept(self) -> bool:
-        """Whether progress outlives the process; False after a problem was reported."""
-        return self._store.is_kept
-
-    def close(self) -> None:
-        self._store.close()
 
     def record(self, level: str) -> LevelRecord:
         level = _storable(level)
@@ -88,107 +75,72 @@ class Progress:
             state: State = "won" if won else "in work" if begun else "new"
             return LevelRecord(state, hints or 0, bests, versions)
 
-        return self._store.read(look)
+        return self.read(look)
 
     def levels(self) -> list[str]:
-        rows = self._store.read(
-            lambda connection: connection.execute("SELECT name FROM level ORDER BY name").fetchall()
-        )
+        rows = self._rows("SELECT name FROM level ORDER BY name")
         return [name for (name,) in rows]
 
     def begin(self, level: str) -> None:
-        level = _storable(level)
-        self._store.write(lambda connection: _begin(connection, level))
+        self._note(_begin, level)
 
     def reveal(self, level: str, hints: int) -> None:
         """Record the number of revealed hints of a level; they are never hidden again."""
-        level = _storable(level)
-
-        def note(connection: sqlite3.Connection) -> None:
-            connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
-            connection.execute(
-                "UPDATE level SET hints = max(hints, ?) WHERE name = ?", (hints, level)
-            )
-
-        self._store.write(note)
+        self._note(_reveal, level, hints)
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
         """Record that a program has won a level; unknown measures stay unchanged."""
-        level = _storable(level)
-
-        def note(connection: sqlite3.Connection) -> None:
-            now = _now()
-            _keep(connection, level, text, now)
-            connection.execute(
-                "UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (now, level)
-            )
-            connection.execute(
-                "UPDATE version SET won = coalesce(won, ?) WHERE level = ? AND digest = ?",
-                (now, level, _digest(text)),
-            )
-            if measures is not None:
-                _measure(connection, level, text, measures)
-
-        self._store.write(note)
+        self._note(_win, level, text, measures)
 
     def keep(self, level: str, text: str) -> None:
         """Store a version of the player's program; an existing text becomes the newest."""
-        level = _storable(level)
-        self._store.write(lambda connection: _keep(connection, level, text, _now()))
+        self._note(_keep, level, text)
 
     def keep_aside(self, level: str, text: str, otherwise: str) -> None:
         """Store a version behind the newest; if there is none, `otherwise` becomes the newest."""
-        level = _storable(level)
         newest = self.newest(level)
-
-        def note(connection: sqlite3.Connection) -> None:
-            _keep(connection, level, text, _now())
-            _keep(connection, level, otherwise if newest is None else newest, _now())
-
-        self._store.write(note)
+        self._note(_keep, level, text, otherwise if newest is None else newest)
 
     def versions(self, level: str) -> list[Version]:
         """Return the versions stored for a level, last used first."""
-        level = _storable(level)
-        rows = self._store.read(
-            lambda connection: connection.execute(
-                "SELECT number, text, kept, won, ticks, rules, distance, wins, starts, goals "
-                "FROM version WHERE level = ? ORDER BY turn DESC",
-                (level,),
-            ).fetchall()
+        rows = self._rows(
+            "SELECT number, text, kept, won, ticks, rules, distance, wins, starts, goals "
+            "FROM version WHERE level = ? ORDER BY turn DESC",
+            _storable(level),
         )
         return [_version(row) for row in rows]
 
     def newest(self, level: str) -> str | None:
-        found = self._row(
-            "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1", _storable(level)
-        )
-        return found[0] if found else None
+        query = "SELECT text FROM version WHERE level = ? ORDER BY turn DESC LIMIT 1"
+        return self._value(query, _storable(level))
 
     def measures(self, level: str, text: str) -> Measures | None:
-        found = self._row(
+        found = self._rows(
             "SELECT ticks, rules, distance, wins, coalesce(starts, 0), goals FROM version "
             "WHERE level = ? AND digest = ? AND ticks NOT NULL",
             _storable(level),
             _digest(text),
         )
-        return Measures(*found)._replace(goals=_split(found[-1])) if found else None
+        return Measures(*found[0])._replace(goals=_split(found[0][-1])) if found else None
 
     def holds(self, text: str) -> bool:
-        return self._row("SELECT 1 FROM version WHERE digest = ?", _digest(text)) is not None
+        return bool(self._rows("SELECT 1 FROM version WHERE digest = ? LIMIT 1", _digest(text)))
 
     def fact(self, name: str) -> str | None:
-        found = self._row("SELECT value FROM fact WHERE name = ?", name)
-        return found[0] if found else None
+        return self._value("SELECT value FROM fact WHERE name = ?", name)
 
     def set_fact(self, name: str, value: str) -> None:
-        def note(connection: sqlite3.Connection) -> None:
-            connection.execute("INSERT OR REPLACE INTO fact VALUES (?, ?)", (name, value))
+        query = "INSERT OR REPLACE INTO fact VALUES (?, ?)"
+        self.write(lambda connection: connection.execute(query, (name, value)))
 
-        self._store.write(note)
+    def _note(self, work: Callable[..., None], level: str, *more: object) -> None:
+        self.write(lambda connection: work(connection, _storable(level), *more))
 
-    def _row(self, query: str, *values: str) -> Any:
-        return self._store.read(lambda connection: connection.execute(query, values).fetchone())
+    def _rows(self, query: str, *values: str) -> list[Any]:
+        return self.read(lambda connection: connection.execute(query, values).fetchall())
+
+    def _value(self, query: str, *values: str) -> str | None:
+        return next((value for (value,) in self._rows(query, *values)), None)
 
 
 def _begin(connection: sqlite3.Connection, level: str) -> None:
@@ -198,10 +150,28 @@ def _begin(connection: sqlite3.Connection, level: str) -> None:
     )
 
 
-def _keep(connection: sqlite3.Connection, level: str, text: str, now: str) -> None:
-    _begin(connection, level)
-    connection.execute(_KEEP, (level, _digest(text), _storable(text), now))
-    connection.execute(_FORGET, (level, MOST_VERSIONS))
+def _reveal(connection: sqlite3.Connection, level: str, hints: int) -> None:
+    connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
+    connection.execute("UPDATE level SET hints = max(hints, ?) WHERE name = ?", (hints, level))
+
+
+def _win(connection: sqlite3.Connection, level: str, text: str, found: Measures | None) -> None:
+    now = _now()
+    _keep(connection, level, text)
+    connection.execute("UPDATE level SET won = coalesce(won, ?) WHERE name = ?", (now, level))
+    connection.execute(
+        "UPDATE version SET won = coalesce(won, ?) WHERE level = ? AND digest = ?",
+        (now, level, _digest(text)),
+    )
+    if found is not None:
+        _measure(connection, level, text, found)
+
+
+def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
+    for text in texts:
+        _begin(connection, level)
+        connection.execute(_KEEP, (level, _digest(text), _storable(text), _now()))
+        connection.execute(_FORGET, (level, MOST_VERSIONS))
 
 
 def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measures) -> None:

@@ -147,19 +147,14 @@ def prepare(
 
     connection.create_function("first_program", 1, lambda text: next(iter(texts_of(text).values())))
     connection.create_function("sha256", 1, lambda text: sha256(text.encode()).hexdigest())
-    connection.execute("BEGIN IMMEDIATE")
-    try:
+    with connection:
+        connection.execute("BEGIN IMMEDIATE")
         # Another game may have migrated the file while this one waited for the lock.
         for step in migrations[_pragma(connection, "user_version") :]:
             for statement in step:
                 connection.execute(statement)
         connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
         connection.execute(f"PRAGMA user_version = {len(migrations)}")
-        connection.execute("COMMIT")
-    except BaseException:
-        if connection.in_transaction:
-            connection.execute("ROLLBACK")
-        raise
 
 
 def _checked_version(connection: sqlite3.Connection, known: int) -> int:
@@ -207,7 +202,9 @@ class Store:
     once about each problem.
     """
 
-    def __init__(self, file: Path | None, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, file: Path | None, tell: Callable[[str], None] = lambda _message: None
+    ) -> None:
         self._file = file
         self._tell = tell
         self._guard = threading.RLock()
@@ -220,6 +217,7 @@ class Store:
 
     @property
     def is_kept(self) -> bool:
+        """Whether it outlives the process; False after a problem was reported."""
         return self._in_memory is None
 
     def read(self, work: Callable[[sqlite3.Connection], T]) -> T:
@@ -234,7 +232,8 @@ class Store:
         """Run a write in one transaction. The function may be called more than once."""
 
         def at_once(connection: sqlite3.Connection) -> T:
-            with _transaction(connection):
+            with connection:
+                connection.execute("BEGIN IMMEDIATE")
                 return work(connection)
 
         with self._guard:
@@ -402,15 +401,3 @@ def _identity(file: Path) -> tuple[int, int] | None:
     except OSError:
         return None
     return found.st_dev, found.st_ino
-
-
-@contextlib.contextmanager
-def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    connection.execute("BEGIN IMMEDIATE")
-    try:
-        yield
-        connection.execute("COMMIT")
-    except BaseException:
-        with contextlib.suppress(sqlite3.Error):  # some failures have already rolled back
-            connection.execute("ROLLBACK")
-        raise

@@ -2,35 +2,37 @@
 
 from __future__ import annotations
 
-from logical_robots_tui.world.dynamics import AreaState, RobotState, WorldState
-from logical_robots_tui.world.level import (
-    Area,
-    Beacon,
-    Level,
-    LevelError,
-    Robot,
-    Score,
-    Team,
-    Visibility,
-)
-from logical_robots_tui.world.levels.load import list_arenas, list_levels, list_shipped, load_level
-from logical_robots_tui.world.world import World
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "Area",
-    "AreaState",
-    "Beacon",
-    "Level",
-    "LevelError",
-    "Robot",
-    "RobotState",
-    "Score",
-    "Team",
-    "Visibility",
-    "World",
-    "WorldState",
-    "list_arenas",
-    "list_levels",
-    "list_shipped",
-    "load_level",
-]
+from logical_robots_tui.later import lazy_exports
+
+if TYPE_CHECKING:
+    from logical_robots_tui.world.dynamics import AreaState, RobotState, WorldState
+    from logical_robots_tui.world.level import (
+        Area,
+        Beacon,
+        Level,
+        LevelError,
+        Robot,
+        Score,
+        Team,
+        Visibility,
+    )
+    from logical_robots_tui.world.levels.load import (
+        list_arenas,
+        list_levels,
+        list_shipped,
+        load_level,
+    )
+    from logical_robots_tui.world.world import World
+
+_NAMES = {
+    "dynamics": "AreaState RobotState WorldState",
+    "level": "Area Beacon Level LevelError Robot Score Team Visibility",
+    "levels.load": "list_arenas list_levels list_shipped load_level",
+    "world": "World",
+}
+
+__getattr__ = lazy_exports(
+    __name__, {name: module for module, names in _NAMES.items() for name in names.split()}
+)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 import logical_robots_tui
-from logical_robots_tui.cli import failure, listing
+from logical_robots_tui.cli import command as commands
+from logical_robots_tui.cli import listing
 from logical_robots_tui.cli.main import parser as command_parser
 from logical_robots_tui.wording import join_names
 from tests.cli.running import Command, in_terminal
@@ -204,9 +205,9 @@ def test_where_nothing_can_be_said_the_exit_status_tells(typed: str) -> None:
 def test_what_the_parts_log_is_kept_in_a_file_and_not_printed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(failure, "_log_folder", lambda: tmp_path / "log")
+    monkeypatch.setattr(commands, "_log_folder", lambda: tmp_path / "log")
     log = logging.getLogger("elsewhere")
-    keeper = failure.CrashLog(logging.ERROR)
+    keeper = commands.CrashLog(logging.ERROR)
     log.addHandler(keeper)
     log.error("it stumbled")
     log.removeHandler(keeper)

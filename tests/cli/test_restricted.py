@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.cli.restricted import clear_environment
+from logical_robots_tui.cli.play import clear_environment
 from logical_robots_tui.confinement import MOST_FILES
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.player.open_games import MOST_GAMES
+from logical_robots_tui.player.recovery import MOST_GAMES
 from tests.terminal import Terminal
 from tests.waiting import PATIENCE
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ATTEMPTS = """\
 import ctypes, io, json, os, pathlib, shutil, socket, sqlite3, subprocess, sys
-from logical_robots_tui.cli.restricted import restrict
+from logical_robots_tui.cli.play import restrict
 
 secret, neighbour, own = map(pathlib.Path, sys.argv[1:])
 own.mkdir(parents=True, exist_ok=True)

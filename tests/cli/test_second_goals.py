@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.cli.runs.run import play_out
+from logical_robots_tui.cli.run import play_out
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.world import load_level

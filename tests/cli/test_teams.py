@@ -56,7 +56,7 @@ def test_each_team_is_named_by_order_or_by_name(
 def test_the_result_for_people_names_the_best_first(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("logical_robots_tui.cli.runs.run.prefers_json", lambda _options: False)
+    monkeypatch.setattr("logical_robots_tui.cli.run.prefers_json", lambda _options: False)
     assert main(["run", "match.toml", "off.l", "on.l", "--data-dir", "data"]) == 0
     assert "Hall: after 60 ticks blue " in capsys.readouterr().out
 

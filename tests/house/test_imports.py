@@ -38,7 +38,7 @@ MUST_NOT_LOAD = {
     },
     **{
         f"{LAB}.{part}": {TUI, CLI, EDITING, "logica", "sqlglot", "textual", "rich"} | EXTRAS
-        for part in ("coordinating", "cluster", "local", "reporting", "submissions", "sweeping")
+        for part in ("coordinating", "engines", "reporting", "submissions", "sweeping")
     },
     "logical_robots_tui.tui.app.app": {CLI, LAB, f"{MIND}.sqlite"},
     f"{CLI}.play": {LAB, "msgspec", "multiprocessing"},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from logical_robots_tui.cli.restricted import LIMITS
+from logical_robots_tui.cli.play import LIMITS
 from logical_robots_tui.mind import Limits
 from tests.installed import CHECKOUT
 from tests.mind.hostile.programs import PROGRAMS

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.lab import cluster, coordinating
-from logical_robots_tui.lab.cluster import ClusterEngine
+from logical_robots_tui.lab import coordinating
+from logical_robots_tui.lab import engines as cluster
 from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.engines import ClusterEngine
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command

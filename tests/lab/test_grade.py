@@ -12,10 +12,10 @@ import msgspec
 import pytest
 
 from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.exporting import Table, csv_of
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.grading import grades_of
-from logical_robots_tui.lab.local import LocalEngine
 from logical_robots_tui.lab.submissions import plan_grading
 from tests.cli.running import Command
 from tests.lab.laboratory import program_text

@@ -14,8 +14,7 @@ from hypothesis import given
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.exporting import export_runs
-from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.ledger import Entry, Ledger, LedgerError
+from logical_robots_tui.lab.folder import Entry, Folder, Ledger, LedgerError
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.damage import Change, changed, changes
 from tests.lab.laboratory import write_experiment

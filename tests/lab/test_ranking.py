@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from logical_robots_tui.lab.folder import Manifest, Player
-from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.tournament.ranking import (
-    pair_off,
+from logical_robots_tui.lab.ranking import (
     ranking_of_shares,
     share_of_match,
     share_of_points,
     strengths,
 )
+from logical_robots_tui.lab.running import Result
+from logical_robots_tui.lab.tournament import pair_off
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.lab import local
+from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.exporting import done_runs, export_runs
-from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.ledger import Entry
-from logical_robots_tui.lab.local import LocalEngine
+from logical_robots_tui.lab.folder import Entry, Folder
 from logical_robots_tui.lab.sweeping import plan_sweep
 from tests.cli.running import Command, in_terminal
 from tests.lab.laboratory import deadly, exported, recorded, start, write_experiment
@@ -87,7 +86,7 @@ def test_a_killed_worker_is_replaced(tmp_path: Path) -> None:
 def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(local, "execute", deadly)
+    monkeypatch.setattr(engines, "execute", deadly)
     file = write_experiment(tmp_path, values=(20, 40), starts=3, ticks=20)
     program = tmp_path / "first.l"
     program.write_text(program.read_text() + "# deadly from 2;\n")
@@ -114,20 +113,20 @@ def test_a_run_that_ends_every_worker_is_found_and_not_its_neighbours(
 def test_a_worker_that_says_nothing_is_replaced(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(local, "_GRACE", 0.0)
+    monkeypatch.setattr(engines, "_GRACE", 0.0)
     file = write_experiment(tmp_path, values=(20, 40), starts=1, ticks=60)
     file.write_text(file.read_text() + "[limits]\nseconds = 2\n")
     folder = Folder(tmp_path / "out")
     stopped: list[int] = []
     said: list[str] = []
-    finish = local._Worker.finish
+    finish = engines._Worker.finish
 
-    def noted(worker: local._Worker) -> tuple[object, Answer]:
+    def noted(worker: engines._Worker) -> tuple[object, Answer]:
         key, answer = finish(worker)
         said.append(answer.failure)
         return key, answer
 
-    monkeypatch.setattr(local._Worker, "finish", noted)
+    monkeypatch.setattr(engines._Worker, "finish", noted)
 
     def stop_the_worker() -> None:
         if not stopped and recorded(folder.path) > 0:

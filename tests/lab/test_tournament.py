@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.lab import local
+from logical_robots_tui.lab import engines
 from logical_robots_tui.lab.folder import Folder
-from logical_robots_tui.lab.tournament.ranking import plan_tournament
+from logical_robots_tui.lab.tournament import plan_tournament
 from tests.cli.running import Command
 from tests.lab.laboratory import deadly, exported, recorded, start
 from tests.waiting import until
@@ -259,7 +259,7 @@ def test_hostile_players_get_nothing_from_it(tmp_path: Path, command: Command) -
 def test_a_match_that_ends_every_worker_is_left_out(
     tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(local, "execute", deadly)
+    monkeypatch.setattr(engines, "execute", deadly)
     programs = {name: drives(speed) for name, speed in PLAYERS.items()}
     programs["still"] += "# deadly from 1;\n"
     arena, players = write_arena(tmp_path, programs)

@@ -10,7 +10,9 @@ import pytest
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import robustness, source
 from logical_robots_tui.game.robustness import LateError, Played
-from logical_robots_tui.player.continuing import daily_level, level_to_begin_with, note_level
+from logical_robots_tui.player.library import daily_level
+from logical_robots_tui.player.opening import level_to_begin_with
+from logical_robots_tui.player.recorder import note_level
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.world import load_level
 from logical_robots_tui.world.levels.labyrinths import DAILY_SIZES, Daily

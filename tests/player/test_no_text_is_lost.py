@@ -14,10 +14,9 @@ from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, rule
 
 from logical_robots_tui.game import level_key
 from logical_robots_tui.player import drafts as drafts_module
-from logical_robots_tui.player.autosave import Autosave, UnsavedText, program_draft
-from logical_robots_tui.player.continuing import programs_to_begin_with
-from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.library import Library
+from logical_robots_tui.player.opening import programs_to_begin_with
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.world import load_level
 
@@ -124,7 +123,7 @@ class Session:
             self.autosave.stop()
             self.drafts.close()
         elif self.drafts._lock is not None:
-            drafts_module._release(self.drafts._lock)
+            drafts_module.release(self.drafts._lock)
         await self.recorder.close()
 
     async def at_hand(self) -> set[str]:

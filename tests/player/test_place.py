@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.player.continuing import Place
+from logical_robots_tui.player.recovery import Place
 
 texts = st.text(st.characters(codec="utf-8"))
 teams = st.dictionaries(texts, texts, min_size=1, max_size=3)

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.game import load_program
 from logical_robots_tui.mind import Program
-from logical_robots_tui.player.background import Background
 from logical_robots_tui.player.drafts import Drafts
 from logical_robots_tui.player.recorder import ProgressRecorder
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import SessionListener
+from logical_robots_tui.player.session_state import Background, SessionListener
 from logical_robots_tui.progress import FILE_NAME, Progress
 from logical_robots_tui.tui.app.ui import Dialogs
 from logical_robots_tui.tui.level_editor.controller import LevelController

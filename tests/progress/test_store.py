@@ -281,7 +281,7 @@ def test_a_full_disk_is_told_once_and_the_game_goes_on(file: Path) -> None:
 def test_a_database_that_may_not_grow_is_a_full_disk(file: Path, told: list[str]) -> None:
     progress = Progress(file, told.append)
     progress.keep("level", "before")
-    connection = progress._store._connection
+    connection = progress._connection
     assert connection is not None
     connection.execute("PRAGMA max_page_count = 1")  # SQLite takes the present size for it
     progress.keep("level", "x" * 100_000)

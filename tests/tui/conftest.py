@@ -16,7 +16,7 @@ from textual.css.stylesheet import Stylesheet
 from textual.document._history import EditHistory
 
 from logical_robots_tui.game import Source, load_program, measuring
-from logical_robots_tui.player.session_state import Opening
+from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.tui.inspector import pane as inspector_pane
 from logical_robots_tui.tui.inspector.pane import InspectorPane

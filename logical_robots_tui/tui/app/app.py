@@ -38,7 +38,7 @@ from logical_robots_tui.tui.terminal.textual_internals import KeyQueue
 from logical_robots_tui.tui.theme.themes import NIGHT, colours_in
 
 if TYPE_CHECKING:
-    from logical_robots_tui.player.session_state import Opening
+    from logical_robots_tui.player.opening import Opening
 
 _COMPLAINTS = 3  # of the configuration that are told; `logical-robots config` tells all
 _LOOK_FOR_WISHES = 1.0  # seconds between looks whether another game wants this one to end

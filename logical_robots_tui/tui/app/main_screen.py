@@ -15,9 +15,9 @@ from textual.widget import Widget
 from textual.widgets import Input, Static, TextArea
 
 from logical_robots_tui.game import Frame
-from logical_robots_tui.player.autosave import leave
-from logical_robots_tui.player.player import Player
-from logical_robots_tui.player.session_state import Opening, SessionListener
+from logical_robots_tui.player.drafts import leave
+from logical_robots_tui.player.opening import Opening, Player
+from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi

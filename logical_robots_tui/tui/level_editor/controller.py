@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import is_shipped
-from logical_robots_tui.player.autosave import Autosave
-from logical_robots_tui.player.drafts import Draft, Drafts, Key
+from logical_robots_tui.player.drafts import Autosave, Draft, Drafts, Key
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import one_line
 from logical_robots_tui.world import Level, LevelError, load_level

@@ -24,8 +24,8 @@ from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
+    from logical_robots_tui.player.opening import Permissions
     from logical_robots_tui.player.session import Session
-    from logical_robots_tui.player.session_state import Permissions
     from logical_robots_tui.tui.app.ui import Dialogs
     from logical_robots_tui.tui.program.pane import ProgramPane
 

@@ -33,37 +33,6 @@ from logical_robots_tui.tui.terminal.textual_internals import HangingDocument, h
 from logical_robots_tui.tui.theme.themes import INK, SYNTAX, rich_style
 from logical_robots_tui.wording import visible
 
-
-def follow_rows(
-    rows: Sequence[int], before: Sequence[str], after: Sequence[str]
-) -> list[int | None]:
-    """Return new line numbers after a change, all from 0, or None for lines that are gone.
-
-    A changed line keeps its number, unless lines were added or removed at the same place.
-    """
-    same, most = 0, min(len(before), len(after))
-    while same < most and before[same] == after[same]:
-        same += 1
-    most -= same
-    tail = 0
-    while tail < most and before[-1 - tail] == after[-1 - tail]:
-        tail += 1
-    grown = len(after) - len(before)
-    changed = len(before) - tail - same
-
-    def new(row: int) -> int | None:
-        if row < same:
-            return row
-        if row >= same + changed:
-            return row + grown
-        if grown == 0:
-            return row
-        was_split, was_joined = changed == 1 and grown > 0, changed + grown == 1
-        return same if was_split or was_joined else None
-
-    return [new(row) for row in rows]
-
-
 WIDTH = 2
 """Columns of an indentation step."""
 

@@ -14,8 +14,8 @@ from textual.widgets import Static, TextArea
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.layout.command_bar import Labels, RobotChosen
 from logical_robots_tui.tui.program.completion import call_before, definitions, help_on
-from logical_robots_tui.tui.program.editor import Editor, follow_rows
-from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip, mark_of
+from logical_robots_tui.tui.program.editor import Editor
+from logical_robots_tui.tui.program.mistakes import Mark, MistakeStrip, follow_rows, mark_of
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level

@@ -95,7 +95,7 @@ def _hanging_offsets(text: str, width: int, *about: Any, **more: Any) -> list[in
 
 def hang_wrapped_lines() -> None:
     """Let text areas indent the further rows of wrapped lines; they draw them themselves."""
-    _wrapped_document.compute_wrap_offsets = _hanging_offsets  # type: ignore[attr-defined]
+    _wrapped_document.compute_wrap_offsets = _hanging_offsets  # type: ignore[attr-defined] # too
     _text_area.WrappedDocument = HangingDocument  # type: ignore[attr-defined] # where it is made
 
 

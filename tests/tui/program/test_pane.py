@@ -10,7 +10,7 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.mind import Program
-from logical_robots_tui.player.session_state import Permissions
+from logical_robots_tui.player.opening import Permissions
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import PAPER, STILL, WRONG, opened
 from tests.virtual_time import virtual_loop
@@ -192,7 +192,7 @@ async def test_the_text_that_the_robots_think_with_overtakes_one_that_is_compile
 
     async with opened(data_dir, text=STILL) as game:
         await game.ready()
-        monkeypatch.setattr("logical_robots_tui.player.session.compile_program", compile_slowly)
+        monkeypatch.setattr("logical_robots_tui.game.compile_program", compile_slowly)
         await game.write(PAPER)
         await game.until(begun.is_set)
         await game.press("2", "ctrl+z", "ctrl+r")

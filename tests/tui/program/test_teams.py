@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.game.source import Source
 from logical_robots_tui.player.drafts import Draft
-from logical_robots_tui.player.session_state import Opening
+from logical_robots_tui.player.opening import Opening
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.world import load_level
 from tests.game.test_teams import MATCH

@@ -10,8 +10,8 @@ from rich.style import Style
 from textual.strip import Strip
 
 from logical_robots_tui.mind import Diagnostic
-from logical_robots_tui.tui.program.editor import follow_rows, indentation_after, shift_lines
-from logical_robots_tui.tui.program.mistakes import mark_of, sign
+from logical_robots_tui.tui.program.editor import indentation_after, shift_lines
+from logical_robots_tui.tui.program.mistakes import follow_rows, mark_of, sign
 from tests.mind.hostile.bounds import bounded_work
 
 LINES = st.lists(st.sampled_from("abc"), max_size=6)

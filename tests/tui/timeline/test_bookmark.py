@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from logical_robots_tui.player.continuing import Place, place_of
 from logical_robots_tui.player.drafts import Drafts
+from logical_robots_tui.player.recovery import Place, place_of
 from logical_robots_tui.tui.layout.dialogs import Question
 from tests.game.playing import BACKWARDS, COUNTER
 from tests.short import AHEAD

@@ -10,8 +10,7 @@ import pytest
 from logical_robots_tui.cli.main import main
 from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
-from logical_robots_tui.player.opening import level_of, sources_of
-from logical_robots_tui.player.session_state import Opening
+from logical_robots_tui.player.opening import Opening, level_of, sources_of
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD

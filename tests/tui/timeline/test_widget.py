@@ -246,8 +246,8 @@ async def test_a_run_stops_at_a_breakpoint_and_says_at_which(data_dir: Path, sho
         await game.sees("Stopped at tick 13. Near has rows")
         await game.until(lambda: '◉ "Pip"' in line(game))
         await game.press("space")
-        await game.until(lambda: game.session.won_at is not None)
-        await game.press("left_curly_bracket")
+        await game.sees("Again")
+        await game.press("escape", "left_curly_bracket")
         await game.until(lambda: game.tick == 13)
 
 

@@ -9,83 +9,46 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from logical_robots_tui.cli.command import (
-    Commands,
-    add_data_dir,
-    add_no_solutions,
-    add_programs,
-    add_start,
-    finite,
-    harmless,
-    named_programs,
-    new_command,
-    new_group,
-    number_from,
-)
-from logical_robots_tui.cli.level import add_force, refuse_existing, write
-from logical_robots_tui.cli.runs.common import open_run, progress_bar
+from logical_robots_tui import game
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import harmless, named_programs, print_json, progress_bar
+from logical_robots_tui.cli.level import refuse_existing, write
+from logical_robots_tui.cli.run import open_run
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.wording import count_of
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import Replay, Verifier
 
 SAME, DIFFERENT = 0, 3
 DEFAULT_TICKS = 5000
 
-EPILOG = """\
-examples:
+command.group(
+    "replay",
+    "record a run in a file, play it again, verify it and show it",
+    """\
   logical-robots replay record 01-first-steps first-steps -o first.replay
   logical-robots replay play first.replay
   logical-robots replay verify first.replay
   logical-robots replay show first.replay --svg first.svg
+""",
+)
 
-`logical-robots replay COMMAND --help` explains a command.
-"""
-
-
-def declare(commands: Commands) -> None:
-    summary = "record a run in a file, play it again, verify it and show it"
-    inner = new_group(commands, "replay", summary=summary, epilog=EPILOG)
-    _declare_record(inner)
-    play = new_command(inner, "play", _play)
-    play.add_argument("replay", type=Path, metavar="FILE", help="a replay")
-    add_data_dir(play)
-    add_no_solutions(play)
-    verify = new_command(inner, "verify", _verify)
-    verify.add_argument("replay", type=Path, metavar="FILE", help="a replay")
-    verify.add_argument("--json", action="store_true", help="print JSON")
-    show = new_command(inner, "show", _show)
-    show.add_argument("replay", type=Path, metavar="FILE", help="a replay")
-    form = show.add_mutually_exclusive_group()
-    form.add_argument("--svg", type=Path, metavar="OUT", help="write a drawing")
-    form.add_argument("--json", action="store_true", help="print all of it as JSON")
+_REPLAY = command.option("replay", "FILE", "a replay", type=Path)
 
 
-def _declare_record(commands: Commands) -> None:
-    command = new_command(commands, "record", _record)
-    command.add_argument("level", metavar="LEVEL", help="a level's name or file")
-    add_programs(command)
-    command.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FILE", help="to write"
-    )
-    command.add_argument(
-        "--ticks",
-        type=number_from(1),
-        default=DEFAULT_TICKS,
-        metavar="N",
-        help="end after this many ticks (default: %(default)s)",
-    )
-    add_start(command)
-    command.add_argument(
-        "--no-programs", action="store_true", help="leave the text of the program out"
-    )
-    add_force(command)
-    add_data_dir(command)
-    add_no_solutions(command)
-
-
+@command.declare(
+    "replay record",
+    command.LEVEL,
+    command.programs(),
+    command.option("-o --output", "FILE", "to write", type=Path, required=True),
+    command.number("--ticks", command.number_from(1), DEFAULT_TICKS, "end after this many ticks"),
+    command.START,
+    command.flag("--no-programs", "leave the text of the program out"),
+    command.FORCE,
+    command.DATA_DIR,
+    command.NO_SOLUTIONS,
+)
 def _record(options: argparse.Namespace) -> int:
     """run a program and record the run
 
@@ -99,7 +62,6 @@ def _record(options: argparse.Namespace) -> int:
     exit status: 0 recorded, 2 bad level or program, or the file can't be written
     """
     from logical_robots_tui.editing.level_text import write_native
-    from logical_robots_tui.game import Game
     from logical_robots_tui.game.replay import MOST_TICKS, gather
 
     if options.ticks > MOST_TICKS:
@@ -108,17 +70,17 @@ def _record(options: argparse.Namespace) -> int:
     level, program = open_run(options)
 
     async def run() -> Replay:
-        game = Game(level, program, history=options.ticks)
+        playing = game.Game(level, program, history=options.ticks)
         try:
             with progress_bar(level.title, options.ticks) as show:
-                game.listen(lambda frame: show(frame.tick))
-                await game.run_until(tick=options.ticks)
+                playing.listen(lambda frame: show(frame.tick))
+                await playing.run_until(tick=options.ticks)
             name = "-".join(Path(each).stem for each in named_programs(options))
             return await gather(
-                game.history, write_native, lambda _: name, with_programs=not options.no_programs
+                playing.history, write_native, lambda _: name, with_programs=not options.no_programs
             )
         finally:
-            await game.close()
+            await playing.close()
 
     replay = asyncio.run(run())
     content = replay.to_bytes()
@@ -131,6 +93,7 @@ def _ticks(replay: Replay) -> str:
     return count_of(replay.last - replay.first, "tick")
 
 
+@command.declare("replay play", _REPLAY, command.DATA_DIR, command.NO_SOLUTIONS)
 def _play(options: argparse.Namespace) -> int:
     """open a replay in the game
 
@@ -147,6 +110,7 @@ def _play(options: argparse.Namespace) -> int:
     return play_replay(options, load_replay(options.replay))
 
 
+@command.declare("replay verify", _REPLAY, command.JSON)
 def _verify(options: argparse.Namespace) -> int:
     """compute a replay again and compare
 
@@ -176,19 +140,26 @@ def _verify(options: argparse.Namespace) -> int:
 
 async def _compute(replay: Replay) -> Verifier:
     """Compute a replay to its end and compare; raise ProgramError if a program is wrong."""
-    from logical_robots_tui.game import Game, compile_program
     from logical_robots_tui.game.replay import play_into
 
-    programs = [await compile_program(texts) for texts in replay.programs.values()]
-    game: Game = Game(replay.levels[0], programs[0], history=replay.last)
+    programs = [await game.compile_program(texts) for texts in replay.programs.values()]
+    playing = game.Game(replay.levels[0], programs[0], history=replay.last)
     try:
         with progress_bar(replay.levels[0].title, replay.last) as show:
-            game.listen(lambda frame: show(frame.tick))
-            return await play_into(game, replay, programs, game.use)
+            playing.listen(lambda frame: show(frame.tick))
+            return await play_into(playing, replay, programs, playing.use)
     finally:
-        await game.close()
+        await playing.close()
 
 
+@command.declare(
+    "replay show",
+    _REPLAY,
+    command.one_of(
+        command.option("--svg", "OUT", "write a drawing", type=Path),
+        command.flag("--json", "print all of it as JSON"),
+    ),
+)
 def _show(options: argparse.Namespace) -> int:
     """print what is in a replay, or draw where the robots drove
 
@@ -210,7 +181,7 @@ def _show(options: argparse.Namespace) -> int:
         write(options.svg, svg(replay.levels[-1], paths=_paths(replay)))
         print(harmless(f"Wrote {options.svg}."))
     elif options.json:
-        print(json.dumps(finite(_as_json(replay)), indent=2))
+        print_json(_as_json(replay))
     else:
         print(*(harmless(line) for line in _lines(replay)), sep="\n")
     return SAME

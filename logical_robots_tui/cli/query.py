@@ -1,0 +1,316 @@
+"""``logical-robots query``, ``when``, ``diagnose``: questions about a run, and likely mistakes."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import shutil
+import sys
+import textwrap
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from logical_robots_tui import game, mind, world
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import (
+    UNRELIABLE,
+    ProgramFileError,
+    columns,
+    cut,
+    harmless,
+    line_of_json,
+    prefers_json,
+    progress_bar,
+)
+from logical_robots_tui.cli.run import (
+    SOON,
+    frame_at,
+    of_run,
+    open_run,
+    run_shown,
+    show,
+)
+from logical_robots_tui.values import spell
+
+if TYPE_CHECKING:
+    from logical_robots_tui.explain.diagnosis.telling import Finding
+    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
+
+FOUND, NOTHING = 0, 1
+DEFAULT_TICKS, TICKS_TO_SCAN = 5000, 3000
+NARROWEST, WIDEST = 40, 96  # columns of a diagnosis
+
+_WIDEST_CELL = 60  # characters of a value in a table
+
+
+@contextmanager
+def _mistakes_in(what: str) -> Iterator[None]:
+    try:
+        yield
+    except mind.ProgramError as error:
+        raise ProgramFileError(what, error) from error
+
+
+@command.declare(
+    "query",
+    of_run(first_tick=0, robot="only rows in this robot's mind"),
+    command.option("query", "QUERY", "a call, an expression, or whole rules"),
+)
+def query(options: argparse.Namespace) -> int:
+    """query one tick of a run
+
+    Run a program to a tick, then answer a query in Logica about that tick.
+
+    examples:
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 90 Robot
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 110 \\
+        'Next(robot_name: "Crow", ray:)'
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
+        'Drive("Crow").left_engine + 1'
+      logical-robots query 06-breadcrumbs breadcrumbs --tick 90 \\
+        'Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 40'
+
+    exit status: 0 rows found, 1 no rows, 2 bad level, program or query
+    """
+    level, program = open_run(options)
+    with _mistakes_in("query"):
+        table = asyncio.run(_ask(level, program, options.query, options.tick))
+    has_minds = bool(table.viewers)
+    table = table.in_mind_of(options.robot)
+    if prefers_json(options):
+        data = {
+            "tick": options.tick,
+            "columns": table.columns,
+            "rows": table.rows,
+            "minds": table.viewers if has_minds else None,
+            "truncated": table.truncated,
+        }
+        print(line_of_json(data))
+    elif table.rows:
+        print(*table_lines(table), sep="\n")
+    else:
+        print("No rows.", file=sys.stderr)
+    return FOUND if table.rows else NOTHING
+
+
+def table_lines(table: mind.Table) -> list[str]:
+    rows = [tuple(cut(spell(value), _WIDEST_CELL) for value in row) for row in table.rows]
+    head = table.columns
+    if table.viewers:
+        head = ("IN THE MIND OF", *head)
+        rows = [(viewer, *row) for viewer, row in zip(table.viewers, rows, strict=True)]
+    return columns([head, *rows])
+
+
+async def _ask(level: world.Level, program: mind.Program, query: str, tick: int) -> mind.Table:
+    await asyncio.to_thread(program.question, query)  # reports mistakes before the run
+    frame = await frame_at(level, program, tick)
+    inquiry = game.Inquiry(level)
+    try:
+        return await inquiry.ask(program, query, frame)
+    finally:
+        await inquiry.close()
+
+
+@command.declare(
+    "when",
+    of_run(
+        ticks=(DEFAULT_TICKS, "stop after this many ticks"), robot="only rows in this robot's mind"
+    ),
+    command.option("question", "QUESTION", "a call, an expression, conditions, or whole rules"),
+)
+def when(options: argparse.Namespace) -> int:
+    """find the ticks of a run in which something holds
+
+    Ask a question in Logica at every tick of a run, and print where it holds.
+
+    examples:
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 Fresh
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+        'Fresh(robot_name: "Crow")'
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 --robot Crow \\
+        'Sensor(sensor:), sensor.forward_distance < 30'
+      logical-robots when 06-breadcrumbs breadcrumbs --ticks 300 \\
+        'Drive("Crow").left_engine > 1'
+
+    A question is anything that query accepts. It holds in the ticks in which it has
+    rows; an expression holds where it is not null, false or 0. The run ends at
+    victory, or after N ticks.
+
+    exit status: 0 found, 1 it never holds, 2 bad level, program or question
+    """
+    level, program = open_run(options)
+    with _mistakes_in("question"):
+        question = program.question(options.question)
+    found = asyncio.run(_search(level, program, question, options))
+    if found.failed_in == found.ticks:
+        raise mind.QueryError(f"It failed in every tick: {found.reason}")
+    show(options, _data(options.question, found), _lines(options.question, found))
+    return FOUND if found.stretches else NOTHING
+
+
+async def _search(
+    level: world.Level, program: mind.Program, question: mind.Question, options: argparse.Namespace
+) -> game.Matches:
+    async with run_shown(level, program, options.ticks) as (run, show):
+        return await game.find_matches(run, question, options.ticks, options.robot or "", show)
+
+
+def _lines(question: str, found: game.Matches) -> list[str]:
+    extent = f"{found.ticks} tick{'' if found.ticks == 1 else 's'}"
+    extent += ", up to victory" if found.won_at is not None else ""
+    lines = []
+    if stretches := found.stretches:
+        first, last = stretches[0][0], stretches[-1][1]
+        rows = [(str(start), str(end), str(end - start + 1)) for start, end in stretches]
+        lines += [
+            f"{harmless(question)}",
+            f"holds in {found.holds_in} of {extent}: first in tick {first}, last in tick {last}.",
+            "",
+            *columns([("FROM", "TO", "TICKS"), *rows]),
+        ]
+    else:
+        lines.append(f"{harmless(question)} never holds in {extent}.")
+    if found.failed:
+        (first, last), *more = found.failed
+        where = f"tick {first}" if first == last else f"ticks {first} to {last}"
+        others = f" and in {found.failed_in - (last - first + 1)} more" if more else ""
+        lines += ["", f"It failed in {where}{others}: {harmless(found.reason)}"]
+    if not found.is_reliable:
+        lines += ["", UNRELIABLE]
+    return lines
+
+
+def _data(question: str, found: game.Matches) -> dict[str, Any]:
+    stretches = found.stretches
+    return {
+        "question": question,
+        "ticks": found.ticks,
+        "won_at": found.won_at,
+        "first": stretches[0][0] if stretches else None,
+        "last": stretches[-1][1] if stretches else None,
+        "holds_in": found.holds_in,
+        "stretches": stretches,
+        "failed_in": found.failed,
+        "failure": found.reason or None,
+        "reliable": found.is_reliable,
+    }
+
+
+@command.declare(
+    "diagnose", of_run(ticks=(TICKS_TO_SCAN, "stop after this many ticks, or at victory"))
+)
+def diagnose(options: argparse.Namespace) -> int:
+    """scan a whole run for likely mistakes
+
+    Run a program, watch all its rules and conditions, and print what stands out.
+
+    examples:
+      logical-robots diagnose 06-breadcrumbs breadcrumbs --ticks 300
+      logical-robots diagnose 01-first-steps first-steps --json | jq .findings
+
+    Warnings come first. A note may well be intended. Ctrl+C ends the search, and
+    what was found by then is printed.
+
+    exit status: 0 no warnings, 1 warnings, 2 bad level or program
+    """
+    level, program = open_run(options)
+    printer = Printer(is_silent=prefers_json(options))
+    found = asyncio.run(_diagnose(level, program, options.ticks, printer))
+    if prefers_json(options):
+        print(line_of_json(_diagnosis(found)))
+    else:
+        printer.finish(found)
+    return int(any(each.severity == "warning" for each in found.findings))
+
+
+async def _diagnose(
+    level: world.Level, program: mind.Program, ticks: int, printer: Printer
+) -> Diagnosis:
+    from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
+
+    async with run_shown(level, program, ticks) as (run, ran):
+        with progress_bar("Examining", ticks, after=SOON) as report:
+            try:
+                return await diagnose_run(run, ticks, ran=ran, report=report, show=printer.show)
+            except asyncio.CancelledError:
+                if printer.found is None:
+                    raise
+                return printer.found  # interrupted
+
+
+class Printer:
+    """Prints findings as soon as they are sure."""
+
+    def __init__(self, *, is_silent: bool) -> None:
+        self._is_silent = is_silent
+        self._has_begun = False
+        self._printed = 0
+        self.found: Diagnosis | None = None
+
+    def show(self, found: Diagnosis) -> None:
+        self.found = found
+        if not self._is_silent and found.sure:
+            self._print(found, found.findings[: found.sure])
+
+    def finish(self, found: Diagnosis) -> None:
+        from logical_robots_tui.game.diagnosis.diagnosing import shortcomings
+
+        self._print(found, found.findings)
+        if not found.findings:
+            print("Nothing stands out.")
+        if left := shortcomings(found).strip():
+            print("", *textwrap.wrap(left, _width()), sep="\n")
+
+    def _print(self, found: Diagnosis, findings: Sequence[Finding]) -> None:
+        from logical_robots_tui.game.diagnosis.diagnosing import ticks_of
+
+        if not self._has_begun:
+            self._has_begun = True
+            print(ticks_of(found))
+        for each in findings[self._printed :]:
+            print("", *_finding_lines(each), sep="\n", flush=True)
+            self._printed += 1
+
+
+def _width() -> int:
+    return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 0)).columns))
+
+
+def _finding_lines(each: Finding) -> Iterator[str]:
+    line = f"line {each.span.line}" if each.span is not None else "the run"
+    head = f"{each.severity}, {line}, tick {each.tick}: "
+    said = harmless(f"{each.message} {each.hint}")
+    yield from textwrap.wrap(f"{head}{said}", _width(), subsequent_indent="  ")
+    if each.others:
+        lines = ", ".join(dict.fromkeys(str(span.line) for span in each.others))
+        yield f"  See also line{'s' if ',' in lines else ''} {lines}."
+
+
+def _diagnosis(found: Diagnosis) -> dict[str, Any]:
+    return {
+        "first": found.first,
+        "last": found.last,
+        "won_at": found.won_at,
+        "looked_at_every": found.step,
+        "looked_for_what_never_happened_every": found.second_step,
+        "left_out": found.left_out,
+        "reliable": found.is_reliable,
+        "examined": found.examined,
+        "findings": [_finding(each) for each in found.findings],
+    }
+
+
+def _finding(each: Finding) -> dict[str, Any]:
+    return {
+        "severity": each.severity,
+        "kind": each.kind,
+        "line": each.span.line if each.span else None,
+        "text": each.span.text if each.span else None,
+        "tick": each.tick,
+        "robot": each.robot or None,
+        "message": each.message,
+        "hint": each.hint,
+        "see_also": list(dict.fromkeys(span.line for span in each.others)),
+    }

@@ -1,0 +1,420 @@
+"""``logical-robots why`` and ``origin``: which rules made a decision, and where a value is from."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import shlex
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from logical_robots_tui import explain, game, mind, world
+from logical_robots_tui.cli import command
+from logical_robots_tui.cli.command import ProgramFileError, cut, harmless
+from logical_robots_tui.cli.run import check_name, frame_at, of_run, open_run, run_shown, show
+from logical_robots_tui.values import Value, read_value, spell
+
+if TYPE_CHECKING:
+    from logical_robots_tui.explain.why.nearest import Suggestion
+    from logical_robots_tui.explain.why.sources import Path, Source
+
+GAVE, GAVE_NOT = 0, 1
+WIDEST = 100  # columns, of an explanation if the terminal's width is unknown
+DEEPEST = 100  # predicates in a proof
+
+_LONGEST = 150  # characters of a command that is proposed
+_LONGEST_VALUE = 40
+_LONGEST_ORIGIN = 60  # characters of a value that is traced back
+_MOST_VALUES = 5  # in a line; --json has more
+
+
+def _column_value(text: str) -> tuple[str, Any]:
+    column, sign, value = text.partition("=")
+    if not sign or not column:
+        raise argparse.ArgumentTypeError(f"{text!r} is not COLUMN=VALUE")
+    try:
+        return column, read_value(value)
+    except ValueError:
+        return column, value
+
+
+_OF_ROW = (
+    of_run(first_tick=1, robot="in whose mind", needs_robot=True),
+    command.option(
+        "--predicate",
+        "P",
+        "the predicate, or one with values as in Logica (default: %(default)s)",
+        default="Robot",
+    ),
+    command.option(
+        "--given",
+        "COLUMN=VALUE",
+        "only rows with this value, as JSON; for functions: an argument",
+        type=_column_value,
+        action="append",
+        default=[],
+    ),
+    command.option("--within", "P", "within the rules of P, defined with ':='", default=""),
+)
+
+
+@command.declare(
+    "why",
+    *_OF_ROW,
+    command.flag("--tree", "the whole proof, down to what was sensed"),
+    command.option(
+        "--depth",
+        "N",
+        "with --tree: the most nested predicates to show",
+        type=command.number_from(1),
+        default=DEEPEST,
+    ),
+)
+def why(options: argparse.Namespace) -> int:
+    """explain why a robot did what it did, or why not
+
+    Run a program to a tick, then explain for each rule which parts of it held.
+
+    examples:
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow --tree
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
+        --predicate Next
+      logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
+        --predicate 'Steer(0.5)'
+
+    A row is explained by one derivation. For each rule without a row you see the
+    first condition that failed, and a single change that would have produced a row.
+    + holds, - does not. --tree follows every call, down to what was sensed and
+    remembered.
+
+    exit status: 0 there is a row, 1 there is none, 2 bad level, program or name
+    """
+    level, program = open_run(options)
+    asked = read_row(program, options.predicate, dict(options.given), options.within)
+    answer = asyncio.run(_ask(level, program, asked, options))
+    data = {
+        **_data(answer.explanation, options.tick, program),
+        "tree": [_node(node, program) for node in answer.nodes],
+        "nearest": [_suggestion(*each) for each in answer.nearest],
+    }
+    more = () if answer.complete else ("", "This is not complete; a larger --depth shows more.")
+    show(options, data, (*answer_lines(answer, program, options.tick), *more))
+    return GAVE if answer.explanation.rows else GAVE_NOT
+
+
+def read_row(
+    program: mind.Program, predicate: str, given: Mapping[str, Value] = {}, within: str = ""
+) -> explain.Ask:
+    """Return the question; raise InputError, ProgramFileError or QueryError."""
+    from logical_robots_tui.explain.why.explainer import read_ask
+    from logical_robots_tui.explain.why.probing import decompose
+
+    own = [predicate.name for predicate in program.predicates if predicate.kind == "program"]
+    name = predicate.partition("(")[0].strip()
+    if program.predicate(name) is None:
+        check_name("predicate", name, own)
+    if name == predicate:
+        decompose(program, name, within)  # refuses before the run
+        return explain.Ask(name, given, within)
+    try:
+        asked = read_ask(program, predicate, within)
+    except mind.ProgramError as error:
+        raise ProgramFileError("predicate", error) from error
+    return replace(asked, given={**asked.given, **given})
+
+
+class Answer(NamedTuple):
+    """An explanation with its nodes, or those of the whole proof, whether they are complete.
+
+    `nearest` are suggestions with the lines of the rules.
+    """
+
+    explanation: explain.Explanation
+    nodes: tuple[explain.Node, ...]
+    is_tree: bool = False
+    complete: bool = True
+    nearest: Sequence[tuple[int, Suggestion]] = ()
+
+
+async def _ask(
+    level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+) -> Answer:
+    inquiry = game.Inquiry(level)
+    try:
+        frame, _ = await asyncio.gather(
+            frame_at(level, program, options.tick), inquiry.prepare(program, asked)
+        )
+        depth = options.depth if options.tree else 0
+        return await answer(inquiry, program, options.robot, frame, asked, depth)
+    finally:
+        await inquiry.close()
+
+
+async def answer(
+    inquiry: game.Inquiry,
+    program: mind.Program,
+    robot: str,
+    frame: game.Frame,
+    asked: explain.Ask,
+    depth: int = 0,
+) -> Answer:
+    """Explain a row, with a depth by its whole proof; raise QueryError."""
+    if depth:
+        proof = await inquiry.proof(program, robot, frame, asked, depth=depth)
+        return Answer(proof.explanation, proof.nodes, is_tree=True, complete=not proof.is_cut)
+    explanation = await inquiry.why(program, robot, frame, asked)
+    nearest: Sequence[tuple[int, Suggestion]] = ()
+    if any(rule.rows == 0 for rule in explanation.rules):
+        nearest = await inquiry.nearest(program, robot, frame, asked)
+    return Answer(explanation, explanation.nodes, nearest=nearest)
+
+
+def option_of(ask: explain.Ask) -> str:
+    from logical_robots_tui.explain.why.spelling import spell_call
+
+    within = f" --within {ask.within}" if ask.within else ""
+    return f"--predicate {shlex.quote(spell_call(ask))}{within}"
+
+
+def answer_lines(
+    found: Answer,
+    program: mind.Program,
+    tick: int,
+    *,
+    more: str = "For more, add --tree",
+    command: Callable[[explain.Ask], str] = option_of,
+) -> Iterator[str]:
+    """Yield an answer in lines; `more` and `command` say how to see more of it."""
+    wide = shutil.get_terminal_size((WIDEST, 0)).columns
+    explanation = found.explanation
+    yield f"{explanation.asked.predicate} for {harmless(explanation.robot)} at tick {tick}"
+    if explanation.made_from:
+        yield f"  is made from {explanation.made_from}; these are its rules"
+    lines = [line for node in found.nodes for line in node.walk()]
+    for depth, node in lines:
+        yield _line(depth, node, wide)
+    if not found.is_tree:
+        asked = (_without_long_values(node.asked, program) for _, node in lines if node.asked)
+        deeper = dict.fromkeys(harmless(command(ask)) for ask in asked)
+        short = [f"  {each}" for each in deeper if len(each) <= _LONGEST]
+        if deeper:
+            yield from ("", f"{more}{' or one of:' if short else '.'}", *short)
+    yield from _nearest(found.nearest)
+
+
+def _nearest(found: Sequence[tuple[int, Suggestion]]) -> Iterator[str]:
+    for rule in dict.fromkeys(line for line, _ in found):
+        sentences = [each.text for line, each in found if line == rule]
+        what = "This change" if len(sentences) == 1 else "Each of these changes"
+        yield from ("", f"{what} would give the rule in line {rule} a row:")
+        yield from (harmless(f"  {sentence}") for sentence in sentences)
+
+
+def _suggestion(rule: int, each: Suggestion) -> dict[str, Any]:
+    return {
+        "rule": rule,
+        "line": each.span.line,
+        "text": each.span.text,
+        "change": each.change,
+        "said": each.text,
+    }
+
+
+def _without_long_values(ask: explain.Ask, program: mind.Program) -> explain.Ask:
+    """Return a question without long values that need not be given."""
+    known = program.predicate(ask.predicate)
+    if known is None or not known.has_rows:
+        return ask
+    given = {c: v for c, v in ask.given.items() if len(spell(v, _LONGEST)) <= _LONGEST_VALUE}
+    return replace(ask, given=given)
+
+
+def _line(depth: int, node: explain.Node, wide: int) -> str:
+    mark = {True: "+", False: "-", None: " "}[node.holds]
+    before = f"{'  ' * depth}{mark} "
+    place = f"line {node.span.line}: " if node.kind == "rule" and node.span is not None else ""
+    said = f"  ({node.said})" if node.said else ""
+    shown = node.values[:_MOST_VALUES]
+    values = [*map(spell, shown)]
+    if more := len(node.values) - len(shown) + node.more:
+        values.append(f"{more} more")
+    told = f" = {' or '.join(values)}" if values else ""
+    room = max(20, wide - len(before) - len(place) - len(said) - min(len(told), wide // 2))
+    whole, wide = f"{before}{place}{cut(harmless(node.text), room)}", max(wide, 40)
+    return cut(f"{whole}{cut(told, wide - len(whole) - len(said))}{said}", wide)
+
+
+def _data(explanation: explain.Explanation, tick: int, program: mind.Program) -> dict[str, Any]:
+    return {
+        "tick": tick,
+        "robot": explanation.robot,
+        "predicate": explanation.asked.predicate,
+        "made_from": explanation.made_from or None,
+        "rows": explanation.rows,
+        "row": explanation.row and _labelled(explanation.asked.predicate, explanation.row, program),
+        "rules": [
+            {
+                "line": rule.span.line,
+                "text": rule.span.text,
+                "rows": rule.rows,
+                "gives_row": rule.row is not None,
+                "stopped_by": rule.stopped_by and rule.stopped_by.text,
+                "stopped_at_line": rule.stopped_by
+                and rule.stopped_by.span
+                and rule.stopped_by.span.line,
+            }
+            for rule in explanation.rules
+        ],
+    }
+
+
+def _labelled(predicate: str, row: Mapping[str, Value], program: mind.Program) -> dict[str, Value]:
+    labels = program.labels.get(predicate, {})
+    return {labels.get(column, column): value for column, value in row.items()}
+
+
+def _node(node: explain.Node, program: mind.Program) -> dict[str, Any]:
+    asked = node.asked and {
+        "predicate": node.asked.predicate,
+        "given": _labelled(node.asked.predicate, node.asked.given, program),
+        **({"within": node.asked.within} if node.asked.within else {}),
+    }
+    found = {
+        "kind": node.kind,
+        "text": node.text,
+        "said": node.said or None,
+        "holds": node.holds,
+        "values": node.values or None,
+        "more": node.more or None,
+        "line": node.span and node.span.line,
+        "robot": node.robot or None,
+        "ray": node.ray,
+        "asked": asked,
+        "children": [_node(child, program) for child in node.children] or None,
+    }
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def _part(text: str) -> tuple[str, Path]:
+    try:
+        return game.read_part(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+@command.declare(
+    "origin",
+    *_OF_ROW,
+    command.option(
+        "--value",
+        "PART",
+        "a column or a part of it, such as memory.plan.at, memory.seen[0] or "
+        "desire.left_engine (default: the memory, or the only column)",
+        type=_part,
+    ),
+)
+def origin(options: argparse.Namespace) -> int:
+    """trace a value back to the rules and readings that it comes from
+
+    Run a program to a tick, then trace a value back to where it was made.
+
+    examples:
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value memory.visited
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value 'memory.visited[0]'
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 600 --robot Crow \\
+        --value desire.left_engine
+      logical-robots origin 06-breadcrumbs breadcrumbs --tick 380 --robot Crow \\
+        --predicate Next --value ray.distance
+
+    A value in a memory, as it is after the tick, comes from the tick of its last
+    change; any other value of a predicate is made in the tick itself. The chain
+    goes on with what it was made from, through rules, earlier ticks and the
+    memories of other robots, to rays, sensor fields, facts or the start. What only
+    passes a value on is left out.
+
+    exit status: 0 found, 2 bad level, program, robot or value
+    """
+    level, program = open_run(options)
+    asked = read_row(program, options.predicate, dict(options.given), options.within)
+    found = asyncio.run(_search(level, program, asked, options))
+    data = {"complete": found.complete, "links": [*map(_link, found.links)]}
+    show(options, data, origin_lines(found))
+    return 0
+
+
+async def _search(
+    level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
+) -> game.Origin:
+    from logical_robots_tui.explain.why.sources import Subject
+
+    default = "memory" if asked.predicate == "Robot" else ""
+    column, path = options.value or (default, ())
+    async with run_shown(level, program, options.tick) as (run, show):
+        subject = Subject(asked, column, path)
+        return await game.origin_in_run(run, options.robot, subject, options.tick, show)
+
+
+def origin_lines(found: game.Origin) -> Iterator[str]:
+    from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
+
+    for number, link in enumerate(found.links):
+        if number:
+            yield ""
+        yield harmless(f"{number + 1}. {link.name} = {_written(link.value)}")
+        yield from (cut(harmless(f"   {line}"), WIDEST) for line in link_lines(link, _written))
+    if not found.complete:
+        yield from ("", INCOMPLETE)
+
+
+def _written(value: Value) -> str:
+    return cut(spell(value, _LONGEST_ORIGIN, is_rounded=True), _LONGEST_ORIGIN)
+
+
+def _link(link: game.Link) -> dict[str, Any]:
+    from logical_robots_tui.game.debugging.pins import path_text
+
+    source, steps = link.source, link.steps
+    span = source.span if source else None
+    return {
+        "robot": link.robot,
+        "name": link.name,
+        "part": path_text(link.path) if link.path is not None else None,
+        "value": link.value,
+        "tick": link.tick,
+        "until": link.until,
+        "rule_line": source.rule.line if source and source.rule else None,
+        "line": span.line if span else None,
+        "text": span.text if span else None,
+        "conditions": [
+            {"line": each.span.line, "text": each.span.text, "holds": each.holds}
+            for each in (source.conditions if source else ())
+        ],
+        "steps": steps
+        and {
+            "by": steps.by,
+            "since": steps.since,
+            "times": steps.times,
+            "from": steps.begin,
+            "link": link.began,
+        },
+        "from": [*map(_input, link.inputs, link.before)],
+        "more": source.more if source else 0,
+        "problem": link.problem or None,
+    }
+
+
+def _input(source: Source, link: int | None) -> dict[str, Any]:
+    from logical_robots_tui.game.debugging.pins import path_text
+
+    read = source.read
+    return {
+        "name": path_text(read.path, read.what) if read else source.name,
+        "robot": read.robot if read else None,
+        "value": read.value if read else source.value,
+        "link": link,
+    }

@@ -1,0 +1,303 @@
+"""A tournament: who plays whom, and its ranking for a terminal, a page and CSV."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.exporting import (
+    Done,
+    Row,
+    Table,
+    as_code,
+    as_table,
+    csv_of,
+    harmless_text,
+    shade,
+)
+from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Player, digest
+from logical_robots_tui.lab.ranking import Ranking, ranking_of
+from logical_robots_tui.lab.submissions import Submission, entries_of, stems_of
+from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_with_text
+from logical_robots_tui.mind import Program, ProgramError
+from logical_robots_tui.toml_files import TomlFile
+from logical_robots_tui.wording import align
+from logical_robots_tui.world import Level
+
+
+class TournamentTable(msgspec.Struct, frozen=True):
+    """``[tournament]``; a match lasts as many ticks as the level says, or fewer."""
+
+    level: Name
+    title: str = ""
+    starts: Starts = 20
+    ticks: Positive | None = None
+    format: Literal["all", "swiss"] | None = None
+
+
+class Tournament(msgspec.Struct, frozen=True):
+    tournament: TournamentTable
+    limits: Limit = Limit()
+
+
+SWISS_FROM = 40
+"""The number of players from which on not everybody plays everybody."""
+
+_MORE_ROUNDS = 2  # of a Swiss tournament than are needed to find its winner
+
+
+def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]]:
+    """Return a tournament's first round, and the texts of level and programs by digest.
+
+    `players` holds one program or folder per player. Raises TomlFileError, or InputError
+    for fewer than two players.
+    """
+    spec = TomlFile(file)
+    tournament = spec.read(Tournament)
+    table, limits = tournament.tournament, tournament.limits
+    level, text = _level(spec, table.level)
+    ticks = min(table.ticks or level.match_ticks, level.match_ticks)
+    inputs = {digest(text): text}
+    named = sorted(entries_of(players, stems_of([level.name])).items())
+    if len(named) < 2:
+        raise InputError("there are fewer than two players", place=str(players), hint=_HINT)
+    entered = [_player(name, entry, level, inputs) for name, entry in named]
+    is_swiss = table.format == "swiss" or (not table.format and len(entered) >= SWISS_FROM)
+    manifest = Manifest(
+        "tournament",
+        table.title or spec.file.stem,
+        spec.text,
+        table.starts,
+        False,
+        (),
+        (),
+        limits.steps,
+        limits.seconds,
+        (),
+        players=tuple(entered),
+        teams=tuple(team.name for team in level.teams),
+        match=Cell(digest(text), "", level.name, "", ticks),
+        most_rounds=_rounds(len(entered)) if is_swiss else 1,
+    )
+    pairs = tuple(combinations(range(len(entered)), 2))
+    if is_swiss:
+        pairs = pair_off(manifest, {}) or ()
+    return _with_round(manifest, pairs), inputs
+
+
+_HINT = "Each has a program such as ada.l, or a folder with one that is named like the level."
+
+
+def _level(spec: TomlFile, name: str) -> tuple[Level, str]:
+    """Return level and text; raises TomlFileError if it is no level for a match."""
+    path = ("tournament", "level")
+    try:
+        level, text = level_with_text(name, spec.folder)
+    except InputError as error:
+        spec.problem(path, str(error))
+    else:
+        if len(level.teams) < 2:
+            spec.problem(path, f"{level.name} has no teams that could play against each other")
+        elif not level.scores:
+            spec.problem(path, f"nothing gives points in {level.name}: it has no [[scores]]")
+    spec.refuse()
+    return level, text
+
+
+def _player(name: str, entry: Submission, level: Level, inputs: dict[str, str]) -> Player:
+    text = next(iter(entry.programs.values()), None)
+    if text is None:
+        return Player(name, "", "; ".join(entry.remarks))
+    inputs[digest(text)] = text
+    lost = ""
+    try:
+        Program.compile(text)
+    except ProgramError as error:
+        first = error.diagnostics[0]
+        lost = f"line {first.line}: {first.message}"
+    return Player(name, digest(text), lost)
+
+
+def _with_round(manifest: Manifest, pairs: Sequence[tuple[int, int]]) -> Manifest:
+    players, cells = manifest.players, list(manifest.cells)
+    for pair in pairs:
+        both = [players[index] for index in pair]
+        if any(player.lost for player in both):
+            continue
+        for first in (0, 1):
+            seated = [both[(seat + first) % 2] for seat in range(len(manifest.teams))]
+            names = (player.name for player in seated)
+            cells.append(
+                msgspec.structs.replace(
+                    manifest.match,
+                    program_name=f"{seated[0].name} against {seated[1].name}",
+                    settings=dict(zip(manifest.teams, names, strict=True)),
+                    parts=tuple(player.program for player in seated),
+                )
+            )
+    rounds = (*manifest.rounds, tuple(pairs))
+    return msgspec.structs.replace(manifest, cells=tuple(cells), rounds=rounds)
+
+
+def _rounds(players: int) -> int:
+    return min(math.ceil(math.log2(players)) + _MORE_ROUNDS, players - 1 + players % 2)
+
+
+def next_round(manifest: Manifest, ledger: Ledger) -> Manifest | None:
+    """Return the manifest with the next round; None if there is no other round.
+
+    All matches of the manifest must have been played.
+    """
+    if len(manifest.rounds) >= manifest.most_rounds:
+        return None
+    shares = {s.player: s.share for s in ranking_of(manifest, ledger, resamples=1).standings}
+    pairs = pair_off(manifest, shares)
+    return None if pairs is None else _with_round(manifest, pairs)
+
+
+def pair_off(manifest: Manifest, shares: Mapping[str, float]) -> tuple[tuple[int, int], ...] | None:
+    """Return the next round's pairs, neighbours by standing that have not met, or None.
+
+    If the number is odd, the last player that has always played sits out. Programs break ties,
+    not names. `shares` are average shares by name; none in the first round.
+    """
+    players = manifest.players
+
+    def standing(index: int) -> tuple[float, str, str]:
+        player = players[index]
+        return -shares.get(player.name, 0.5), player.program, player.name
+
+    met = {frozenset(pair) for pairs in manifest.rounds for pair in pairs}
+    ranked = sorted(range(len(players)), key=standing)
+    if len(ranked) % 2 == 0:
+        return _pair(ranked, met)
+    for index in reversed(ranked):
+        rests = any(all(index not in pair for pair in pairs) for pairs in manifest.rounds)
+        if not rests and (found := _pair([i for i in ranked if i != index], met)) is not None:
+            return found
+    return None
+
+
+def _pair(ranked: list[int], met: set[frozenset[int]]) -> tuple[tuple[int, int], ...] | None:
+    """Pair each with the next one it has not met, leaving none over; None if impossible."""
+    if not ranked:
+        return ()
+    first, *others = ranked
+    for other in others:
+        if frozenset((first, other)) not in met:
+            rest = _pair([index for index in others if index != other], met)
+            if rest is not None:
+                return (min(first, other), max(first, other)), *rest
+    return None
+
+
+_WIDEST = 30  # players of a matrix in a terminal
+_MOST_CYCLES = 20
+_SHOWN_DIGITS = 4
+_HEAD = ("rank", "player", "share", "95 % interval", "strength", "opponents", "remark")
+
+
+def _rows(manifest: Manifest, ranking: Ranking) -> list[tuple[str, ...]]:
+    lost = {player.name: player.lost for player in manifest.players}
+    return [
+        (
+            each.rank,
+            harmless_text(each.player),
+            f"{100 * each.share:.1f} %",
+            f"{100 * each.low:.1f} to {100 * each.high:.1f} %",
+            f"{each.strength:+.0f}",
+            str(each.pairings),
+            "does not play: " + harmless_text(lost[each.player]) if lost[each.player] else "",
+        )
+        for each in ranking.standings
+    ]
+
+
+def tournament_lines(manifest: Manifest, ledger: Ledger) -> list[str]:
+    ranking = ranking_of(manifest, ledger)
+    lines = align([_HEAD, *_rows(manifest, ranking)], right=(0, *range(2, len(_HEAD) - 1)))
+    names = [each.player for each in ranking.standings]
+    if len(names) <= _WIDEST:
+        numbers = [str(n) for n in range(1, len(names) + 1)]
+        rows = [("%", "", *numbers)]
+        for number, name in zip(numbers, names, strict=True):
+            pairings = (ranking.pairings.get((name, other)) for other in names)
+            cells = ("·" if each is None else f"{100 * each.share:.0f}" for each in pairings)
+            rows.append((number, harmless_text(name), *cells))
+        lines += [
+            "",
+            "The row's share of the points against the column:",
+            *align(rows, right=(0, *range(2, len(rows[0])))),
+        ]
+    for cycle in ranking.cycles[:_MOST_CYCLES]:
+        lines.append(_cycle_text(cycle))
+    if (more := len(ranking.cycles) - _MOST_CYCLES) > 0:
+        lines.append(f"and {more:,} more cycles")
+    return lines
+
+
+def _cycle_text(cycle: Sequence[str]) -> str:
+    return "Cycle: " + " beats ".join(harmless_text(name) for name in (*cycle, cycle[0]))
+
+
+def tournament_parts(manifest: Manifest, ledger: Ledger, done: Sequence[Done]) -> list[str]:
+    ranking = ranking_of(manifest, ledger)
+    names = [each.player for each in ranking.standings]
+    parts = ["<h2>Ranking</h2>" + as_table(_HEAD, _rows(manifest, ranking))]
+    rows: list[Sequence[Any]] = []
+    for name in names:
+        cells = [ranking.pairings.get((name, other)) for other in names]
+        rows.append((name, *(p and shade(p.share, f"{100 * p.share:.0f}") for p in cells)))
+    said = "<p>The row's share of the points against the column, in percent.</p>"
+    parts.append("<h2>Pairs</h2>" + said + as_table(("", *names), rows))
+    if ranking.cycles:
+        rows = [(_cycle_text(cycle).partition(" ")[2],) for cycle in ranking.cycles]
+        parts.append(f"<h2>Cycles</h2>{as_table(('each beats the next beyond doubt',), rows)}")
+    rows = []
+    for each in done:
+        if each.start == 0:
+            at = each.cell.settings
+            points = ", ".join(f"{at[t]} ({t}) {n:,g}" for t, n in each.result.points.items())
+            rows.append((each.cell.program_name, points, as_code(each.replay)))
+    said = (
+        "<p>Each from the given start; runs.csv has all. The commands are typed in this folder; "
+        "replay record instead of play keeps a match in a file.</p>"
+    )
+    parts.append("<h2>Matches</h2>" + said + as_table(("match", "points", "to see it"), rows))
+    return parts
+
+
+def export_tournament(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
+    """Write ranking and pairs as CSV; return the names of the files, or raise InputError."""
+    ranking = ranking_of(manifest, ledger)
+    lost = {player.name: player.lost for player in manifest.players}
+    names = [each.player for each in ranking.standings]
+    standings: list[Row] = [
+        (
+            *(each.player, each.best, each.worst),
+            *(round(n, _SHOWN_DIGITS) for n in (each.share, each.low, each.high)),
+            *(round(each.strength, 1), each.pairings, lost[each.player]),
+        )
+        for each in ranking.standings
+    ]
+    head = ("player", "best_rank", "worst_rank", "share", "low", "high", "strength", "opponents")
+    pairs = [
+        (name, other, *(round(n, _SHOWN_DIGITS) for n in ranking.pairings[name, other]))
+        for name in names
+        for other in names
+        if (name, other) in ranking.pairings
+    ]
+    tables = {
+        "ranking": Table((*head, "remark"), standings),
+        "pairs": Table(("player", "opponent", "share", "low", "high"), list(pairs)),
+        "cycles": Table(("beats_second", "beats_third", "beats_first"), list(ranking.cycles)),
+    }
+    for name, table in tables.items():
+        folder.put(folder.path / f"{name}.csv", csv_of(table))
+    return [f"{name}.csv" for name in tables]
