@@ -22,9 +22,8 @@ from logical_robots_tui.world.level import (
     Team,
     Visibility,
 )
-from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
-from logical_robots_tui.world.levels.native import oddities
+from logical_robots_tui.world.levels.native import coarsest_cell, draw_rows, oddities
 
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 

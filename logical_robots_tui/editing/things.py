@@ -20,7 +20,6 @@ from logical_robots_tui.editing.level_text import (
     words_of,
 )
 from logical_robots_tui.world import WorldState
-from logical_robots_tui.world.changing import Pose
 from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
@@ -37,6 +36,7 @@ from logical_robots_tui.world.levels.native import (
     read_words,
 )
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
+from logical_robots_tui.world.world import Pose
 
 
 def set_words(level: Level, **values: Any) -> Level:

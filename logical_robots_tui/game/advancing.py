@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game.frame import Frame, ends
 from logical_robots_tui.world import World
-from logical_robots_tui.world.changing import change_state, former_names
+from logical_robots_tui.world.world import change_state, former_names
 
 if TYPE_CHECKING:
     import threading
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision, Mind
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level, WorldState
-    from logical_robots_tui.world.changing import Pose
+    from logical_robots_tui.world.world import Pose
 
     Decide = Callable[[int, tuple[Decision, ...]], tuple[Decision, ...]]
 

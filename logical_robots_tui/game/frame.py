@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.values import SensorRow, Value
 from logical_robots_tui.world import Level, WorldState
-from logical_robots_tui.world.dynamics import AreaState, RobotState
-from logical_robots_tui.world.scoring import points
+from logical_robots_tui.world.dynamics import AreaState, RobotState, points
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision

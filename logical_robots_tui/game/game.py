@@ -28,7 +28,7 @@ from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, Stopped, Table
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level, WorldState
-from logical_robots_tui.world.changing import Pose
+from logical_robots_tui.world.world import Pose
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Decide

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.program import Texts
     from logical_robots_tui.player.session_state import SessionListener, Spawn, Work
     from logical_robots_tui.world import Level
-    from logical_robots_tui.world.changing import Pose
+    from logical_robots_tui.world.world import Pose
 
     Going = Callable[[Game], Coroutine[Any, Any, object]]
 

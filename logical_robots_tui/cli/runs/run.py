@@ -126,7 +126,7 @@ class Outcome:
     def as_json(self, *, times: bool = False) -> str:
         """Return the result as JSON, without times by default, because they vary."""
         from logical_robots_tui.game import goals
-        from logical_robots_tui.world.scoring import points
+        from logical_robots_tui.world.dynamics import points
 
         ticks = self.frame.tick
         found: dict[str, Any] = {
