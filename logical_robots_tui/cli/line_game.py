@@ -290,7 +290,7 @@ class LineGame(SessionListener):
 
     async def why(self, text: str) -> None:
         from logical_robots_tui.cli.runs.why import answer, answer_lines, read_row
-        from logical_robots_tui.explain.why.spelling import spell_call
+        from logical_robots_tui.explain.why.explanation import spell_call
 
         inquiry, program, robot, frame = self._thought()
         words = text.split(maxsplit=1)
@@ -319,7 +319,7 @@ class LineGame(SessionListener):
     async def origin(self, part: str) -> None:
         from logical_robots_tui.cli.runs.origin import origin_lines
         from logical_robots_tui.explain import Ask
-        from logical_robots_tui.explain.why.sources import Subject
+        from logical_robots_tui.explain.why.explanation import Subject
         from logical_robots_tui.game import origin_in_game, read_part
 
         _, _, robot, _ = self._thought()
@@ -331,7 +331,7 @@ class LineGame(SessionListener):
 
     async def diagnose(self, _: str) -> None:
         from logical_robots_tui.cli.runs.diagnose import Printer
-        from logical_robots_tui.game.diagnosis.diagnosing import diagnose
+        from logical_robots_tui.game.diagnosing import diagnose
 
         printer = Printer(is_silent=False)
         printer.finish(await diagnose(self._game, show=printer.show))

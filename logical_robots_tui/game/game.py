@@ -12,6 +12,7 @@ from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.advancing import (
     Advance,
     RecordedTick,
+    Thinker,
     Worlds,
     advance,
     after_change,
@@ -24,7 +25,6 @@ from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import Frame, Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, Stopped, Table
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level, WorldState

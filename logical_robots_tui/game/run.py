@@ -15,12 +15,18 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.game.advancing import RecordedTick, Worlds, advance, frame_of, start_frame
+from logical_robots_tui.game.advancing import (
+    RecordedTick,
+    Thinker,
+    Worlds,
+    advance,
+    frame_of,
+    start_frame,
+)
 from logical_robots_tui.game.debugging.watching import Watch
 from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.world import Level
 

@@ -83,7 +83,7 @@ def new_run_command(
 
 def open_run(options: argparse.Namespace) -> tuple[Level, Program]:
     """Load level and program, check the robot; raise InputError or ProgramFileError."""
-    from logical_robots_tui.game.robustness import named_start_of
+    from logical_robots_tui.game.measuring import named_start_of
     from logical_robots_tui.game.source import programs_for
     from logical_robots_tui.mind import Program, ProgramError
     from logical_robots_tui.world import load_level

@@ -14,7 +14,7 @@ from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask
-    from logical_robots_tui.explain.why.sources import Path, Source
+    from logical_robots_tui.explain.why.explanation import Path, Source
     from logical_robots_tui.game.debugging.origin import Link, Origin
     from logical_robots_tui.mind import Program
     from logical_robots_tui.values import Value
@@ -72,7 +72,7 @@ def start(options: argparse.Namespace) -> int:
 async def _search(
     level: Level, program: Program, asked: Ask, options: argparse.Namespace
 ) -> Origin:
-    from logical_robots_tui.explain.why.sources import Subject
+    from logical_robots_tui.explain.why.explanation import Subject
     from logical_robots_tui.game import origin_in_run
 
     default = "memory" if asked.predicate == "Robot" else ""
@@ -83,7 +83,7 @@ async def _search(
 
 
 def origin_lines(origin: Origin) -> Iterator[str]:
-    from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
+    from logical_robots_tui.game.debugging.origin import INCOMPLETE, link_lines
 
     for number, link in enumerate(origin.links):
         if number:

@@ -167,7 +167,7 @@ async def answer(
 
 
 def option_of(ask: Ask) -> str:
-    from logical_robots_tui.explain.why.spelling import spell_call
+    from logical_robots_tui.explain.why.explanation import spell_call
 
     within = f" --within {ask.within}" if ask.within else ""
     return f"--predicate {shlex.quote(spell_call(ask))}{within}"

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from logical_robots_tui.explain.clauses.bodies import span_of
+from logical_robots_tui.explain.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
-from logical_robots_tui.explain.diagnosis.sources import Sources, decisive_columns
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
+from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import (
     definitions,

@@ -6,14 +6,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from logical_robots_tui.explain.diagnosis.counting import (
+from logical_robots_tui.explain.diagnosis.sites import (
     MOST_VALUES,
+    TESTS,
     Count,
+    Site,
     Tally,
     is_always_true,
     is_telling,
 )
-from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import most_similar
 from logical_robots_tui.values import Value

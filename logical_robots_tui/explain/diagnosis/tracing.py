@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from logical_robots_tui.explain.clauses.bodies import (
+from logical_robots_tui.explain.bodies import (
     EVERY_COLUMN,
     Scope,
     as_expression,
@@ -18,8 +18,8 @@ from logical_robots_tui.explain.clauses.bodies import (
     parameters,
     part_kind,
 )
-from logical_robots_tui.explain.diagnosis.sites import Field
-from logical_robots_tui.explain.diagnosis.watching import At, Segment, Stands, Trail, Watching
+from logical_robots_tui.explain.diagnosis.sites import Field, Stands
+from logical_robots_tui.explain.diagnosis.watching import At, Segment, Trail, Watching
 from logical_robots_tui.explain.why.probing import ORDERING
 from logical_robots_tui.language.tree import (
     CONDITIONS,

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.derivations import Derivations, Row, check_given
 from logical_robots_tui.explain.why.deriving import ask_of
-from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof
+from logical_robots_tui.explain.why.explanation import (
+    Ask,
+    Explanation,
+    Proof,
+    Source,
+    Subject,
+    read_call,
+)
 from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
 from logical_robots_tui.explain.why.probing import (
     Body,
@@ -22,9 +29,7 @@ from logical_robots_tui.explain.why.probing import (
     decompose,
 )
 from logical_robots_tui.explain.why.proving import explain, prove
-from logical_robots_tui.explain.why.sources import Source, Subject
 from logical_robots_tui.explain.why.sourcing import source_of
-from logical_robots_tui.explain.why.spelling import read_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way

@@ -15,10 +15,16 @@ from logical_robots_tui.explain.why.derivations import (
     is_aggregated,
 )
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, number_of
-from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.explanation import (
+    Ask,
+    Explanation,
+    Node,
+    Proof,
+    RuleFound,
+    spell_call,
+)
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
-from logical_robots_tui.explain.why.spelling import spell_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same

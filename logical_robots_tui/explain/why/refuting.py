@@ -16,7 +16,7 @@ from logical_robots_tui.explain.why.deriving import (
     number_of,
     value_of,
 )
-from logical_robots_tui.explain.why.explanation import Ask, Node
+from logical_robots_tui.explain.why.explanation import Ask, Node, spell_call, unlike_types
 from logical_robots_tui.explain.why.probing import (
     Call,
     Clause,
@@ -26,7 +26,6 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
-from logical_robots_tui.explain.why.spelling import spell_call, unlike_types
 from logical_robots_tui.language.diagnostics import distance
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same

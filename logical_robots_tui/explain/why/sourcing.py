@@ -12,7 +12,15 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.explain.why.deriving import ask_of, value_of, winner
-from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.explanation import (
+    Ask,
+    Condition,
+    Path,
+    Read,
+    Source,
+    Subject,
+    part_of,
+)
 from logical_robots_tui.explain.why.probing import (
     DECIDED_BY_ONE,
     AggregateInput,
@@ -24,7 +32,6 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
-from logical_robots_tui.explain.why.sources import Condition, Path, Read, Source, Subject, part_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, alike

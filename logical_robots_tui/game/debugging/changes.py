@@ -6,7 +6,7 @@ import math
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass
 
-from logical_robots_tui.explain.why.sources import Path, part_of
+from logical_robots_tui.explain.why.explanation import Path, part_of
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.values import Value, is_same
 

@@ -11,10 +11,10 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from logical_robots_tui import explain
+from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.debugging.pins import Pin, Reading, read
 from logical_robots_tui.game.debugging.watching import matching_rows
 from logical_robots_tui.game.frame import Frame, Superseded
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, QueryPlan, Stopped, Table
 from logical_robots_tui.world import Level
 

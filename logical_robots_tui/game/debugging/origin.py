@@ -1,4 +1,4 @@
-"""The origin of a value: what it was made from, back through rules, ticks and robots.
+"""The origin of a value, traced back through rules, ticks and robots, and in words.
 
 A value in a memory comes from the tick of its last change, which recorded memories tell. Only
 that tick is asked for its derivation; what was remembered before it has an origin of its own.
@@ -6,24 +6,25 @@ that tick is asked for its derivation; what was remembered before it has an orig
 
 from __future__ import annotations
 
+import math
 import re
 import threading
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.sources import Path, Read, Source, Subject
+from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Source, Subject
+from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.debugging.changes import FEWEST_STEPS, Change, Steps, last_change
 from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.relations import alike
 from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
+    from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Decision, Mind
@@ -390,3 +391,92 @@ def _decided(decision: Decision | None, subject: Subject) -> dict[str, Value]:
         engines = {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
         return {"desire": engines}
     return {"memory": decision.memory} if subject.column == "memory" else {}
+
+
+_SHOWN_INPUTS = 5
+_SHOWN_CONDITIONS = 3
+
+INCOMPLETE = "This is not all of it: some of the values that were read are not traced."
+
+
+def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
+    """Yield the lines below a link's value; `written` puts a value in a few words."""
+    source = link.source
+    if source is None:
+        yield _without_source(link)
+        return
+    if link.path is not None:
+        rule = f" by the rule in line {source.rule.line}" if source.rule is not None else ""
+        since = f"the same since tick {link.tick}, set then"
+        yield (since if link.until > link.tick else f"set in tick {link.tick}") + rule
+    if source.span is not None:
+        text = _text_of(source, source.span)
+        yield (
+            f"line {source.span.line}: {text}" if text != link.name else f"line {source.span.line}"
+        )
+    for condition in source.conditions[:_SHOWN_CONDITIONS]:
+        holds = "holds" if condition.holds else "does not hold"
+        yield f"as in line {condition.span.line} {holds}: {condition.span.text}"
+    if link.steps is not None:
+        began = f" ({link.began + 1}.)" if link.began is not None else ""
+        yield f"{_steps(link.steps, link.tick)}, from {written(link.steps.begin)}{began}"
+    verb = _verb(source)
+    pairs = list(zip(link.inputs, link.before, strict=True))
+    for each, number in pairs[:_SHOWN_INPUTS]:
+        goes_on = f" ({number + 1}.)" if number is not None else ""
+        yield f"{verb} {_input(each, written)}{goes_on}"
+        verb = "from"
+    if (more := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.more) > 0:
+        numbers = [f"{n + 1}." for _, n in pairs[_SHOWN_INPUTS:] if n is not None]
+        goes_on = f" ({', '.join(numbers)})" if numbers else ""
+        yield f"and from {more} more{goes_on}"
+
+
+def _verb(source: Source) -> str:
+    if source.read is None:
+        return "from"
+    return "copied from" if source.read.what == "memory" else "read from"
+
+
+def _without_source(link: Link) -> str:
+    if link.problem:
+        return f"the same since tick {link.tick}; {link.problem}"
+    if link.tick:
+        return f"the same since tick {link.tick} or longer"
+    return f"there from the start until tick {link.until}"
+
+
+def _text_of(source: Source, span: Span) -> str:
+    """Return the expression; of a constant in a fact, the fact."""
+    rule = source.rule
+    is_fact = source.is_constant and rule is not None and ":-" not in rule.text
+    return rule.text if rule is not None and is_fact and rule.holds(span) else span.text
+
+
+def _steps(steps: Steps, tick: int) -> str:
+    since = f"since tick {steps.since}"
+    if steps.by is None:
+        return f"changes in each tick {since}"
+    way = f"counts {'up' if steps.by > 0 else 'down'} by {abs(steps.by):.10g}"
+    is_in_each_tick = steps.times == tick - steps.since + 1
+    return f"{way} {since}" if is_in_each_tick else f"{way}, {steps.times} times {since}"
+
+
+def _input(source: Source, written: Callable[[Value], str]) -> str:
+    read = source.read
+    if read is None:
+        where = source.span if source.is_constant else None
+        line = f" (line {where.line})" if where is not None else ""
+        return f"{source.name} = {written(source.value)}{line}"
+    if read.what == "sensor" and read.path[:1] == ("radar",) and len(read.path) == 2:
+        return _ray(read)
+    return f"{read.robot}'s {path_text(read.path, read.what)} = {written(read.value)}"
+
+
+def _ray(read: Read) -> str:
+    ray = read.value if isinstance(read.value, dict) else {}
+    seen, label = ray.get("object"), ray.get("label")
+    what = f"{seen}" if label in (seen, None) else f'{seen} "{label}"'
+    angle = ray.get("angle")
+    degrees = f"{math.degrees(angle):.0f}°" if isinstance(angle, int | float) else "?"
+    return f"{read.robot}'s ray {read.path[1]} at {degrees}: {what}, distance {ray.get('distance')}"

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui import explain
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
-from logical_robots_tui.game.advancing import RecordedTick
+from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, QueryError
 from logical_robots_tui.mind.relations import alike
 

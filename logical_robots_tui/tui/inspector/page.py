@@ -234,7 +234,7 @@ class Page(Vertical):
         """Return the value whose origin can be asked for."""
         if self.entry.scope != "robot":
             return None
-        from logical_robots_tui.explain.why.sources import Subject
+        from logical_robots_tui.explain.why.explanation import Subject
         from logical_robots_tui.tui.inspector.under_cursor import Traced
 
         return Traced(self.robot, Subject(), self._session.frame.tick)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from logical_robots_tui.explain import Ask
-from logical_robots_tui.explain.why.sources import Subject
+from logical_robots_tui.explain.why.explanation import Subject
 from logical_robots_tui.game import MIND, Frame, Path, Pin
 from logical_robots_tui.tui.inspector.widgets.value_tree import Branch
 from logical_robots_tui.values import Value

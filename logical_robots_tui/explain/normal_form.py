@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from logical_robots_tui.explain.clauses.bodies import (
+from logical_robots_tui.explain.bodies import (
     AUXILIARY,
     Names,
     Scope,

@@ -12,7 +12,7 @@ from collections.abc import Collection, Container, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from logical_robots_tui.explain.clauses.bodies import (
+from logical_robots_tui.explain.bodies import (
     Names,
     Scope,
     head_of,
@@ -20,7 +20,7 @@ from logical_robots_tui.explain.clauses.bodies import (
     make_rule,
     outer_aggregates,
 )
-from logical_robots_tui.explain.clauses.normal_form import Builder
+from logical_robots_tui.explain.normal_form import Builder
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
 from logical_robots_tui.language.definitions import names_used
 from logical_robots_tui.language.functors import Expanded, expand, rename

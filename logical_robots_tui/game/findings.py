@@ -11,8 +11,7 @@ from itertools import zip_longest
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from logical_robots_tui.explain.diagnosis.counting import Tally
-from logical_robots_tui.explain.diagnosis.sites import Checkup
+from logical_robots_tui.explain.diagnosis.sites import Checkup, Tally
 from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
