@@ -186,8 +186,6 @@ class _ClauseBuilder:
             {self._column(variable): name for name, variable in self._given.items()},
         )
 
-    # -- calls -----------------------------------------------------------------------------------
-
     def _without_calls(self, node: N) -> N:
         """Return a part without the calls in its expressions, which become parts before it."""
 
@@ -204,8 +202,6 @@ class _ClauseBuilder:
             return Variable(name, span=inner.span)
 
         return change(node)  # type: ignore[return-value]  # a kind for its kind
-
-    # -- steps -----------------------------------------------------------------------------------
 
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
         new = sorted(name for name in after - known if not name.startswith(AUXILIARY))
@@ -258,8 +254,6 @@ class _ClauseBuilder:
                     found[root] = value
         return tuple(map(self._term, found.values()))
 
-    # -- expressions -----------------------------------------------------------------------------
-
     def _term(self, node: Expression) -> Term:
         kind = kind_of(node)
         span = self._builder.span(node)
@@ -302,8 +296,6 @@ class _ClauseBuilder:
             value, by = self._column(left), self._column(right)
             return AggregateInput(column, operator, value, by, self._term(left))
         return AggregateInput(column, operator, self._column(argument), "", self._term(argument))
-
-    # -- queries ---------------------------------------------------------------------------------
 
     def _column(self, node: Expression) -> str:
         if node not in self._columns and len(self._columns) >= _MOST_COLUMNS:

@@ -318,8 +318,6 @@ class Tally:
                 found = number
         return found
 
-    # -- inside --------------------------------------------------------------------------------
-
     def _is_doubtful(self, number: int) -> bool:
         site, count = self.checkup.sites[number], self.sites[number]
         if site.kind in ("leaf", "value"):

@@ -114,8 +114,6 @@ class _Reporter:
                 if found is not None and (found.severity == "warning" or self._is_often(number)):
                     yield found
 
-    # -- rules ---------------------------------------------------------------------------------
-
     def _silent(self) -> dict[int, int | None]:
         silent = {}
         for number, rule in enumerate(self._checkup.rules):
@@ -163,8 +161,6 @@ class _Reporter:
             "If it should have, check this condition.",
             (rule.span, *site.places),
         )
-
-    # -- sites ---------------------------------------------------------------------------------
 
     def _of_text(self, number: int, site: Site) -> Finding | None:
         count = self._tally.sites[number]

@@ -182,8 +182,6 @@ class Telling:
         rest = (Node("note", f"and {more:,} more"),) if more else ()
         return (Node("note", f"goes over {number}", children=(*nodes, *rest)),)
 
-    # -- inside ----------------------------------------------------------------------------------
-
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
         title = self._relations.label(self._predicate, name)
         if term.kind in ("literal", "variable"):

@@ -116,8 +116,6 @@ class Refuting:
     def _label(self, column: str) -> str:
         return self._relations.label(self._probing.predicate, column)
 
-    # -- columns ---------------------------------------------------------------------------------
-
     def _others(self, rule: RuleParts) -> dict[str, Value]:
         """Return the constants of a head that are unlike what is wanted."""
         clause = rule.clauses[0]
@@ -178,8 +176,6 @@ class Refuting:
             asked, inside = None, tuple(self.telling.reason(term, way))
         inside = inside if len(values) == 1 else ()
         return replace(found, text=text, span=term.span, asked=asked, children=inside)
-
-    # -- steps -----------------------------------------------------------------------------------
 
     def _reached(self, clause: Clause) -> _Reached:
         reached = _Reached(0, clause.before, [], 1)
