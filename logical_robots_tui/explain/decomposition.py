@@ -190,6 +190,7 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
                 waiting += [other] if other in functions else []
     return found
 
+
 def _functions(expanded: Expanded, with_rows: Container[str]) -> dict[str, tuple[str, ...]]:
     found: dict[str, tuple[str, ...]] = {}
     named = {*expanded.rules} - {*expanded.origins}
@@ -231,6 +232,7 @@ def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, .
     lacking = {column for column, value in head.items() if not variables(value) <= after}
     return lacking or ({*head} - {*given} if left else set())
 
+
 def _circle(name: str, expanded: Expanded) -> set[str]:
     """Return the predicates mutually recursive with one, itself included, or none."""
     reach = expanded.reach(name)
@@ -255,6 +257,7 @@ def _is_founded(
             if any(each.operator not in DECIDED_BY_ONE for each in head_of(rule)[1].values()):
                 return False
     return True
+
 
 def _sources(
     wanted: Collection[str], expanded: Expanded, source: Prepared

@@ -77,16 +77,18 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
     The turn always succeeds. The move is cancelled if it ends in a wall; there are none outside
     the map. The wanted power is finite.
     """
-    left, right = _clamp(left), _clamp(right)
+    left, right = min(1.0, max(-1.0, left)), min(1.0, max(-1.0, right))
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
     speed = (left + right) / 2
     x = mover.x + speed * math.cos(angle)
     y = mover.y + speed * math.sin(angle)
     mover.left_engine, mover.right_engine, mover.angle = left, right, angle
-    if not _is_wall(level, x, y):
-        mover.x, mover.y = x, y
-    else:
+    column, row = math.floor(x), math.floor(y)
+    is_on_map = 0 <= column < level.width and 0 <= row < level.height
+    if is_on_map and level.walls[row, column]:
         mover.blocked = speed != 0
+    else:
+        mover.x, mover.y = x, y
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
@@ -105,17 +107,6 @@ def push_out(mover: Mover, areas: Iterable[Area]) -> None:
 def is_inside(mover: Mover | RobotState, area: Area) -> bool:
     """Return whether a robot's centre is strictly inside an area."""
     return math.hypot(mover.x - area.x, mover.y - area.y) < area.radius
-
-
-def _clamp(power: float) -> float:
-    return min(1.0, max(-1.0, power))
-
-
-def _is_wall(level: Level, x: float, y: float) -> bool:
-    column, row = math.floor(x), math.floor(y)
-    if not (0 <= column < level.width and 0 <= row < level.height):
-        return False
-    return bool(level.walls[row, column])
 
 
 CHARGING_RADIUS = 50
@@ -322,16 +313,14 @@ class _Moment:
             return tuple(self._distance(mine, [area for area, _ in areas]) for mine in self._robots)
         if self._tick == 0 or (score.kind == "first" and any(before)):
             return before
-        counts = [self._count(state) for _, state in areas]
+        teams = range(len(self._robots))
+        found = [[self._team[name] for name in state.visitors] for _, state in areas]
+        counts = [[each.count(team) for team in teams] for each in found]
         if score.kind == "first":
             inside = [any(each) for each in zip(*counts, strict=True)] or [False] * len(before)
             return tuple(self._tick * is_in for is_in in inside)
         leading = [_leads(count, alone=score.kind == "hold") for count in counts]
         return tuple(map(sum, zip(before, *leading, strict=True)))
-
-    def _count(self, state: AreaState) -> list[int]:
-        found = [self._team[name] for name in state.visitors]
-        return [found.count(team) for team in range(len(self._robots))]
 
     def _beacons(self, before: tuple[int, ...]) -> tuple[int, ...]:
         names = list(dict.fromkeys(beacon.name for beacon in self._level.beacons))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from numbers import Real
+from operator import attrgetter
 from typing import TypeAlias
 
 from logical_robots_tui.confinement import check_room
@@ -33,6 +34,7 @@ from logical_robots_tui.world.level import Area, Level, Robot
 from logical_robots_tui.world.sensing import Senses
 
 _ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
+_fields = attrgetter(*Mover.__slots__)
 
 
 class World:
@@ -123,7 +125,9 @@ class World:
         Raises:
             ValueError: A name is not a robot of the level; nothing has changed then.
         """
-        self._refuse_strangers(desires)
+        for name in sorted(desires.keys() - set(self._names)):
+            hint = did_you_mean(name, self._names)
+            raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
         self.sense()
         before, level = self._state, self._level
 
@@ -144,7 +148,9 @@ class World:
             drive(mover, left, right, level)
             push_out(mover, solid)
 
-        robots = tuple(map(_final_state, self._names, movers))
+        robots = tuple(
+            [RobotState(n, *_fields(m)) for n, m in zip(self._names, movers, strict=True)]
+        )
         areas = tuple(
             AreaState(
                 name=area.name,
@@ -196,25 +202,6 @@ class World:
     def _look(self, clock: int) -> tuple[list[SensorRow], frozenset[str]]:
         check_room(_ROOM)
         return self._senses.sense(self._state.robots, self._state.areas, clock)
-
-    def _refuse_strangers(self, names: Iterable[str]) -> None:
-        for name in sorted(set(names).difference(self._names)):
-            hint = did_you_mean(name, self._names)
-            raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
-
-
-def _final_state(name: str, mover: Mover) -> RobotState:
-    return RobotState(
-        name=name,
-        x=mover.x,
-        y=mover.y,
-        angle=mover.angle,
-        battery_level=mover.battery_level,
-        left_engine=mover.left_engine,
-        right_engine=mover.right_engine,
-        blocked=mover.blocked,
-        dead=mover.dead,
-    )
 
 
 def _engines(desire: Desire | None) -> tuple[float, float]:
@@ -271,13 +258,11 @@ def change_state(
         for robot in after.robots
     )
     areas = tuple(
-        AreaState(area.name, active, _visitors(area, robots))
+        AreaState(area.name, active, tuple(one.name for one in robots if is_inside(one, area)))
         for area, active in zip(after.areas, _switch_as_before(state, before, after), strict=True)
     )
-    if _score_key(before) == _score_key(after):
-        tallies = state.tallies
-    else:
-        tallies = tallies_at_start(after, robots, areas)
+    is_scored_alike = _score_key(before) == _score_key(after)
+    tallies = state.tallies if is_scored_alike else tallies_at_start(after, robots, areas)
     return WorldState(state.tick, robots, areas, state.won_at, tallies)
 
 
@@ -329,7 +314,3 @@ def _switch(area: Area) -> tuple[object, ...]:
 
 def _score_key(level: Level) -> tuple[object, ...]:
     return level.scores, level.teams, [beacon.name for beacon in level.beacons]
-
-
-def _visitors(area: Area, robots: Sequence[RobotState]) -> tuple[str, ...]:
-    return tuple(robot.name for robot in robots if is_inside(robot, area))
