@@ -59,7 +59,7 @@ def read_web(text: str, name: str, source: str) -> Level:
     check_robot_names(top, tuple(robot.name for robot in robots))
     return Level(
         name=name,
-        title=_title(name),
+        title="".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level",
         width=width,
         height=height,
         walls=walls,
@@ -92,10 +92,6 @@ def _parse(text: str, source: str) -> dict[str, object]:
             return value
         message = "The file must hold one JSON object."
     raise LevelError(message, place=place, hint=hint)
-
-
-def _title(name: str) -> str:
-    return "".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level"
 
 
 def _walls(top: Fields, width: int, height: int) -> NDArray[np.bool_]:
@@ -199,12 +195,16 @@ def load_level(path_or_name: str | Path) -> Level:
         LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
             file and the line or key.
     """
-    if isinstance(path_or_name, str) and _is_name(path_or_name):
-        if (daily := _daily(path_or_name)) is not None:
-            return daily
-        path = _shipped_path(path_or_name)
-    else:
-        path = Path(path_or_name)
+    path = Path(path_or_name)
+    is_name = isinstance(path_or_name, str) and not set(path_or_name) & {"/", "\\"}
+    if is_name and not path.suffix and path_or_name not in {".", ".."}:
+        name = str(path_or_name)
+        if name.startswith("daily-"):
+            from logical_robots_tui.world.levels.labyrinths import Daily
+
+            if (daily := Daily.named(name)) is not None:
+                return daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
+        path = _shipped_path(name)
     text = read_text(path)
     is_web = is_web_file(path) or (path.suffix.lower() != NATIVE and is_of_web(text))
     return (read_web if is_web else read_native)(text.removeprefix("\ufeff"), path.stem, str(path))
@@ -223,19 +223,6 @@ def is_of_web(text: str) -> bool:
 def is_web_file(path: str | Path) -> bool:
     """Return whether a file's ending is that of the web platform's levels."""
     return Path(path).suffix.lower() == WEB
-
-
-def _is_name(text: str) -> bool:
-    return not set(text) & {"/", "\\"} and Path(text).suffix == "" and text not in {".", ".."}
-
-
-def _daily(name: str) -> Level | None:
-    if not name.startswith("daily-"):
-        return None
-    from logical_robots_tui.world.levels.labyrinths import Daily
-
-    daily = Daily.named(name)
-    return daily and daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
 
 
 def _shipped_path(name: str) -> Path:
@@ -266,12 +253,11 @@ def read_text(path: Path) -> str:
         message = f"The file is larger than {MOST_BYTES // 2**20} MB."
         raise LevelError(message, place=str(path), hint=_FORMATS)
     try:
-        text = content.decode("utf-8")
+        return content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         place = f"{path}, line {line}"
         raise LevelError("This file is not UTF-8 text.", place=place, hint=_FORMATS) from None
-    return text
 
 
 def _not_there(path: Path) -> LevelError:

@@ -11,10 +11,10 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import cycle, pairwise
+from itertools import chain, cycle, pairwise
 from operator import sub
 from string import whitespace
-from typing import TYPE_CHECKING, NamedTuple, TypedDict, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
@@ -39,6 +39,8 @@ from logical_robots_tui.world.levels.fields import MOST_SIDE, Fields, check_robo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    _Bits = NDArray[np.bool_]
 
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
@@ -66,67 +68,36 @@ def read_native(text: str, name: str, source: str) -> Level:
     check_robot_names(top, tuple(robot.name for robot in robots))
     beacons = top.each("beacons", read_beacon)
     areas = top.each("areas", read_area)
-    level = Level(
-        name=name,
-        width=width,
-        height=height,
-        walls=walls,
-        robots=robots,
-        beacons=beacons,
-        areas=areas,
-        source=source,
-        **words,
-    )
-    for found in misfits(level):
+    words |= {"robots": robots, "beacons": beacons, "areas": areas}
+    level = Level(name=name, width=width, height=height, walls=walls, source=source, **words)
+    for found in chain(misfits(level), () if top.flag("lenient") else oddities(level)):
         raise top.error(found.path, found.message, found.hint)
-    if not top.flag("lenient"):
-        for found in oddities(level):
-            raise top.error(found.path, found.message, found.hint)
     return level
 
 
-class Words(TypedDict):
-    """A level file's settings, without the labyrinth and its objects."""
-
-    title: str
-    idea: str
-    briefing: str
-    hints: tuple[str, ...]
-    lesson: str
-    further: str
-    starter: str
-    solution: str
-    visibility: Visibility
-    shared_names: tuple[str, ...]
-    second_goals: tuple[SecondGoal, ...]
-    teams: tuple[Team, ...]
-    match_ticks: int
-    scores: tuple[Score, ...]
-    divided_charge: bool
-
-
-def read_words(top: Fields) -> Words:
+def read_words(top: Fields) -> dict[str, Any]:
+    """Return a level's attributes except the labyrinth and its objects, or raise LevelError."""
     match = top.table("match")
     match.refuse_unknown(("ticks",))
     if top.has("match") and not top.has("teams"):
         raise top.error("match", "A match needs teams.", "List them as [[teams]].")
-    return Words(
-        title=top.name("title"),
-        idea=top.name("idea", ""),
-        briefing=top.text("briefing", "").strip("\n"),
-        hints=top.texts("hints"),
-        lesson=top.text("lesson", "").strip("\n"),
-        further=top.text("further", "").strip("\n"),
-        starter=top.name("starter", ""),
-        solution=top.name("solution", ""),
-        visibility=_visibility(top.table("visibility")),
-        shared_names=top.names("shared_names"),
-        second_goals=tuple(_second_goals(top)),
-        teams=top.each("teams", _team),
-        match_ticks=match.whole("ticks", least=1) if top.has("match") else 0,
-        scores=top.each("scores", _score),
-        divided_charge=top.flag("divided_charge"),
-    )
+    return {
+        "title": top.name("title"),
+        "idea": top.name("idea", ""),
+        "briefing": top.text("briefing", "").strip("\n"),
+        "hints": top.texts("hints"),
+        "lesson": top.text("lesson", "").strip("\n"),
+        "further": top.text("further", "").strip("\n"),
+        "starter": top.name("starter", ""),
+        "solution": top.name("solution", ""),
+        "visibility": _visibility(top.table("visibility")),
+        "shared_names": top.names("shared_names"),
+        "second_goals": tuple(_second_goals(top)),
+        "teams": top.each("teams", _read_team),
+        "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
+        "scores": top.each("scores", _score),
+        "divided_charge": top.flag("divided_charge"),
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,20 +131,17 @@ def oddities(level: Level) -> Iterator[Oddity]:
                 yield Oddity("areas", i, "goal_for", message, did_you_mean(name, robots))
         for key, name in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
             if name and name not in beacons:
-                message = (
-                    f'Area "{area.name}" is switched by "{name}", but there is no such beacon.'
-                )
-                yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
+                message = f'Area "{area.name}" is switched by "{name}"'
+                hint = did_you_mean(name, beacons)
+                yield Oddity("areas", i, key, f"{message}, but there is no such beacon.", hint)
 
 
 def misfits(level: Level) -> Iterator[Oddity]:
     names = [team.name for team in level.teams]
     for i, robot in enumerate(level.robots):
         if robot.team not in (names or [""]):
-            message, hint = (
-                f'Robot "{robot.name}" has no team.',
-                "In a level with teams each has one.",
-            )
+            message = f'Robot "{robot.name}" has no team.'
+            hint = "In a level with teams each has one."
             if robot.team:
                 message = f'Robot "{robot.name}" is in "{robot.team}", but there is no such team.'
                 hint = did_you_mean(robot.team, names) or "List the teams as [[teams]]."
@@ -257,7 +225,7 @@ def read_area(fields: Fields) -> Area:
     )
 
 
-def _team(fields: Fields) -> Team:
+def _read_team(fields: Fields) -> Team:
     fields.refuse_unknown(("name", "program"))
     return Team(fields.name("name"), fields.name("program", ""))
 
@@ -316,14 +284,14 @@ class _Row(NamedTuple):
     line: str
     times: int
     counts: NDArray[np.int16] | None = None
-    kinds: NDArray[np.bool_] | None = None
+    kinds: _Bits | None = None
 
     @property
     def columns(self) -> int:
         return len(self.line) if self.counts is None else int(self.counts.sum())
 
-    def cells(self) -> NDArray[np.bool_]:
-        cells: NDArray[np.bool_]
+    def cells(self) -> _Bits:
+        cells: _Bits
         if self.counts is None or self.kinds is None:
             cells = np.frombuffer(self.line.encode("ascii", "replace"), np.uint8) == _WALL
         else:
@@ -331,7 +299,7 @@ class _Row(NamedTuple):
         return cells
 
 
-def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
+def read_drawing(top: Fields, text: str) -> _Bits:
     """Read ``cell`` and ``walls`` of a level file, or raise LevelError.
 
     Returns a read-only array of shape (height, width) in map units; True is wall.
@@ -340,30 +308,27 @@ def read_drawing(top: Fields, text: str) -> NDArray[np.bool_]:
     drawing = top.record.get("walls")
     if not isinstance(drawing, str):
         raise top.error("walls", '"walls" must be text that draws the map.', _DRAW)
-    drawing_lines = drawing.removesuffix("\n").count("\n") + 1
-    if drawing_lines > MOST_SIDE:
-        raise top.error(
-            "walls", f"The map has {drawing_lines} rows; at most {MOST_SIDE} are allowed."
-        )
+    number = drawing.removesuffix("\n").count("\n") + 1
+    if number > MOST_SIDE:
+        message = f"The map has {number} rows; at most {MOST_SIDE} are allowed."
+        raise top.error("walls", message)
     lines = drawing.removesuffix("\n").split("\n")
     rows = [_row(line) for line in lines]
     columns = rows[0].columns if rows[0] else 0
     if rows[0] and not columns:
         raise top.error("walls", "The first row of the map is empty.", _DRAW)
-    top.check_size("walls", columns * cell, sum(row.times if row else 1 for row in rows) * cell)
-
+    times = [row.times if row else 1 for row in rows]
+    top.check_size("walls", columns * cell, sum(times) * cell)
     start = find_drawing(drawing, text)
     first_line = text.count("\n", 0, start) + 1 if start is not None else None
     cells = np.zeros((len(rows), columns), np.bool_)
     for i, (row, line) in enumerate(zip(rows, lines, strict=True)):
-        problem = _problem(row, line, columns)
-        if problem:
+        if problem := _problem(row, line, columns):
             place = f"{top.file}, row {i + 1} of walls"
             place += f" (line {first_line + i})" if first_line else ""
             raise LevelError(problem[0], place=place, hint=problem[1])
         assert row
         cells[i] = row.cells()
-    times = [row.times if row else 1 for row in rows]
     walls = cells.repeat(np.multiply(times, cell), axis=0).repeat(cell, axis=1)
     walls.flags.writeable = False
     return walls
@@ -376,7 +341,7 @@ def find_drawing(drawing: str, text: str) -> int | None:
     return None
 
 
-def coarsest_cell(walls: NDArray[np.bool_]) -> int:
+def coarsest_cell(walls: _Bits) -> int:
     """Return the largest cell size in map units, at most 20, that draws the walls exactly."""
     height, width = walls.shape
     down = np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)) + 1
@@ -385,7 +350,7 @@ def coarsest_cell(walls: NDArray[np.bool_]) -> int:
     return max(size for size in range(1, _LARGEST_CELL + 1) if common % size == 0)
 
 
-def expresses(walls: NDArray[np.bool_], cell: int) -> bool:
+def expresses(walls: _Bits, cell: int) -> bool:
     height, width = walls.shape
     if height % cell or width % cell:
         return False
@@ -393,7 +358,7 @@ def expresses(walls: NDArray[np.bool_], cell: int) -> bool:
     return bool((walls == cells.repeat(cell, axis=0).repeat(cell, axis=1)).all())
 
 
-def draw_rows(walls: NDArray[np.bool_], cell: int, earlier: Sequence[str] = ()) -> list[str]:
+def draw_rows(walls: _Bits, cell: int, earlier: Sequence[str] = ()) -> list[str]:
     """Return the lines that draw walls, keeping earlier ones that are still right.
 
     `cell`, in map units per character, must express the walls.
@@ -440,7 +405,7 @@ def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | Non
     if row.columns != columns:
         message = f"This row has {row.columns} characters, the first one has {columns}."
         return message, "All rows must have the same length."
-    strange = _STRANGE.search(line) if row.counts is None else None
+    strange = None if row.counts is not None else _STRANGE.search(line)
     if strange is None:
         return None
     character = strange[0]
@@ -449,7 +414,7 @@ def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | Non
     return message, _DRAW
 
 
-def _fresh(cells: NDArray[np.bool_], *, short: bool) -> Iterator[str]:
+def _fresh(cells: _Bits, *, short: bool) -> Iterator[str]:
     if not short:
         for row in cells:
             yield "".join("#" if wall else "." for wall in row.tolist())
@@ -460,7 +425,7 @@ def _fresh(cells: NDArray[np.bool_], *, short: bool) -> Iterator[str]:
         yield (f"{stop - start}* " if stop - start > 1 else "") + _shorten(cells[start])
 
 
-def _shorten(row: NDArray[np.bool_]) -> str:
+def _shorten(row: _Bits) -> str:
     bounds = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1).tolist(), len(row)]
     walls, free = _runs()
     kinds = (walls, free) if row[0] else (free, walls)
@@ -474,7 +439,7 @@ def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
 
 
-def _redrawn(line: str, row: NDArray[np.bool_]) -> str:
+def _redrawn(line: str, row: _Bits) -> str:
     """Return a drawn line with new walls; free cells keep their character."""
     free = " " if " " in line and "." not in line else "."
     return "".join(
