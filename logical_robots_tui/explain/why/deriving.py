@@ -86,7 +86,13 @@ class Telling:
             tested = tuple(node for term in step.terms[1:] for node in self.term(term, way))
             yield Node("element", text, holds=True, span=span, children=(*given, *tested))
         elif step.kind == "value":
-            terms = [term for term in step.terms if not _is_among(term, step)]
+            given_places = step.gives.values()
+            terms = [
+                term
+                for term in step.terms
+                if term.kind != "literal"
+                and not (term.kind == "variable" and term.column in given_places)
+            ]
             values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
             children = tuple(node for term in terms for node in self.reason(term, way))
             if len(step.gives) != 1:
@@ -328,9 +334,3 @@ def negation(text: str, *, holds: bool) -> tuple[str, str]:
 def number_of(number: int, what: str, *, is_all: bool) -> str:
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
-
-
-def _is_among(term: Term, step: Step) -> bool:
-    return term.kind == "literal" or (
-        term.kind == "variable" and term.column in step.gives.values()
-    )

@@ -31,6 +31,10 @@ class Ask:
     given: Mapping[str, Value] = field(default_factory=dict)
     within: str = ""
 
+    @property
+    def key(self) -> str:
+        return json.dumps([self.predicate, self.within, self.given], sort_keys=True)
+
 
 @dataclass(frozen=True, slots=True)
 class Node:

@@ -123,7 +123,9 @@ class Refuting:
         return {
             column: value_of(way, place)
             for column, place in clause.head.items()
-            if column in self._wanted and place in way and not _is_asked_of_body(clause, column)
+            if column in self._wanted and place in way
+            # Others are known only together with the body.
+            if not clause.steps or clause.terms[column].kind == "literal"
             if not same(value_of(way, place), self._wanted[column])
         }
 
@@ -287,7 +289,8 @@ class Refuting:
         rows = self._rows(asks[0])[: _MOST_COMPARED // len(asks)]
 
         def gap(ask: Ask) -> float:
-            return min((_gap(ask.given, row) for row in rows), default=0.0)
+            gaps = (sum(_unlikeness(v, row.get(c)) for c, v in ask.given.items()) for row in rows)
+            return min(gaps, default=0.0)
 
         return sorted(asks, key=gap)
 
@@ -394,17 +397,8 @@ def _is_joined(clause: Clause, column: str) -> bool:
     )
 
 
-def _is_asked_of_body(clause: Clause, column: str) -> bool:
-    """Return whether a column's value is known only together with the body."""
-    return bool(clause.steps) and clause.terms[column].kind != "literal"
-
-
-def _gap(given: Mapping[str, Value], row: Mapping[str, Value]) -> float:
-    """Return the dissimilarity of arguments and a row, at most 1 for each argument."""
-    return sum(_difference(value, row.get(column)) for column, value in given.items())
-
-
-def _difference(one: Value, other: Value) -> float:
+def _unlikeness(one: Value, other: Value) -> float:
+    """Return the dissimilarity of two values, at most 1."""
     if same(one, other):
         return 0.0
     if isinstance(one, int | float) and isinstance(other, int | float):
