@@ -28,12 +28,7 @@ from logical_robots_tui.world.levels.fields import (
     Fields,
     check_robot_names,
 )
-from logical_robots_tui.world.levels.native import (
-    read_area,
-    read_beacon,
-    read_robot,
-    read_words,
-)
+from logical_robots_tui.world.levels.native import read_area, read_beacon, read_robot, read_words
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
 from logical_robots_tui.world.world import Pose
 

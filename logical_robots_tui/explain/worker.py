@@ -30,11 +30,7 @@ from logical_robots_tui.language.tree import (
     Variable,
     equation_sides,
 )
-from logical_robots_tui.mind.compiling.worker import (
-    is_prepared_soon,
-    keep_preparable,
-    serve,
-)
+from logical_robots_tui.mind.compiling.worker import is_prepared_soon, keep_preparable, serve
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.tuning import tune_all
 from logical_robots_tui.schema import VALUE

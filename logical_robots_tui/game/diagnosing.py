@@ -117,10 +117,7 @@ Show: TypeAlias = Callable[[Diagnosis], None]
 
 
 async def diagnose(
-    game: Game,
-    *,
-    report: Report = lambda _done, _all: None,
-    show: Show = lambda _found: None,
+    game: Game, *, report: Report = lambda _done, _all: None, show: Show = lambda _found: None
 ) -> Diagnosis:
     """Diagnose the current program over a game's history; cancelling the call stops it.
 

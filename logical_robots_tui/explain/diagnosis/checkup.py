@@ -11,12 +11,7 @@ from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import (
-    definitions,
-    is_constant,
-    names_used,
-    rules_of,
-)
+from logical_robots_tui.language.definitions import definitions, is_constant, names_used, rules_of
 from logical_robots_tui.language.functors import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (

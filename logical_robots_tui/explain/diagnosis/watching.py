@@ -8,13 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.explain.bodies import (
-    Scope,
-    as_part,
-    count_rule,
-    parameters,
-    span_of,
-)
+from logical_robots_tui.explain.bodies import Scope, as_part, count_rule, parameters, span_of
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site, Stands
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import names_used, reach

@@ -19,13 +19,7 @@ from logical_robots_tui.explain.why.explanation import (
     read_call,
 )
 from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
-from logical_robots_tui.explain.why.probing import (
-    Call,
-    Clause,
-    Probing,
-    Span,
-    decompose,
-)
+from logical_robots_tui.explain.why.probing import Call, Clause, Probing, Span, decompose
 from logical_robots_tui.explain.why.proving import explain, prove
 from logical_robots_tui.explain.why.sourcing import source_of
 from logical_robots_tui.language.diagnostics import QueryError
