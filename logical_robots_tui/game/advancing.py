@@ -15,19 +15,20 @@ from logical_robots_tui.world import Level, World
 from logical_robots_tui.world.world import change_state, former_names
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.clock import Clock
     from logical_robots_tui.game.debugging.breakpoints import Hit
     from logical_robots_tui.game.debugging.watching import Watch
     from logical_robots_tui.game.history.packing import TickState
-    from logical_robots_tui.mind import Decision, Mind
+    from logical_robots_tui.mind import Decision, Limits, Mind, Program
     from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level, WorldState
+    from logical_robots_tui.world import WorldState
     from logical_robots_tui.world.world import Pose
 
     Decide = Callable[[int, tuple[Decision, ...]], tuple[Decision, ...]]
-    from logical_robots_tui.mind import Limits, Program
+
+T = TypeVar("T")
 
 
 class Advance(NamedTuple):
@@ -159,17 +160,11 @@ def after_change(
 
 def is_thought_alike(before: Level, after: Level) -> bool:
     """Return whether robots, teams, areas and visibility match, so decisions stay valid."""
-    return before.visibility == after.visibility and all(
-        one == other for one, other in zip(_thinkers(before), _thinkers(after), strict=True)
+    names = (
+        ([(one.name, one.team) for one in level.robots], [area.name for area in level.areas])
+        for level in (before, after)
     )
-
-
-def _thinkers(level: Level) -> tuple[list[str], ...]:
-    robots, areas = level.robots, level.areas
-    return [one.name for one in robots], [one.team for one in robots], [one.name for one in areas]
-
-
-T = TypeVar("T")
+    return before.visibility == after.visibility and next(names) == next(names)
 
 
 class Thinker:

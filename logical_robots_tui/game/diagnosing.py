@@ -268,7 +268,10 @@ class _Diagnosing:
             return [history.replay(tick) for tick in ticks if tick >= history.first]
 
         async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer]:
-            return await self._scan(tally.checkup, probes, stored(ticks))
+            program, limits, known = tally.checkup.program, self._limits, stored(ticks)
+            return await self._thinker.do(
+                lambda stop: [*scan(self._thinker, program, limits, probes, known, stop)]
+            )
 
         def found(*, is_final: bool = False) -> Diagnosis:
             is_complete = is_final and self._second_step <= 1
@@ -365,13 +368,6 @@ class _Diagnosing:
             self._others = deque([*self._others][:: self._second_step])
         queue = self._some or self._others
         return [queue.popleft() for _ in range(min(most, len(queue)))]
-
-    async def _scan(
-        self, checkup: Checkup, probes: Sequence[str], ticks: Sequence[Tick]
-    ) -> list[Answer]:
-        return await self._thinker.do(
-            lambda stop: [*scan(self._thinker, checkup.program, self._limits, probes, ticks, stop)]
-        )
 
     async def _look_closely(self, tally: Tally, ticks: Sequence[Tick], robot: str) -> None:
         """Count the rows of all probes, also of values, in the mind of a robot."""

@@ -99,7 +99,6 @@ class Stored(Protocol):
     @property
     def turns(self) -> int: ...
 
-    def around(self, tick: int, /) -> tuple[TickState, TickState]: ...
     def replay(self, tick: int, /) -> tuple[TickState, RecordedTick]: ...
     def level_at(self, tick: int, /) -> Level: ...
     def is_reliable_up_to(self, tick: int, /) -> bool: ...
@@ -111,9 +110,9 @@ async def observe(history: Stored, first: int, last: int) -> Observations:
     level = history.level_at(last)
     found.is_on_way = bool(level.scores)  # to stand still may earn points
     at_home = {name: area.name for area in level.areas for name in area.victory_robots}
-    before: dict[str, Value] = dict(history.around(first)[0].memories)
+    before: dict[str, Value] = dict(history.replay(first)[0].memories)
     for tick in range(first, last + 1):
-        moment = history.around(tick)[1]
+        moment = history.replay(tick)[1].moment
         found.won_at = moment.after.won_at
         for robot in moment.after.robots:
             paths.setdefault(robot.name, []).append(robot)
@@ -127,7 +126,7 @@ async def observe(history: Stored, first: int, last: int) -> Observations:
             before = dict(moment.memories)
         if not tick % _AT_ONCE:
             await asyncio.sleep(0)
-    visitors = {area.name: area.visitors for area in history.around(last)[1].after.areas}
+    visitors = {area.name: area.visitors for area in moment.after.areas}
     kinds: Counter[str] = Counter()
     for name, path in paths.items():
         is_home = name in visitors.get(at_home.get(name, ""), ())

@@ -250,11 +250,6 @@ class RunHistory:
         self.first, self.last = first, last
         self._latest: RecordedTick | None = None
 
-    def around(self, tick: int) -> tuple[TickState, TickState]:
-        """Return the moments before and after a tick, or raise DamagedError."""
-        before, known = self.replay(tick)
-        return before, known.moment
-
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, or raise DamagedError."""
         before = self._stored(max(tick - 1, 0)).moment

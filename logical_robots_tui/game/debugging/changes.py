@@ -108,7 +108,9 @@ class _Changes:
         return Change(tick, self._path, self._values[0], is_known, self._steps())
 
     def _compare(self, tick: int, before: Value) -> None:
-        by = _difference(self._values[-1], before)
+        pair = (self._values[-1], before)
+        numbers = [v for v in pair if isinstance(v, int | float) and not isinstance(v, bool)]
+        by = numbers[0] - numbers[1] if len(numbers) == 2 else None
         if not self.ticks:
             self._by = by
         if by is not None and self._by is not None and math.isclose(by, self._by):
@@ -125,12 +127,6 @@ class _Changes:
             return None
         by = self._by if is_even else None
         return Steps(by, self.ticks[times - 1], times, self._values[times])
-
-
-def _difference(value: Value, before: Value) -> float | None:
-    if isinstance(value, int | float) and isinstance(before, int | float):
-        return None if isinstance(value, bool) or isinstance(before, bool) else value - before
-    return None
 
 
 def _place_before(memory: Value, now: Value, path: Path) -> Path | None:

@@ -420,7 +420,9 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
     if link.steps is not None:
         began = f" ({link.began + 1}.)" if link.began is not None else ""
         yield f"{_steps(link.steps, link.tick)}, from {written(link.steps.begin)}{began}"
-    verb = _verb(source)
+    verb = "from"
+    if source.read is not None:
+        verb = "copied from" if source.read.what == "memory" else "read from"
     pairs = list(zip(link.inputs, link.before, strict=True))
     for each, number in pairs[:_SHOWN_INPUTS]:
         goes_on = f" ({number + 1}.)" if number is not None else ""
@@ -430,12 +432,6 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
         numbers = [f"{n + 1}." for _, n in pairs[_SHOWN_INPUTS:] if n is not None]
         goes_on = f" ({', '.join(numbers)})" if numbers else ""
         yield f"and from {more} more{goes_on}"
-
-
-def _verb(source: Source) -> str:
-    if source.read is None:
-        return "from"
-    return "copied from" if source.read.what == "memory" else "read from"
 
 
 def _without_source(link: Link) -> str:

@@ -29,19 +29,20 @@ def matching_rows(question: Question, table: Table, robot: str = "") -> Table:
     For an expression these are values other than null, false and 0; for conditions without
     variables, the minds in which they are true; otherwise all rows.
     """
+
+    def counts(row: tuple[Value, ...]) -> bool:
+        value = row[0] if row else None
+        if question.gives == "truth":
+            return value == "true"
+        return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
+
     table = table.in_mind_of(robot)
-    kept = [n for n, row in enumerate(table.rows) if _counts(question, row[0] if row else None)]
+    kept = [n for n, row in enumerate(table.rows) if counts(row)]
     return replace(
         table,
         rows=tuple(table.rows[n] for n in kept),
         viewers=tuple(table.viewers[n] for n in kept) if table.viewers else (),
     )
-
-
-def _counts(question: Question, value: object) -> bool:
-    if question.gives == "truth":
-        return value == "true"
-    return question.gives == "rows" or value not in (None, False)  # 0 is equal to False
 
 
 class Watch:
@@ -158,14 +159,11 @@ def _without(rows: _Rows, others: _Rows) -> _Rows:
 
 
 def _join(rows: _Rows) -> str:
-    told = [", ".join(map(_describe, row)) for row in rows[:_FEW]]
+    texts = [list(map(to_json, row)) for row in rows[:_FEW]]
+    short = ([t if len(t) <= _LONGEST else f"{t[:_LONGEST]}…" for t in row] for row in texts)
+    told = map(", ".join, short)
     more = len(rows) - _FEW
     return "; ".join(told) + (f" and {more} more" if more > 0 else "")
-
-
-def _describe(value: Value) -> str:
-    text = to_json(value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
 
 def _occurrences(each: Breakpoint, past: Frame, frame: Frame) -> Iterator[str]:

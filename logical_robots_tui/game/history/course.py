@@ -104,7 +104,7 @@ class Course:
         self.levels = Levels(frame.tick, level)
         self.hits: dict[int, tuple[Hit, ...]] = {}
         self._length = length
-        self._packs: list[Packed] = []
+        self.packs: list[Packed] = []
         self._loose = [TickState(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
         self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
@@ -122,10 +122,6 @@ class Course:
         """The earliest tick that can be restored; its previous moment is stored."""
         oldest = max(self._oldest, self.last - self._length)
         return oldest + 1 if oldest else 0
-
-    @property
-    def packs(self) -> Iterator[Packed]:
-        return iter(self._packs)
 
     @property
     def loose_weight(self) -> int:
@@ -146,17 +142,20 @@ class Course:
         if self._blocked_from is None and self._blocked:
             self._blocked_from = frame.tick
         if not self._programs or self._programs[-1][1].texts != program.texts:
-            self._use(frame.tick, program)
+            if self._programs:
+                self.marks.note(frame.tick, "program")
+            self._programs.append((frame.tick, program))
+            self._rounds = Rounds()
         is_packed = False
         while together := self._ready():
             try:
-                self._packs.append(Packed(self._loose[:together]))
+                self.packs.append(Packed(self._loose[:together]))
             except MemoryError:
-                self._packs.clear()  # drop everything older as well, because there must be no gaps
+                self.packs.clear()  # drop everything older as well, because there must be no gaps
                 self._forget_before(self._loose[together].after.tick)
             del self._loose[:together]
             is_packed = True
-        while self._packs and self._begin_after_first_pack() <= self.last - self._length:
+        while self.packs and self._begin_after_first_pack() <= self.last - self._length:
             self.forget_pack()
         return is_packed
 
@@ -176,18 +175,18 @@ class Course:
         self._rounds = Rounds()
 
     def forget_pack(self) -> bool:
-        if self._packs:
+        if self.packs:
             begin = self._begin_after_first_pack()
-            del self._packs[0]
+            del self.packs[0]
             self._forget_before(begin)
-        return bool(self._packs)
+        return bool(self.packs)
 
     def moment(self, tick: int) -> TickState:
         """Return the state after a tick, from the one before `first` to `last`."""
         begin = self._loose[0].after.tick
         if tick >= begin:
             return self._loose[tick - begin]
-        pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
+        pack = self.packs[bisect_right(self.packs, tick, key=_begin_of) - 1]
         return pack.moment(tick - pack.first)
 
     def memory(self, tick: int, robot: str) -> Value:
@@ -195,7 +194,7 @@ class Course:
         begin = self._loose[0].after.tick
         if tick >= begin:
             return self._loose[tick - begin].memories[robot]
-        pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
+        pack = self.packs[bisect_right(self.packs, tick, key=_begin_of) - 1]
         return pack.memory(tick - pack.first, robot)
 
     def known(self, tick: int) -> RecordedTick:
@@ -215,9 +214,9 @@ class Course:
         copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
         copy._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
         copy._programs = self.programs(tick)
-        begins = [*map(_begin_of, self._packs), self._loose[0].after.tick]
+        begins = [*map(_begin_of, self.packs), self._loose[0].after.tick]
         whole = bisect_right(begins, tick) - 1
-        copy._packs = self._packs[:whole]
+        copy.packs = self.packs[:whole]
         begin = begins[whole]
         copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
         copy._blocked = self._blocked_until(tick)
@@ -258,7 +257,7 @@ class Course:
         return together if is_heavy else 0
 
     def _begin_after_first_pack(self) -> int:
-        rest = self._packs[1:2] or self._loose[:1]
+        rest = self.packs[1:2] or self._loose[:1]
         return rest[0].first if isinstance(rest[0], Packed) else rest[0].after.tick
 
     def _forget_before(self, tick: int) -> None:
@@ -266,12 +265,6 @@ class Course:
         self.marks.forget_before(tick)
         self.levels.forget_before(tick)
         self.hits = {at: hits for at, hits in self.hits.items() if at >= tick}
-
-    def _use(self, tick: int, program: Program) -> None:
-        if self._programs:
-            self.marks.note(tick, "program")
-        self._programs.append((tick, program))
-        self._rounds = Rounds()
 
 
 _NO_WALLS = np.zeros((0, 0), np.bool_)
