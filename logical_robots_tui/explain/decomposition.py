@@ -97,12 +97,8 @@ class Decomposition:
             for each in read
             if each in of_copies or each in kinds
         }
-        later = tuple(
-            (clause.before, *(step.query for step in clause.steps[:-1]))
-            for rule in parts
-            for clause in rule.clauses
-            if len(clause.steps) > _FEW_STEPS
-        )
+        long = (c for rule in parts for c in rule.clauses if len(c.steps) > _FEW_STEPS)
+        later = tuple((c.before, *(step.query for step in c.steps[:-1])) for c in long)
         self.probing = Probing(
             predicate,
             within,
@@ -135,7 +131,8 @@ class Decomposition:
         return {
             query: _with_remarks(sql, compiled.kinds[query])
             for query, sql in compiled.statements(probes).items()
-            if is_prepared_soon(database, *_final_form(sql))
+            for number in [1 + max(map(int, _GIVEN_COLUMN.findall(sql)), default=-1)]
+            if is_prepared_soon(database, with_given(sql, number), number)
         }
 
 
@@ -146,11 +143,6 @@ def _with_remarks(sql: str, kinds: Mapping[str, Kind]) -> str:
 
 def _columns(rules: list[Rule]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(c for rule in rules for part in head_of(rule) for c in part))
-
-
-def _final_form(sql: str) -> tuple[str, int]:
-    number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
-    return with_given(sql, number), number
 
 
 def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
@@ -171,13 +163,10 @@ def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
 def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
     values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
     taken = {f"g{i}": values[column] for i, column in enumerate(given)}
-    named = {_field(column): value for column, value in values.items()}
+    fields = {c: int(c[3:]) for c in columns if c.startswith("col") and c[3:].isdigit()}
+    named = {fields.get(column, column): value for column, value in values.items()}
     body = [Atom(GIVEN, arguments(taken)), Atom(name, arguments(named))]
     return make_rule(_ALL, {f"c{i}": value for i, value in enumerate(values.values())}, body)
-
-
-def _field(column: str) -> str | int:
-    return int(column[3:]) if column.startswith("col") and column[3:].isdigit() else column
 
 
 def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:

@@ -62,13 +62,6 @@ def _check_up(request: dict[str, Any]) -> dict[str, object]:
     return {"checkup": asdict(replace(found, program=replace(found.program, tuned=tuned)))}
 
 
-def _read(request: dict[str, Any]) -> dict[str, object]:
-    return {"called": asdict(read_call(request["called"]))}
-
-
-JOBS = {"predicate": _decompose, "checkup": _check_up, "called": _read}
-
-
 _HINT = 'Ask for a predicate with values, such as Next(robot_name: "Crow") or Speed(200).'
 
 
@@ -120,7 +113,8 @@ def _value(node: Expression, source: Prepared) -> Value:
     """Return the value of a literal; raise ProgramError for anything else."""
     match node:
         case Number():
-            return _number(node.value)
+            is_whole = node.value.lstrip("-").isdigit()
+            return int(node.value) if is_whole else float(node.value)
         case Boolean():
             return node.value == "true"
         case Null():
@@ -139,13 +133,16 @@ def _value(node: Expression, source: Prepared) -> Value:
     raise _refusal(source, node, "this is no value", hint)
 
 
-def _number(digits: str) -> int | float:
-    return int(digits) if digits.lstrip("-").isdigit() else float(digits)
-
-
 def _refusal(
     source: Prepared, node: Expression | Atom | None, message: str, hint: str = _HINT
 ) -> ProgramError:
     start, stop = (node.span if node is not None else None) or (0, len(source.original))
     found = diagnostic_at(source.original, start, stop - start, message, hint)
     return ProgramError((found,))
+
+
+def _read(request: dict[str, Any]) -> dict[str, object]:
+    return {"called": asdict(read_call(request["called"]))}
+
+
+JOBS = {"predicate": _decompose, "checkup": _check_up, "called": _read}

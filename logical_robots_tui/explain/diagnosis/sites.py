@@ -352,7 +352,8 @@ class Tally:
             return True
         value = row[f"c{place}"]
         if column.kind == "truth":
-            return is_true(value)
+            is_number = isinstance(value, int | float)
+            return None if value is None else is_number and bool(value)
         is_pair = column.kind == "pair"
         other = row[f"d{place}"] if is_pair else self.checkup.sites[column.site].literal
         return None if value is None or other is None else value == other
@@ -393,12 +394,6 @@ def is_telling(site: Site) -> bool:
 def is_always_true(site: Site, count: Count) -> bool:
     seen = count.true is not None and count.false is None and count.null is None
     return site.kind in TESTS and site.operator != "!" and seen
-
-
-def is_true(value: Value) -> bool | None:
-    if value is None:
-        return None
-    return bool(value) if isinstance(value, int | float) else False
 
 
 def _extreme(
