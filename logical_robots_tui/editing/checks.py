@@ -218,7 +218,6 @@ class Reach:
         return never, hardly
 
     def _start(self, robot: Robot) -> frozenset[int]:
-        """Return the region of a robot, or those that it can reach if it starts in a wall."""
         row, column = math.floor(robot.y) + _MARGIN, math.floor(robot.x) + _MARGIN
         row = min(max(row, 0), self._shape[0] - 1)
         column = min(max(column, 0), self._shape[1] - 1)

@@ -290,7 +290,10 @@ class Blocks:
         """Replace the blocks of a kind; existing ones must be in order, and keep their places."""
         kept = {id(block) for block in wanted}
         self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]
-        place = self._first_place(kind)
+        before = KINDS[: KINDS.index(kind)]
+        after = [i + 1 for i, b in enumerate(self.blocks) if b.kind in before]
+        first = [i for i, b in enumerate(self.blocks) if b.kind == kind]
+        place = first[0] if first else max(after, default=0)
         for block in wanted:
             known = next((i for i, b in enumerate(self.blocks) if b is block), None)
             if known is None:
@@ -309,12 +312,6 @@ class Blocks:
             text += block.text
             after_new = block.new
         return text
-
-    def _first_place(self, kind: Kind) -> int:
-        before = KINDS[: KINDS.index(kind)]
-        places = [i + 1 for i, block in enumerate(self.blocks) if block.kind in before]
-        first = [i for i, block in enumerate(self.blocks) if block.kind == kind]
-        return first[0] if first else max(places, default=0)
 
 
 def _comments_above(text: str, start: int) -> int:

@@ -66,7 +66,6 @@ def make_rule(
     columns: Mapping[str, Expression] | Mapping[int | str, Expression],
     body: Sequence[Proposition],
 ) -> Rule:
-    """Make a rule."""
     return Rule(Head(name, arguments(columns)), Conjunction(tuple(body)) if body else None)
 
 
@@ -118,11 +117,7 @@ def count_rule(
 ) -> Rule:
     """Make a rule that counts the ways in which a body holds, grouped by columns.
 
-    Args:
-        name: The predicate that it defines.
-        columns: The columns to group by.
-        differences: Numbers whose least and greatest value is wanted.
-        body: The body.
+    Of the differences, which are numbers, it gives the least and the greatest.
     """
     aggregated = [
         Argument(f"{letter}{place}", Aggregation(operator, value))

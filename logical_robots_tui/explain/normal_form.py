@@ -6,7 +6,7 @@ separate part of the body, so that its value is computed once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -92,24 +92,17 @@ class Builder:
         depth: int = 0,
     ) -> tuple[Clause, ...]:
         """Return a body's clauses; `collected` holds the aggregations, `head` the other columns."""
-        return tuple(
-            _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
-            for parts, taken in self._choices(body)
-        )
-
-    def span(self, tree: Tree) -> Span:
-        return span_of(tree, self._source)
-
-    def _choices(
-        self, body: Sequence[Proposition]
-    ) -> Iterator[tuple[list[Proposition], tuple[Span, ...]]]:
-        """Yield the body for each choice of alternatives, or unchanged if there are too many."""
         try:
             found = alternatives(body)
         except TooManyError:
             found = [(list(body), [])]
-        for parts, taken in found:
-            yield parts, tuple(map(self.span, taken))
+        return tuple(
+            _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
+            for parts, taken in found
+        )
+
+    def span(self, tree: Tree) -> Span:
+        return span_of(tree, self._source)
 
 
 class _ClauseBuilder:
@@ -151,7 +144,7 @@ class _ClauseBuilder:
         self._known = known
         self._all = everything
 
-    def clause(self, taken: tuple[Span, ...]) -> Clause:
+    def clause(self, taken: Sequence[Proposition]) -> Clause:
         ordered, left = in_order(self._body, self._scope, self._known)
         if left:
             together = left[0] if len(left) == 1 else Conjunction(tuple(left))
@@ -177,7 +170,7 @@ class _ClauseBuilder:
             query = self._query(body, after, always | next_wanted)
             finished.append(replace(step, query=query))
         return Clause(
-            taken,
+            tuple(map(self._builder.span, taken)),
             start,
             tuple(finished),
             {column: place for column, place in head.items() if place},

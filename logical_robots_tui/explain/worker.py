@@ -38,7 +38,6 @@ from logical_robots_tui.values import Value
 
 
 def main() -> None:
-    """Serve requests until standard input ends."""
     serve(JOBS)
 
 
@@ -53,7 +52,6 @@ def _decompose(request: dict[str, Any]) -> dict[str, object]:
 
 
 def _check_up(request: dict[str, Any]) -> dict[str, object]:
-    """Prepare a program to be watched, as far as SQLite can prepare it in time."""
     functions = frozenset(request["checkup"])
     with closing(Database()) as database:
         found = check_up(request["text"], functions, partial(is_prepared_soon, database))

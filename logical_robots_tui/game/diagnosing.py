@@ -231,7 +231,6 @@ class _Diagnosing:
         await self._thinker.close()
 
     def offer(self, last: int) -> None:
-        """Let the ticks up to one be examined."""
         for tick in range(self._reached + 1, last + 1):
             (self._others if tick % self._step else self._some).append(tick)
         self._reached = max(self._reached, last)
@@ -307,7 +306,6 @@ class _Diagnosing:
         return found(is_final=True)
 
     async def _prepared(self) -> Tally:
-        """Return the counts, after the program was prepared."""
         if self._preparing is None:
             work = self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
@@ -425,32 +423,26 @@ class Scanner:
 
     def _exchange(self, request: bytes) -> list[Answer] | None:
         try:
-            process = self._started()
-            if process is None:
-                return None
-            assert process.stdin is not None
+            with self._guard:
+                if self.is_over:
+                    return None
+                if self._process is None:
+                    self._process = Helper(__name__)
+                    _write(self._process, self._start)
+                process = self._process
+            _write(process, request)
             assert process.stdout is not None
-            _write(process.stdin.fileno(), request)
             return [Answer(*each) for each in json.loads(process.stdout.readline())]
         except (OSError, ValueError, TypeError):
             self.is_over = True
             return None
 
-    def _started(self) -> Helper | None:
-        with self._guard:
-            if self.is_over:
-                return None
-            if self._process is None:
-                self._process = Helper(__name__)
-                assert self._process.stdin is not None
-                _write(self._process.stdin.fileno(), self._start)
-            return self._process
 
-
-def _write(pipe: int, content: bytes) -> None:
+def _write(process: Helper, content: bytes) -> None:
+    assert process.stdin is not None
     left = memoryview(len(content).to_bytes(8, "big") + content)
     while left:
-        left = left[os.write(pipe, left) :]
+        left = left[os.write(process.stdin.fileno(), left) :]
 
 
 def main() -> None:

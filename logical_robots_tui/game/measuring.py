@@ -207,8 +207,20 @@ class _Work:
             if self.is_over:
                 raise MeasuringError
             self._process = process = Helper(__name__)
+        assert process.stdin is not None
+        assert process.stdout is not None
         try:
-            return self._results_of(process, report)
+            process.stdin.write(len(self._request).to_bytes(8, "big") + self._request)
+            process.stdin.flush()
+            for answer in map(json.loads, process.stdout):
+                if "tried" in answer:
+                    report(Trial(answer["tried"], answer["wins"]))
+                elif answer["late"]:
+                    raise MeasuringError
+                else:
+                    found = answer["measures"]
+                    return found and Measures(**{**found, "goals": tuple(found["goals"])})
+            raise MeasuringError
         except (OSError, ValueError) as error:
             raise MeasuringError from error
         finally:
@@ -216,30 +228,13 @@ class _Work:
                 self._process = None
             process.end()
 
-    def _results_of(self, process: Helper, report: Callable[[Trial], None]) -> Measures | None:
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdin.write(len(self._request).to_bytes(8, "big") + self._request)
-        process.stdin.flush()
-        for line in process.stdout:
-            answer = json.loads(line)
-            if "tried" in answer:
-                report(Trial(answer["tried"], answer["wins"]))
-            elif answer["late"]:
-                raise MeasuringError
-            else:
-                found = answer["measures"]
-                return Measures(**found)._replace(goals=tuple(found["goals"])) if found else None
-        raise MeasuringError
-
 
 def main() -> None:
     begin(PROCESSOR_SECONDS)
     os.nice(NICENESS)
     size = int.from_bytes(sys.stdin.buffer.read(8), "big")
-    level, program, known = pickle.loads(  # noqa: S301 - from the game that started this process
-        sys.stdin.buffer.read(size)
-    )
+    request = sys.stdin.buffer.read(size)
+    level, program, known = pickle.loads(request)  # noqa: S301 - from the game that started this
     try:
         found = _measure(level, program, known)
         _say(late=False, measures=found and found._asdict())
@@ -254,9 +249,7 @@ def _measure(level: Level, program: Program, known: Measures | None) -> Measures
             return None
         known = measures_of(level, program, played.won_at, played.distance, played.is_blocked)
     patience = patience_for(known.ticks)
-    wins = try_starts(
-        level, program, patience, report=lambda tried, won: _say(tried=tried, wins=won)
-    )
+    wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
     return known._replace(wins=wins, starts=STARTS)
 
 

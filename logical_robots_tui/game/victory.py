@@ -51,21 +51,14 @@ def reference_table() -> Mapping[str, Mapping[str, Measures]]:
     try:
         with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
-                table.setdefault(row["level"], {})[row["program"]] = _measures(row)
+                table.setdefault(row["level"], {})[row["program"]] = Measures(
+                    *(int(row["ticks"]), int(row["rules"]), float(row["distance"])),
+                    *(int(row["wins"]), int(row["starts"])),
+                    goals=tuple(filter(None, row["goals"].split("; "))),
+                )
     except FileNotFoundError:
         return {}
     return table
-
-
-def _measures(row: dict[str, str]) -> Measures:
-    return Measures(
-        int(row["ticks"]),
-        int(row["rules"]),
-        float(row["distance"]),
-        int(row["wins"]),
-        int(row["starts"]),
-        tuple(filter(None, row["goals"].split("; "))),
-    )
 
 
 def count_rules(text: str) -> int:

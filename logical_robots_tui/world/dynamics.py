@@ -282,8 +282,6 @@ def tally_tick(
 
 
 class _Moment:
-    """The state at the end of a tick, as scoring needs it."""
-
     def __init__(
         self,
         level: Level,

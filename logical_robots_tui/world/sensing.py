@@ -129,7 +129,6 @@ class Senses:
         return Circles(self._numbers, x, y, self._radius)
 
     def _hits(self, rays: Rays, circles: Circles) -> _Hits:
-        """Return the hits of all rays, of shape (robots, rays)."""
         if len(rays.robot) <= _ROBOTS_AT_ONCE:
             return self._cast(rays, circles)
         hits = np.empty(rays.cos.shape, dtype=np.int64)

@@ -215,7 +215,6 @@ def row_clearances(walls: _Bits, most: int) -> _Bytes:
 
 
 def _along_rows(walls: _Bits, most: int) -> NDArray[np.int32]:
-    """Return the distance to the nearest wall in the same row, at most `most`."""
     column = np.arange(walls.shape[1], dtype=np.int32)
     left = np.maximum.accumulate(np.where(walls, column, -most), axis=1)
     beyond = np.int32(walls.shape[1] + most)

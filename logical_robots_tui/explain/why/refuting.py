@@ -239,7 +239,6 @@ class Refuting:
         )
 
     def _elsewhere(self, step: Step) -> str:
-        """Return that a step holds for other values than those wanted, or ""."""
         number = 0
         if self._wanted:
             sql = self._queries[step.query]
@@ -270,7 +269,6 @@ class Refuting:
         return asks[0], tuple(Node("value", label, values=(value,)) for label, value in labels)
 
     def _rows(self, asked: Ask) -> Sequence[Mapping[str, Value]]:
-        """Return the rows that a call is matched with, () for a function."""
         name, probing = asked.predicate, self._probing
         if asked.within or name not in probing.tables:
             return ()

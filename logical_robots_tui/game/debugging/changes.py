@@ -72,8 +72,6 @@ async def last_change(memories: AsyncIterator[Sequence[Value]], path: Path, tick
 
 
 class _Changes:
-    """Follows a part of a memory back, tick by tick, over its last changes."""
-
     def __init__(self, memory: Value, path: Path, tick: int) -> None:
         self.ticks: list[int] = []  # of the changes, the last one first
         self._tick, self._memory = tick, memory
@@ -130,7 +128,6 @@ class _Changes:
 
 
 def _place_before(memory: Value, now: Value, path: Path) -> Path | None:
-    """Return where a value was in the memory before, or None if it was not there."""
     if memory is now:
         return path
     at = next((n for n in reversed(range(len(path))) if isinstance(path[n], int)), None)
@@ -152,7 +149,6 @@ def _place_before(memory: Value, now: Value, path: Path) -> Path | None:
 
 
 def _from_the_start(memory: Value, path: Path) -> Path:
-    """Return a path whose places in lists are counted from the start."""
     found: Path = ()
     for name in path:
         value = part_of(memory, found)

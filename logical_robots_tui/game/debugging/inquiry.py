@@ -171,20 +171,17 @@ def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, Table | QueryError]:
     found: dict[str, Table | QueryError] = {}
+    sensors, memories = frame.sensors, frame.memories_before
     for name in predicates:
         try:
-            found[name] = _table(name, frame, mind, stop)
+            if name.isidentifier():
+                found[name] = mind.query(name, sensors, memories, stop=stop)
+            else:
+                question = mind.program.question(name, stop=stop, limits=mind.limits)
+                table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+                found[name] = matching_rows(question, table)
         except ProgramError as error:
             found[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
         except QueryError as error:
             found[name] = error
     return found
-
-
-def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
-    sensors, memories = frame.sensors, frame.memories_before
-    if name.isidentifier():
-        return mind.query(name, sensors, memories, stop=stop)
-    question = mind.program.question(name, stop=stop, limits=mind.limits)
-    table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-    return matching_rows(question, table)

@@ -185,8 +185,6 @@ class _Waiting:
 
 
 class _Tracing:
-    """Makes the links of a chain, the nearest first."""
-
     def __init__(self, past: Past) -> None:
         self._past = past
         self._links: list[Link] = []
@@ -293,7 +291,6 @@ class _Tracing:
 
 
 def _memories_in(source: Source) -> dict[tuple[str, Path | None], Value]:
-    """Return the parts of memories that were read for a value, by robot and path."""
     found: dict[tuple[str, Path | None], Value] = {}
     waiting, known = [source], {id(source)}
     while waiting:

@@ -136,8 +136,6 @@ def condition_of(
 
 
 class _Walk:
-    """Traverses two proofs in parallel."""
-
     def __init__(self, here: str, there: str, *, values: bool) -> None:
         self._here, self._there, self._values = here, there, values
 

@@ -144,7 +144,6 @@ def _rows_for(each: Breakpoint, table: Table) -> _Rows:
 
 
 def _without(rows: _Rows, others: _Rows) -> _Rows:
-    """Return the multiset difference of rows."""
     if rows == others:
         return []
     left = Counter(to_json(row) for row in others)

@@ -123,7 +123,9 @@ class Marks:
         for kind, ticks in self._ticks.items():
             at = bisect_left(ticks, tick)
             if at < len(ticks) and ticks[at] == tick:
-                found.append(Mark(kind, self._named(kind, self._who[kind][at])))
+                who, names = self._who[kind][at], self._areas if kind == "area" else self._robots
+                which = enumerate(names if kind in self._places else ())
+                found.append(Mark(kind, tuple(name for n, name in which if who >> n & 1)))
         return tuple(found)
 
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
@@ -169,12 +171,6 @@ class Marks:
                 return ticks[at]
             at += steps
         return None
-
-    def _named(self, kind: MarkKind, who: int) -> tuple[str, ...]:
-        if kind not in self._places:
-            return ()
-        names = self._areas if kind == "area" else self._robots
-        return tuple(name for place, name in enumerate(names) if who >> place & 1)
 
 
 def _places(names: list[str], known: list[str]) -> list[int]:

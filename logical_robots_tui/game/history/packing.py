@@ -45,23 +45,17 @@ class TickState:
 
     @classmethod
     def of(cls, frame: Frame, driven: float) -> TickState:
+        before, decisions = frame.memories_before, frame.decisions
+        weight = sum(d.weight for d in decisions if d.memory is not before.get(d.robot_name))
+        weight += sum(len(notice.message) for d in decisions for notice in d.notices)
+        weight += _BODY_BYTES * len(decisions)
         milliseconds = frame.think_milliseconds
-        return cls(
-            frame.after, frame.memories, frame.decisions, milliseconds, driven, _weight_of(frame)
-        )
+        return cls(frame.after, frame.memories, decisions, milliseconds, driven, weight)
 
     @property
     def is_reliable(self) -> bool:
         """Whether the tick is the same on any machine: no time limit cut off a thought."""
         return all(decision.is_reliable for decision in self.decisions)
-
-
-def _weight_of(frame: Frame) -> int:
-    """Return the bytes of objects that are new in a tick: robot states and changed memories."""
-    before = frame.memories_before
-    memories = [d.weight for d in frame.decisions if d.memory is not before.get(d.robot_name)]
-    notices = [len(notice.message) for d in frame.decisions for notice in d.notices]
-    return sum(memories) + sum(notices) + _BODY_BYTES * len(frame.decisions)
 
 
 class Packed:
