@@ -75,7 +75,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
 
 
 def is_made_here(path: Path) -> bool:
-    """Return whether this game wrote a file, as far as its text shows, or there is none. Blocks.
+    """Return whether this game wrote a file, as far as its text shows, or there is none. _Blocks.
 
     Saving in a file of the web platform's format replaces all of it.
     """
@@ -125,7 +125,7 @@ def rewritten(text: str, level: Level) -> str:
 def _rewrite(text: str, before: Level, level: Level) -> str | None:
     """Return the changed text, or None if it would not describe the level."""
     try:
-        blocks = Blocks(text)
+        blocks = _Blocks(text)
         inline = []
         for kind in KINDS:
             old, new = getattr(before, kind), getattr(level, kind)
@@ -142,15 +142,15 @@ def _rewrite(text: str, before: Level, level: Level) -> str | None:
         return None
 
 
-def _blocks(blocks: list[Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[Block]:
-    found: list[Block] = []
+def _blocks(blocks: list[_Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[_Block]:
+    found: list[_Block] = []
     matcher = SequenceMatcher(None, old, new, autojunk=False)
     for _, start, stop, new_start, new_stop in matcher.get_opcodes():
         pairs = _pairs(old[start:stop], new[new_start:new_stop])
         for thing, index in zip(new[new_start:new_stop], pairs, strict=True):
             if index is None:
                 kind = kind_of(thing)
-                found.append(Block(kind, block_text(kind, record_of(thing)), new=True))
+                found.append(_Block(kind, block_text(kind, record_of(thing)), new=True))
                 continue
             block = blocks[start + index]
             earlier = old[start + index]
@@ -174,7 +174,7 @@ def _pairs(old: Sequence[Thing], new: Sequence[Thing]) -> list[int | None]:
     return pairs
 
 
-def _table(block: Block, before: Record, after: Record) -> str:
+def _table(block: _Block, before: Record, after: Record) -> str:
     document = tomlkit.parse(block.text)
     tables = document[block.kind]
     assert isinstance(tables, AoT)
@@ -249,7 +249,7 @@ _HEADER = re.compile(
 
 
 @dataclass
-class Block:
+class _Block:
     """The text of one object, with the comments above it and the empty lines below."""
 
     kind: Kind
@@ -257,7 +257,7 @@ class Block:
     new: bool = False
 
 
-class Blocks:
+class _Blocks:
     """A file split into blocks; raises ValueError if its layout does not allow that."""
 
     def __init__(self, text: str) -> None:
@@ -275,7 +275,7 @@ class Blocks:
         pieces = [text[start:stop] for start, stop in pairwise(bounds)]
         self.head = pieces[0]
         self.blocks = [
-            Block(cast("Kind", match[1]), piece)
+            _Block(cast("Kind", match[1]), piece)
             for match, piece in zip(found, pieces[1:], strict=True)
         ]
         try:
@@ -283,10 +283,10 @@ class Blocks:
         except ValueError:
             return False
 
-    def of(self, kind: Kind) -> list[Block]:
+    def of(self, kind: Kind) -> list[_Block]:
         return [block for block in self.blocks if block.kind == kind]
 
-    def replace(self, kind: Kind, wanted: Sequence[Block]) -> None:
+    def replace(self, kind: Kind, wanted: Sequence[_Block]) -> None:
         """Replace the blocks of a kind; existing ones must be in order, and keep their places."""
         kept = {id(block) for block in wanted}
         self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]

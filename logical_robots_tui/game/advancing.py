@@ -12,7 +12,6 @@ from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game.frame import Frame, ends
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.world import Level, World
-from logical_robots_tui.world.world import change_state, former_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Decision, Limits, Mind, Program
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import WorldState
-    from logical_robots_tui.world.world import Pose
 
     Decide = Callable[[int, tuple[Decision, ...]], tuple[Decision, ...]]
 
@@ -143,19 +141,6 @@ class Worlds:
         if self._world.level is not level:
             self._world = World(level, like=self._world)
         return self._world
-
-
-def after_change(
-    frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
-) -> tuple[WorldState, dict[str, Value]]:
-    """Return world and memories after a change of the level, or raise ValueError.
-
-    The poses are by the robots' names in the new level, which must be known there.
-    """
-    former = former_names(before, after)
-    known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
-    memories = {robot.name: known.get(robot.name, "") for robot in after.robots}
-    return change_state(frame.after, before, after, poses), memories
 
 
 def is_thought_alike(before: Level, after: Level) -> bool:

@@ -78,7 +78,7 @@ Tick: TypeAlias = "tuple[TickState, RecordedTick]"
 """The moment before a tick, and the tick."""
 
 
-class Answer(NamedTuple):
+class _Answer(NamedTuple):
     """The rows of a probe at a tick, in each view; None if it failed."""
 
     tick: int
@@ -86,7 +86,7 @@ class Answer(NamedTuple):
     views: Sequence[Rows] | None
 
 
-def ticks_at_once(robots: int) -> int:
+def _ticks_at_once(robots: int) -> int:
     """Return how many ticks are examined with one query."""
     return max(1, _ROWS // max(1, robots))
 
@@ -98,20 +98,20 @@ def scan(
     probes: Sequence[str],
     ticks: Sequence[Tick],
     stop: threading.Event | None = None,
-) -> Iterator[Answer]:
+) -> Iterator[_Answer]:
     """Yield what probes answer at some ticks; call it in the thinker's thread."""
     for _, alike in groupby(ticks, key=lambda each: id(each[1].level)):
         same = list(alike)
-        most = ticks_at_once(len(same[0][1].level.robots))
+        most = _ticks_at_once(len(same[0][1].level.robots))
         for at in range(0, len(same), most):
             replayed = [thinker.replay(program, *each, limits) for each in same[at : at + most]]
             frames = [frame for frame, _ in replayed]
             seen = [(frame.sensors, frame.memories_before) for frame in frames]
             for name, number, views in replayed[-1][1].each_at(probes, seen, stop=stop):
-                yield Answer(frames[number].tick, name, views)
+                yield _Answer(frames[number].tick, name, views)
 
 
-Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[Answer] | None]]
+Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_Answer] | None]]
 Report: TypeAlias = Callable[[int, int], None]
 Show: TypeAlias = Callable[[Diagnosis], None]
 
@@ -240,9 +240,9 @@ class _Diagnosing:
         """Examine ticks of a run in another process, until cancelled."""
         with contextlib.suppress(QueryError):  # `diagnose` raises it
             tally = await self._prepared()
-            scanner = Scanner(tally.checkup.program, run.level, run.limits)
+            scanner = _Scanner(tally.checkup.program, run.level, run.limits)
 
-            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer] | None:
+            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_Answer] | None:
                 stored = await run.replay(ticks)
                 return await scanner.scan(probes, stored) if stored else None
 
@@ -266,7 +266,7 @@ class _Diagnosing:
             # Others were dropped in the meantime.
             return [history.replay(tick) for tick in ticks if tick >= history.first]
 
-        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer]:
+        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_Answer]:
             program, limits, known = tally.checkup.program, self._limits, stored(ticks)
             return await self._thinker.do(
                 lambda stop: [*scan(self._thinker, program, limits, probes, known, stop)]
@@ -319,7 +319,7 @@ class _Diagnosing:
     async def _work(self, tally: Tally, ask: Ask, robots: int, *, is_helping: bool = False) -> None:
         """Count the rows of all probes that are not settled, some ticks at a time."""
         names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
-        most = ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
+        most = _ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
         while is_helping or self._pending or self._waiting:
             probes = tally.doubtful_probes()
             ticks = self._take(len(probes) * robots, most, is_helping=is_helping)
@@ -401,7 +401,7 @@ def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:
     return [(robot, ticks) for (robot, _), ticks in wanted.items()]
 
 
-class Scanner:
+class _Scanner:
     """A process that scans ticks of a level; a failure leaves them to others."""
 
     def __init__(self, program: Program, level: Level, limits: Limits) -> None:
@@ -410,7 +410,7 @@ class Scanner:
         self._guard = threading.Lock()
         self.is_over = False
 
-    async def scan(self, probes: Sequence[str], ticks: Sequence[Tick]) -> list[Answer] | None:
+    async def scan(self, probes: Sequence[str], ticks: Sequence[Tick]) -> list[_Answer] | None:
         """Return what probes answer at some ticks of the level, or None if the process failed."""
         request = pickle.dumps((probes, [(before, known.moment) for before, known in ticks]))
         return await asyncio.to_thread(self._exchange, request)
@@ -421,7 +421,7 @@ class Scanner:
             if self._process is not None:
                 self._process.end()
 
-    def _exchange(self, request: bytes) -> list[Answer] | None:
+    def _exchange(self, request: bytes) -> list[_Answer] | None:
         try:
             with self._guard:
                 if self.is_over:
@@ -432,7 +432,7 @@ class Scanner:
                 process = self._process
             _write(process, request)
             assert process.stdout is not None
-            return [Answer(*each) for each in json.loads(process.stdout.readline())]
+            return [_Answer(*each) for each in json.loads(process.stdout.readline())]
         except (OSError, ValueError, TypeError):
             self.is_over = True
             return None

@@ -15,7 +15,6 @@ from logical_robots_tui.game.advancing import (
     Thinker,
     Worlds,
     advance,
-    after_change,
     fresh_frame,
     is_thought_alike,
     start_frame,
@@ -28,7 +27,7 @@ from logical_robots_tui.game.pace import Pace
 from logical_robots_tui.mind import Limits, Stopped, Table
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level, WorldState
-from logical_robots_tui.world.world import Pose
+from logical_robots_tui.world.world import Pose, change_state, former_names
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Decide
@@ -208,9 +207,13 @@ class Game:
         Raises:
             ValueError: A pose is for an unknown robot.
         """
-        changed = after_change(self._frame, self.level, level, poses or {})
-        keeps = bool(self._frame.decisions) and is_thought_alike(self.level, level)
-        return self.go_on_in(level, *changed, keeps)
+        frame, before = self._frame, self.level
+        former = former_names(before, level)
+        known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
+        memories = {robot.name: known.get(robot.name, "") for robot in level.robots}
+        state = change_state(frame.after, before, level, poses or {})
+        keeps = bool(frame.decisions) and is_thought_alike(before, level)
+        return self.go_on_in(level, state, memories, keeps)
 
     def go_on_in(
         self, level: Level, state: WorldState, memories: Mapping[str, Value], keeps_decisions: bool

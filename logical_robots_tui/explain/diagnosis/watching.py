@@ -193,7 +193,7 @@ class Watching:
             if kind == "leaf" and at.chosen is not None:
                 condition, number = at.chosen
                 why = self._sources.of_condition(condition, self._rules[number])
-                places = alternate(places, why, span.line)
+                places = _alternate(places, why, span.line)
             known = {"within": self._within, "places": places, "stands": at.stands, "owner": owner}
             self.sites.append(Site(kind, span, at.rule, **(known | details)))
         return self._known_sites[key]
@@ -351,7 +351,7 @@ def _places(part: Node, value: Tree) -> Sequence[Node]:
     return [place for place in each if not isinstance(place, Literal)] or (part,)
 
 
-def alternate(some: Sequence[Span], others: Sequence[Span], own_line: int) -> tuple[Span, ...]:
+def _alternate(some: Sequence[Span], others: Sequence[Span], own_line: int) -> tuple[Span, ...]:
     """Return places of both sorts in turn, one for each line except one."""
     each = (place for pair in zip_longest(some, others) for place in pair if place is not None)
     found: dict[int, Span] = {}

@@ -11,7 +11,7 @@ import re
 import threading
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui import explain
 from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Source, Subject
@@ -33,16 +33,6 @@ _MOST_LINKS = 16
 _MOST_READS = 4  # per link that are traced
 _MOST_STEPS = 24  # that are asked for their derivation, in all
 _SLICE = 256  # ticks compared on the event loop at a time
-
-
-class Past(Protocol):
-    """The ticks in which a value is traced."""
-
-    def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
-        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
-
-    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
-        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +92,7 @@ async def origin_in_run(
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
     """Trace a value at a tick of a run, or raise QueryError."""
-    return await origin_of(_PastOfRun(run, report), robot, subject, tick)
+    return await _origin_of(_PastOfRun(run, report), robot, subject, tick)
 
 
 async def origin_in_game(
@@ -120,12 +110,12 @@ async def origin_in_game(
     past = _PastOfGame(game, report)
     try:
         tick = game.frame.tick if tick is None else tick
-        return await origin_of(past, robot, subject, tick)
+        return await _origin_of(past, robot, subject, tick)
     finally:
         await past.thinker.close()
 
 
-async def origin_of(past: Past, robot: str, subject: Subject, tick: int) -> Origin:
+async def _origin_of(past: _Past, robot: str, subject: Subject, tick: int) -> Origin:
     """Trace a value at a tick, or raise QueryError."""
     tracing = _Tracing(past)
     if is_memory(subject):
@@ -185,7 +175,7 @@ class _Waiting:
 
 
 class _Tracing:
-    def __init__(self, past: Past) -> None:
+    def __init__(self, past: _Past) -> None:
         self._past = past
         self._links: list[Link] = []
         self._numbers: dict[str, int] = {}
@@ -303,14 +293,20 @@ def _memories_in(source: Source) -> dict[tuple[str, Path | None], Value]:
     return found
 
 
+_Past: TypeAlias = "_PastOfRun | _PastOfGame"
+"""The ticks in which a value is traced."""
+
+
 class _PastOfRun:
     def __init__(self, run: Run, report: Callable[[int], object]) -> None:
         self._run, self._report = run, report
 
     def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
+        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
         return self._run.memories(robot, tick)
 
     async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
         self._report(tick)
 
         def work(frame: Frame, mind: Mind, stop: threading.Event) -> Source:
