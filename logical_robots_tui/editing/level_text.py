@@ -57,18 +57,13 @@ def record_of(thing: Thing) -> Record:
 
 def words_of(level: Level) -> Record:
     record: Record = {
-        "title": level.title,
-        "idea": level.idea,
-        "starter": level.starter,
-        "solution": level.solution,
+        **{name: getattr(level, name) for name in ("title", "idea", "starter", "solution")},
         "visibility": {} if level.visibility == Visibility() else asdict(level.visibility),
         "shared_names": list(level.shared_names),
         "second_goals": [goal.words for goal in level.second_goals],
         "briefing": level.briefing,
         "hints": list(level.hints),
-        "lesson": level.lesson,
-        "further": level.further,
-        "divided_charge": level.divided_charge,
+        **{name: getattr(level, name) for name in ("lesson", "further", "divided_charge")},
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
         "scores": [_record_of(score) for score in level.scores],

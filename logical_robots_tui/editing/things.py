@@ -230,13 +230,9 @@ def as_it_stands(level: Level, state: WorldState) -> Level:
     if state.tick == 0:
         return level
     bodies = {body.name: body for body in state.robots}
-    robots = tuple(
-        replace(robot, x=body.x, y=body.y, angle=body.angle)
-        if (body := bodies.get(robot.name)) is not None
-        else robot
-        for robot in level.robots
-    )
-    return replace(level, robots=robots)
+    pairs = ((robot, bodies.get(robot.name, robot)) for robot in level.robots)
+    robots = (replace(robot, x=now.x, y=now.y, angle=now.angle) for robot, now in pairs)
+    return replace(level, robots=tuple(robots))
 
 
 class Poses:

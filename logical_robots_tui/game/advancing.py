@@ -85,16 +85,9 @@ def frame_of(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> 
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
     world.restore(before.after)
-    return Frame(
-        moment.after.tick,
-        before.after,
-        moment.after,
-        tuple(world.sense()),
-        before.memories,
-        moment.decisions,
-        moment.memories,
-        moment.think_milliseconds,
-    )
+    then, now, rows = before.after, moment.after, tuple(world.sense())
+    memories, decisions, milliseconds = before.memories, moment.decisions, moment.think_milliseconds
+    return Frame(now.tick, then, now, rows, memories, decisions, moment.memories, milliseconds)
 
 
 def play_tick(

@@ -161,13 +161,9 @@ class Goal(NamedTuple):
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
     """Return the goals of a level in their present state."""
-    return tuple(
-        Goal(
-            area.name,
-            now.active,
-            area.victory_robots,
-            tuple(name for name in area.victory_robots if name in now.visitors),
-        )
-        for area, now in zip(level.areas, state.areas, strict=True)
-        if area.victory_robots
-    )
+    found = []
+    for area, now in zip(level.areas, state.areas, strict=True):
+        if wanted := area.victory_robots:
+            inside = tuple(name for name in wanted if name in now.visitors)
+            found.append(Goal(area.name, now.active, wanted, inside))
+    return tuple(found)

@@ -273,16 +273,14 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
     parts = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
-        "robots": [asdict(robot) for robot in level.robots],
-        "beacons": [asdict(beacon) for beacon in level.beacons],
-        "areas": [asdict(area) for area in level.areas],
         "visibility": asdict(level.visibility),
-        "teams": [asdict(team) for team in level.teams],
-        "match": (level.match_ticks, [asdict(score) for score in level.scores]),
+        "match_ticks": level.match_ticks,
         "divided_charge": level.divided_charge,
         "programs": program.texts,
         "limits": asdict(limits),
     }
+    for kind in ("robots", "beacons", "areas", "teams", "scores"):
+        parts[kind] = [asdict(each) for each in getattr(level, kind)]
     digest = hashlib.sha256(simulation_digest())
     digest.update(json.dumps(parts).encode())
     return digest.hexdigest()

@@ -153,13 +153,9 @@ class World:
         )
         areas = tuple(
             AreaState(
-                name=area.name,
-                active=next_active(area, state.active, self._seen),
-                visitors=tuple(
-                    name
-                    for name, mover in zip(self._names, movers, strict=True)
-                    if is_inside(mover, area)
-                ),
+                area.name,
+                next_active(area, state.active, self._seen),
+                tuple([robot.name for robot in robots if is_inside(robot, area)]),
             )
             for area, state in pairs
         )

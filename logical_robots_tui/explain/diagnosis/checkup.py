@@ -75,16 +75,13 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         if tracer.probes[name][1].closeness != "closer":
             tracer.miss_probe(tracer.probes[name][1])
     writes, writes_all = memory_fields(own, functions, source)
+    sites = []
+    for name, rule in rules:
+        site = _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
+        decisive = decisive_columns(rule, expanded.rules) if name == MAIN else ()
+        sites.append(replace(site, sources=tuple(sorted({made for made, _ in decisive}))))
     return Checkup(
-        tuple(
-            replace(
-                _site(name, rule, source, is_function=name in functions, is_needed=name in needed),
-                sources=tuple(sorted({made for made, _ in decisive_columns(rule, expanded.rules)}))
-                if name == MAIN
-                else (),
-            )
-            for name, rule in rules
-        ),
+        tuple(sites),
         tuple(tracer.sites),
         tuple(probes),
         Program(text, (), statements),

@@ -86,13 +86,8 @@ class Telling:
             tested = tuple(node for term in step.terms[1:] for node in self.term(term, way))
             yield Node("element", text, holds=True, span=span, children=(*given, *tested))
         elif step.kind == "value":
-            given_places = step.gives.values()
-            terms = [
-                term
-                for term in step.terms
-                if term.kind != "literal"
-                and not (term.kind == "variable" and term.column in given_places)
-            ]
+            gives, terms = step.gives.values(), [t for t in step.terms if t.kind != "literal"]
+            terms = [t for t in terms if t.kind != "variable" or t.column not in gives]
             values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
             children = tuple(node for term in terms for node in self.reason(term, way))
             if len(step.gives) != 1:

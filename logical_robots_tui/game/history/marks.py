@@ -109,12 +109,10 @@ class Marks:
     def refer_to(self, state: WorldState) -> None:
         robots = _places([robot.name for robot in state.robots], self._robots)
         areas = _places([area.name for area in state.areas], self._areas)
+        of_robots: list[MarkKind] = ["stuck", "circling", "notice", "memory"]
         self._places: dict[MarkKind, list[int]] = {
             "area": areas,
-            "stuck": robots,
-            "circling": robots,
-            "notice": robots,
-            "memory": robots,
+            **dict.fromkeys(of_robots, robots),
         }
 
     def at(self, tick: int) -> tuple[Mark, ...]:

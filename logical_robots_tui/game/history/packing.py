@@ -26,6 +26,7 @@ _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all packs that are kept open
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
 _body_of = attrgetter(*_BODY)
+_facts_of = attrgetter("think_milliseconds", "driven", "weight")
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,30 +127,20 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
         at -= len(facts)
         begin, names, area_names, facts, areas, bodies, thoughts, values = next(rest)
     won_at, tallies, milliseconds, driven, weight, has_decided = facts[at]
-    after = WorldState(
-        begin + at,
-        tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
-        tuple(
-            [
-                AreaState(name, active, tuple(visitors))
-                for name, (active, visitors) in zip(area_names, areas[at], strict=True)
-            ]
-        ),
-        won_at,
-        tuple(map(tuple, tallies)),
-    )
+    robots = [RobotState(name, *body[at]) for name, body in zip(names, bodies, strict=True)]
+    there = [
+        AreaState(name, active, tuple(visitors))
+        for name, (active, visitors) in zip(area_names, areas[at], strict=True)
+    ]
+    tallied = tuple(map(tuple, tallies))
+    after = WorldState(begin + at, tuple(robots), tuple(there), won_at, tallied)
     mine = []
     for name, thought in zip(names, thoughts, strict=True):
         memory, desire, notices = thought[at]
         mine.append((name, _memory(memory, values), desire, notices))
-    return TickState(
-        after,
-        {name: memory for name, memory, _, _ in mine},
-        tuple([_decision(*each) for each in mine]) if has_decided else (),
-        milliseconds,
-        driven,
-        weight,
-    )
+    memories = {name: memory for name, memory, _, _ in mine}
+    decisions = tuple([_decision(*each) for each in mine]) if has_decided else ()
+    return TickState(after, memories, decisions, milliseconds, driven, weight)
 
 
 def memory_in(runs: Sequence[Any], at: int, robot: str) -> Value:
@@ -174,26 +165,13 @@ def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
 
 
 def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
-    first = moments[0].after
-    values = _Values()
-    return (
-        first.tick,
-        *_names_of(moments[0]),
-        [
-            (
-                *(m.after.won_at, m.after.tallies),
-                *(m.think_milliseconds, m.driven, m.weight, bool(m.decisions)),
-            )
-            for m in moments
-        ],
-        [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
-        [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
-        [
-            [_thought_of(m, i, robot.name, values) for m in moments]
-            for i, robot in enumerate(first.robots)
-        ],
-        values.all,
-    )
+    first, values = moments[0].after, _Values()
+    facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in moments]
+    areas = [[(area.active, area.visitors) for area in m.after.areas] for m in moments]
+    robots = [*enumerate(robot.name for robot in first.robots)]
+    bodies = [[_body_of(m.after.robots[i]) for m in moments] for i, _ in robots]
+    thoughts = [[_thought_of(m, i, name, values) for m in moments] for i, name in robots]
+    return first.tick, *_names_of(moments[0]), facts, areas, bodies, thoughts, values.all
 
 
 class _Values:
@@ -229,12 +207,8 @@ def _thought_of(moment: TickState, at: int, name: str, values: _Values) -> tuple
 
 
 def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
-    return Decision(
-        name,
-        None if desire is None else Desire(*desire),
-        memory,
-        tuple([Notice(*notice) for notice in notices]),
-    )
+    wanted = None if desire is None else Desire(*desire)
+    return Decision(name, wanted, memory, tuple([Notice(*notice) for notice in notices]))
 
 
 def is_moment(moment: TickState, tick: int, level: Level) -> bool:

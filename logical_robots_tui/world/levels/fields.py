@@ -115,6 +115,10 @@ class Fields(NamedTuple):
         listed = " or ".join(f'"{option}"' for option in options)
         raise self.error(key, f'"{key}" must be {listed}.')
 
+    def placed(self) -> tuple[str, float, float]:
+        """Return the name of an object, and its place in map units."""
+        return self.name("name"), self.number("x"), self.number("y")
+
     def color(self, key: str, default: str) -> str:
         """Return a colour, ``#rgb``, ``#rrggbb`` or a word; the default if missing."""
         value = self._text(key, default)

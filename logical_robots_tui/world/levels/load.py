@@ -111,9 +111,7 @@ def _robot(fields: Fields) -> Robot:
     has_battery = fields.flag("has_battery")
     can_charge = fields.flag("can_charge")
     return Robot(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         angle=fields.number("angle", 0.0),
         color=_color(fields, ROBOT_COLOR),
         has_battery=has_battery,
@@ -125,21 +123,15 @@ def _robot(fields: Fields) -> Robot:
 
 def _beacon(fields: Fields) -> Beacon:
     station = fields.record.get("charging_station")
-    return Beacon(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
-        # The platform compares loosely: true, 1 and "1" count.
-        charging_station=station == 1 or (isinstance(station, str) and station.strip() == "1"),
-    )
+    # The platform compares loosely: true, 1 and "1" count.
+    is_one = station == 1 or (isinstance(station, str) and station.strip() == "1")
+    return Beacon(*fields.placed(), is_one)
 
 
 def _area(fields: Fields) -> Area:
     sticky = fields.record.get("sticky_switch")
     return Area(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         radius=fields.number("radius", least=0),
         color=_color(fields, AREA_COLOR),
         victory_robots=fields.names("victory_robots"),

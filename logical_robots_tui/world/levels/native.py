@@ -186,9 +186,7 @@ def read_robot(fields: Fields) -> Robot:
     if fields.has("angle") and fields.has("heading"):
         raise fields.error("angle", '"heading" and "angle" say the same in degrees and radians.')
     return Robot(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         angle=fields.number("angle", math.radians(fields.number("heading", 0.0))),
         color=fields.color("color", ROBOT_COLOR),
         has_battery=has_battery and used,
@@ -201,20 +199,13 @@ def read_robot(fields: Fields) -> Robot:
 
 def read_beacon(fields: Fields) -> Beacon:
     fields.refuse_unknown(_BEACON_KEYS)
-    return Beacon(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
-        charging_station=fields.flag("charging_station"),
-    )
+    return Beacon(*fields.placed(), fields.flag("charging_station"))
 
 
 def read_area(fields: Fields) -> Area:
     fields.refuse_unknown(_AREA_KEYS)
     return Area(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         radius=fields.number("radius", least=0),
         color=fields.color("color", AREA_COLOR),
         victory_robots=fields.names("goal_for"),
