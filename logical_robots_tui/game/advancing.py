@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.clock import Clock
-    from logical_robots_tui.game.debugging.breakpoints import Hit
-    from logical_robots_tui.game.debugging.watching import Watch
+    from logical_robots_tui.game.debugging.breakpoints import Hit, Watch
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.mind import Decision, Limits, Mind, Program
     from logical_robots_tui.values import Value

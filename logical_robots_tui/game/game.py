@@ -19,8 +19,13 @@ from logical_robots_tui.game.advancing import (
     is_thought_alike,
     start_frame,
 )
-from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, Hit, mistake_in
-from logical_robots_tui.game.debugging.watching import Watch
+from logical_robots_tui.game.debugging.breakpoints import (
+    Breakpoint,
+    Breakpoints,
+    Hit,
+    Watch,
+    mistake_in,
+)
 from logical_robots_tui.game.frame import Frame, Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace

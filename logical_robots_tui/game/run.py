@@ -23,7 +23,7 @@ from logical_robots_tui.game.advancing import (
     frame_of,
     start_frame,
 )
-from logical_robots_tui.game.debugging.watching import Watch
+from logical_robots_tui.game.debugging.breakpoints import Watch
 from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording

@@ -17,8 +17,8 @@ from logical_robots_tui.game import (
     origin_in_run,
     read_part,
 )
+from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.debugging.origin import link_lines
-from logical_robots_tui.game.debugging.pins import path_text
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.values import spell
 from tests.game.playing import hall

@@ -131,13 +131,13 @@ def _steps(link: Link) -> dict[str, Any] | None:
 
 
 def _part_text(link: Link) -> str | None:
-    from logical_robots_tui.game.debugging.pins import path_text
+    from logical_robots_tui.game.debugging.inquiry import path_text
 
     return path_text(link.path) if link.path is not None else None
 
 
 def _input(source: Source, link: int | None) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.pins import path_text
+    from logical_robots_tui.game.debugging.inquiry import path_text
 
     read = source.read
     return {

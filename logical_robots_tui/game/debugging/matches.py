@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.caching import CacheFolder, cache_place
 from logical_robots_tui.game.advancing import RecordedTick, Thinker
-from logical_robots_tui.game.debugging.watching import matching_rows
+from logical_robots_tui.game.debugging.breakpoints import matching_rows
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.mind import QueryError, Stopped
 from logical_robots_tui.records import record

@@ -17,7 +17,7 @@ from logical_robots_tui import explain
 from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Source, Subject
 from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.debugging.changes import FEWEST_STEPS, Change, Steps, last_change
-from logical_robots_tui.game.debugging.pins import path_text
+from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.relations import alike
