@@ -24,8 +24,15 @@ class Delta(NamedTuple):
     def between(cls, before: Level, after: Level) -> Delta:
         """Return the difference, ignoring names and sources of the levels."""
         pairs = [(name, getattr(before, name), getattr(after, name)) for name in COMPARED]
-        differing = tuple((name, old, new) for name, old, new in pairs if old != new)
-        return cls(differing, _walls_between(before.walls, after.walls))
+        differing = tuple(each for each in pairs if each[1] != each[2])
+        old, new = before.walls, after.walls
+        if old.shape != new.shape:
+            return cls(differing, _Redrawn(PackedBits.of(old), PackedBits.of(new)))
+        if (box := difference_box(old, new)) is None:
+            return cls(differing, None)
+        down, across = box
+        flips = _Flips(down.start, across.start, PackedBits.of(old[box] ^ new[box]))
+        return cls(differing, flips)
 
     @property
     def empty(self) -> bool:
@@ -63,16 +70,6 @@ class _Redrawn(NamedTuple):
         changed = (self.new if forward else self.old).bits()
         changed.flags.writeable = False
         return changed
-
-
-def _walls_between(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> _Flips | _Redrawn | None:
-    if before.shape != after.shape:
-        return _Redrawn(PackedBits.of(before), PackedBits.of(after))
-    box = difference_box(before, after)
-    if box is None:
-        return None
-    down, across = box
-    return _Flips(down.start, across.start, PackedBits.of(before[box] ^ after[box]))
 
 
 class Edits:

@@ -155,7 +155,11 @@ def _blocks(blocks: list[_Block], old: Sequence[Thing], new: Sequence[Thing]) ->
             block = blocks[start + index]
             earlier = old[start + index]
             if earlier != thing:
-                block.text = _table(block, record_of(earlier), record_of(thing))
+                document = tomlkit.parse(block.text)
+                tables = document[block.kind]
+                assert isinstance(tables, AoT)
+                _update(tables[0], record_of(earlier), record_of(thing))
+                block.text = document.as_string()
             found.append(block)
     return found
 
@@ -172,14 +176,6 @@ def _pairs(old: Sequence[Thing], new: Sequence[Thing]) -> list[int | None]:
         pairs.append(match)
         free = free if match is None else match + 1
     return pairs
-
-
-def _table(block: _Block, before: Record, after: Record) -> str:
-    document = tomlkit.parse(block.text)
-    tables = document[block.kind]
-    assert isinstance(tables, AoT)
-    _update(tables[0], before, after)
-    return document.as_string()
 
 
 def _update(table: Any, before: Record, after: Record) -> None:

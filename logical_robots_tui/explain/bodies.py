@@ -102,13 +102,6 @@ def as_part(condition: Expression, *, holds: bool) -> Proposition:
     return Equation(known, _FALSE)
 
 
-def comparison_of(condition: Expression) -> tuple[str, Expression, Expression] | None:
-    if not isinstance(condition, Call) or condition.name not in COMPARISONS:
-        return None
-    sides = operands(condition.arguments)
-    return (condition.name, sides[0], sides[1]) if len(sides) == 2 else None
-
-
 def count_rule(
     name: str,
     columns: Mapping[str, Expression],
@@ -162,13 +155,6 @@ def binding(part: Proposition, known: Container[str]) -> tuple[str, Expression] 
         if name and name not in known and all(each in known for each in variables(value)):
             return name, value
     return None
-
-
-def outer_calls(node: Tree, own: Container[str]) -> Iterator[Call | Atom]:
-    """Yield the calls of the program's own predicates in a tree, outside aggregates."""
-    for each in walk(node, is_aggregate):
-        if isinstance(each, Call | Atom) and each.name in own:
-            yield each
 
 
 class _EveryColumn:

@@ -41,7 +41,7 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.language.types import Kind, Plain, Tables, is_nested, load_kind
+from logical_robots_tui.language.types import Plain, Tables, is_nested, load_kind
 from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
 from logical_robots_tui.mind.compiling.worker import is_prepared_soon
 from logical_robots_tui.mind.relations import GIVEN, with_given, with_remarks
@@ -73,7 +73,9 @@ class Decomposition:
         self._expanded = expanded = expand(program)
         name = expanded.name_of(predicate, within)
         self._functions = functions = _functions(expanded, kinds)
-        circle = _circle(name, expanded)
+        reach = expanded.reach(name)
+        # The predicates that are mutually recursive with this one, itself included, or none.
+        circle = {each for each in reach & expanded.rules.keys() if name in expanded.reach(each)}
         self._tables = {
             each: f"{LOWER if each in circle else ROWS}{each}"
             for each in expanded.rules
@@ -129,16 +131,15 @@ class Decomposition:
         renamed = [rename(each, self._tables) for each in asked]
         compiled = compile_statements(renamed, self._source, self._known)
         return {
-            query: _with_remarks(sql, compiled.kinds[query])
+            query: with_remarks(
+                sql,
+                [column for column, kind in compiled.kinds[query].items() if kind is Plain.TRUTH],
+                [column for column, kind in compiled.kinds[query].items() if is_nested(kind)],
+            )
             for query, sql in compiled.statements(probes).items()
             for number in [1 + max(map(int, _GIVEN_COLUMN.findall(sql)), default=-1)]
             if is_prepared_soon(database, with_given(sql, number), number)
         }
-
-
-def _with_remarks(sql: str, kinds: Mapping[str, Kind]) -> str:
-    truths = [column for column, kind in kinds.items() if kind is Plain.TRUTH]
-    return with_remarks(sql, truths, [c for c, kind in kinds.items() if is_nested(kind)])
 
 
 def _columns(rules: list[Rule]) -> tuple[str, ...]:
@@ -220,14 +221,6 @@ def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, .
     after = ordered[-1][1] if ordered else known
     lacking = {column for column, value in head.items() if not variables(value) <= after}
     return lacking or ({*head} - {*given} if left else set())
-
-
-def _circle(name: str, expanded: Expanded) -> set[str]:
-    """Return the predicates mutually recursive with one, itself included, or none."""
-    reach = expanded.reach(name)
-    if name not in reach:
-        return set()
-    return {each for each in reach if each in expanded.rules and name in expanded.reach(each)}
 
 
 def _is_founded(

@@ -110,7 +110,9 @@ class Senses:
         hits = self._hits(rays, self._circles(robots, shown))
         if self._by_name is not None:
             self._settle(hits, rays, robots, self._by_name)
-        views = self._views(rays, hits)
+        distance, code = np.divmod(hits, self._codes)
+        parts = (rays.aside, distance, self._objects[code], self._labels[code])
+        views = list(map(_view, *(part.tolist() for part in parts)))
         if last is not None and len(anew) < len(robots):
             all_hits = last.hits.copy()
             all_hits[anew] = hits
@@ -164,11 +166,6 @@ class Senses:
         found = away.min(axis=1) < ROBOT_RADIUS
         nearest = order[away.argmin(axis=1)]
         hits[viewer[found], ray[found]] = (steps * self._codes + nearest + 1)[found]
-
-    def _views(self, rays: Rays, hits: _Hits) -> list[_View]:
-        distance, code = np.divmod(hits, self._codes)
-        parts = (rays.aside, distance, self._objects[code], self._labels[code])
-        return list(map(_view, *(part.tolist() for part in parts)))
 
 
 def _view(

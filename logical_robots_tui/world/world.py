@@ -134,7 +134,10 @@ class World:
         movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in before.robots]
         pairs = list(zip(level.areas, before.areas, strict=True))
         solid = [area for area, state in pairs if area.impenetrable and state.active]
-        wanted = [_engines(desires.get(name)) for name in self._names]
+        given = [desires.get(name) for name in self._names]
+        wanted = [
+            (_power(d.left_engine), _power(d.right_engine)) if d else (0.0, 0.0) for d in given
+        ]
         sources = charging_sources(level, movers)
         divided = level.divided_charge or bool(level.teams)
         if divided:
@@ -198,12 +201,6 @@ class World:
     def _look(self, clock: int) -> tuple[list[SensorRow], frozenset[str]]:
         check_room(_ROOM)
         return self._senses.sense(self._state.robots, self._state.areas, clock)
-
-
-def _engines(desire: Desire | None) -> tuple[float, float]:
-    if desire is None:
-        return 0.0, 0.0
-    return _power(desire.left_engine), _power(desire.right_engine)
 
 
 def _power(engine: object) -> float:

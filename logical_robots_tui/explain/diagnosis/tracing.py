@@ -12,9 +12,7 @@ from logical_robots_tui.explain.bodies import (
     Scope,
     as_expression,
     binding,
-    comparison_of,
     in_order,
-    outer_calls,
     parameters,
     part_kind,
 )
@@ -22,6 +20,7 @@ from logical_robots_tui.explain.diagnosis.sites import Field, Stands
 from logical_robots_tui.explain.diagnosis.watching import At, Segment, Trail, Watching
 from logical_robots_tui.explain.why.probing import ORDERING
 from logical_robots_tui.language.tree import (
+    COMPARISONS,
     CONDITIONS,
     JUNCTIONS,
     REST,
@@ -46,11 +45,13 @@ from logical_robots_tui.language.tree import (
     call,
     conjuncts,
     equation_sides,
+    is_aggregate,
     operands,
     substitute,
     text_of,
     variable_of,
     variables,
+    walk,
 )
 
 _DEEPEST = 8  # nesting of functions
@@ -126,7 +127,7 @@ class Tracer(Watching):
         """Watch a condition; return its column, or -1 if there are too many."""
         name = condition.name if isinstance(condition, Call) else ""
         given = operands(condition.arguments) if isinstance(condition, Call) else ()
-        found = comparison_of(condition)
+        found = (name, *given) if name in COMPARISONS and len(given) == 2 else None
         whole = substitute(condition, at.given)
         asked: list[Expression] = [whole]
         how, literal, other, lacks = "truth", None, "", None
@@ -370,4 +371,5 @@ class Tracer(Watching):
 
     def _relations(self, node: Tree) -> list[Call | Atom]:
         """Return the calls in a tree of predicates that may have no row, outside aggregates."""
-        return list(outer_calls(node, self._own.keys() - self._functions))
+        calls = (each for each in walk(node, is_aggregate) if isinstance(each, Call | Atom))
+        return [each for each in calls if each.name in self._own.keys() - self._functions]

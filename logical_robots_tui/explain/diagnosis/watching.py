@@ -209,7 +209,8 @@ class Watching:
         """Add a column to the query at a place; return -1 if there are too many."""
         segment = at.trail.segment
         number = len(segment.columns)
-        if self._width(segment) + 4 > _MOST_COLUMNS:
+        width = 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
+        if width + 4 > _MOST_COLUMNS:
             self.left_out += 1
             self._missed_sites.add(site)
             return -1
@@ -218,9 +219,6 @@ class Watching:
         if asked:
             segment.asked[number] = asked
         return number
-
-    def _width(self, segment: Segment) -> int:
-        return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
 
     def _emit(
         self,

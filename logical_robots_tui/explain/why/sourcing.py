@@ -174,7 +174,12 @@ class _Sourcing:
         if term.kind == "call" and term.call is not None:
             return self._called(frame, term.call, VALUE, path)
         if term.kind == "aggregate" and term.body is not None:
-            return self._collected(frame, term, term.body, path)
+            ways = self._derivations.elements(frame.probing, term.body, frame.way)
+            found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
+            frames = [_inner(frame, term.body, clause, way) for clause, _, way in found]
+            value = value_of(frame.way, term.column)
+            made = self._aggregate(found, frames, value, path, term.span)
+            return made if frames else replace(made, rule=frame.rule)
         return self._computed(frame, term, path)
 
     def _computed(self, frame: _Frame, term: Term, path: Path) -> Source:
@@ -290,14 +295,6 @@ class _Sourcing:
             path = path[:2]
         read = Read(what, str(robot), path, _part(whole, path))
         return Source("", read.value, None, frame.rule, read)
-
-    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> Source:
-        ways = self._derivations.elements(frame.probing, body, frame.way)
-        found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
-        frames = [_inner(frame, body, clause, way) for clause, _, way in found]
-        value = value_of(frame.way, term.column)
-        made = self._aggregate(found, frames, value, path, term.span)
-        return made if frames else replace(made, rule=frame.rule)
 
     def _aggregate(
         self,

@@ -24,7 +24,6 @@ from logical_robots_tui.mind.relations import alike
 from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.probing import Span
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.run import Run
     from logical_robots_tui.mind import Decision, Mind
@@ -403,7 +402,9 @@ def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
         since = f"the same since tick {link.tick}, set then"
         yield (since if link.until > link.tick else f"set in tick {link.tick}") + rule
     if source.span is not None:
-        text = _text_of(source, source.span)
+        text, fact = source.span.text, source.rule
+        if fact and source.is_constant and ":-" not in fact.text and fact.holds(source.span):
+            text = fact.text
         yield (
             f"line {source.span.line}: {text}" if text != link.name else f"line {source.span.line}"
         )
@@ -433,13 +434,6 @@ def _without_source(link: Link) -> str:
     if link.tick:
         return f"the same since tick {link.tick} or longer"
     return f"there from the start until tick {link.until}"
-
-
-def _text_of(source: Source, span: Span) -> str:
-    """Return the expression; of a constant in a fact, the fact."""
-    rule = source.rule
-    is_fact = source.is_constant and rule is not None and ":-" not in rule.text
-    return rule.text if rule is not None and is_fact and rule.holds(span) else span.text
 
 
 def _steps(steps: Steps, tick: int) -> str:

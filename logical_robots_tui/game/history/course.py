@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -15,7 +15,7 @@ from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.mind import Decision
-from logical_robots_tui.world import Level, RobotState
+from logical_robots_tui.world import Level
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
@@ -133,9 +133,12 @@ class Course:
         self._loose.append(TickState.of(frame, before.driven + driven(frame.before, frame.after)))
         for kind, who in marks_of(frame, before.decisions):
             self.marks.note(frame.tick, kind, who)
-        if stuck := self._newly_stuck(frame.after.robots):
+        earlier, robots = self._blocked, frame.after.robots
+        self._blocked = {r.name: earlier.get(r.name, 0) + 1 for r in robots if r.blocked}
+        counts = [self._blocked.get(robot.name) for robot in robots]
+        if stuck := sum(1 << i for i, count in enumerate(counts) if count == STUCK_AFTER):
             self.marks.note(frame.tick, "stuck", stuck)
-        if circling := self._rounds.follow(frame.after.robots):
+        if circling := self._rounds.follow(robots):
             self.marks.note(frame.tick, "circling", circling)
         if self._unreliable_from is None and not frame.is_reliable:
             self._unreliable_from = frame.tick
@@ -158,12 +161,6 @@ class Course:
         while self.packs and self._begin_after_first_pack() <= self.last - self._length:
             self.forget_pack()
         return is_packed
-
-    def _newly_stuck(self, robots: Sequence[RobotState]) -> int:
-        """Return the indices of robots that have just been blocked for long enough, as bits."""
-        before = self._blocked
-        self._blocked = {r.name: before.get(r.name, 0) + 1 for r in robots if r.blocked}
-        return sum(1 << i for i, r in enumerate(robots) if self._blocked.get(r.name) == STUCK_AFTER)
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick, which is never packed, in another level."""

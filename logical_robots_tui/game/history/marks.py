@@ -34,7 +34,7 @@ class Mark(NamedTuple):
     """An event in a tick, with the robots or areas concerned, if any.
 
     A ``stuck`` robot was blocked for `STUCK_AFTER` ticks, a ``circling`` one repeats its way
-    (see `rounds.py`); an ``edit`` is at the end of the tick.
+    (see `Rounds`); an ``edit`` is at the end of the tick.
     """
 
     kind: MarkKind

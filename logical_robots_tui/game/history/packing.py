@@ -134,13 +134,15 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
     ]
     tallied = tuple(map(tuple, tallies))
     after = WorldState(begin + at, tuple(robots), tuple(there), won_at, tallied)
-    mine = []
+    memories, decisions = {}, []
     for name, thought in zip(names, thoughts, strict=True):
-        memory, desire, notices = thought[at]
-        mine.append((name, _memory(memory, values), desire, notices))
-    memories = {name: memory for name, memory, _, _ in mine}
-    decisions = tuple([_decision(*each) for each in mine]) if has_decided else ()
-    return TickState(after, memories, decisions, milliseconds, driven, weight)
+        places, desire, notices = thought[at]
+        memories[name] = memory = _memory(places, values)
+        if has_decided:
+            wanted = None if desire is None else Desire(*desire)
+            told = tuple([Notice(*notice) for notice in notices])
+            decisions.append(Decision(name, wanted, memory, told))
+    return TickState(after, memories, tuple(decisions), milliseconds, driven, weight)
 
 
 def memory_in(runs: Sequence[Any], at: int, robot: str) -> Value:
@@ -204,11 +206,6 @@ def _thought_of(moment: TickState, at: int, name: str, values: _Values) -> tuple
         None if desire is None else (desire.left_engine, desire.right_engine),
         tuple([(notice.kind, notice.message) for notice in decision.notices]),
     )
-
-
-def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
-    wanted = None if desire is None else Desire(*desire)
-    return Decision(name, wanted, memory, tuple([Notice(*notice) for notice in notices]))
 
 
 def is_moment(moment: TickState, tick: int, level: Level) -> bool:

@@ -126,7 +126,10 @@ class Recording:
         if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
-            self._drop_some()
+            total = sum(len(piece.content) for piece in self._pieces)
+            at = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
+            while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
+                total -= len(self._pieces.pop(at).content)
 
     def forget(self) -> None:
         """Discard everything after the start, also on disk."""
@@ -157,12 +160,6 @@ class Recording:
 
     def _piece(self, tick: int) -> _Piece:
         return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
-
-    def _drop_some(self) -> None:
-        total = sum(len(piece.content) for piece in self._pieces)
-        at = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
-        while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
-            total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
         before = list(_contiguous_prefix(self._pieces))
