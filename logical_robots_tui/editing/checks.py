@@ -23,11 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_UNTOLD = {
-    "robots": "; each needs a unique name",
-    "beacons": "; a radar can't distinguish them",
-    "areas": "",
-}
+_REASONS = {"robots": "; each needs a unique name", "beacons": "; a radar can't distinguish them"}
 _MOST_NAMES = 3  # most names listed in one finding
 
 
@@ -88,7 +84,7 @@ def _names_used_twice(level: Level) -> Iterator[LevelFinding]:
             same[some.name].append(some)
         for name, things in same.items():
             if len(things) > 1 and (kind == "robots" or name not in level.shared_names):
-                text = f'{len(things)} {kind} are called "{name}"{_UNTOLD[kind]}.'
+                text = f'{len(things)} {kind} are called "{name}"{_REASONS.get(kind, "")}.'
                 yield LevelFinding(text, things[1].x, things[1].y, forbids=kind == "robots")
 
 

@@ -354,12 +354,10 @@ class LevelEditor:
         stroke = self.stroke
         if stroke is None:
             return
-        width, grid, wall = (
-            self.settings.width,
-            self.settings.grid,
-            self.settings.tool is Tool.BRUSH,
+        settings, wall = self.settings, self.settings.tool is Tool.BRUSH
+        work = partial(
+            paint, points=[start, end], width=settings.width, grid=settings.grid, wall=wall
         )
-        work = partial(paint, points=[start, end], width=width, grid=grid, wall=wall)
         done = self.do(stroke.what, work, goes_on=stroke.has_done)
         stroke.has_done = stroke.has_done or done
 

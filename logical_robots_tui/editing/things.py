@@ -164,12 +164,8 @@ def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
     bodies = [found for found in near if found[0] < ROBOT_RADIUS + reach]
     if bodies:
         return min(bodies)[1]
-    around = [
-        (area.radius, Ref("areas", i))
-        for i, area in enumerate(level.areas)
-        if away(area) < area.radius
-    ]
-    return min(around)[1] if around else None
+    around = [(area.radius, i) for i, area in enumerate(level.areas) if away(area) < area.radius]
+    return Ref("areas", min(around)[1]) if around else None
 
 
 def _list(level: Level, kind: Kind) -> tuple[Thing, ...]:
@@ -250,12 +246,8 @@ class Poses:
 
     def between(self, before: Level, after: Level) -> dict[str, Pose]:
         known = {robot.name: _pose(robot) for robot in before.robots}
-        moved = {
-            robot.name: _pose(robot)
-            for robot in after.robots
-            if robot.name in known and known[robot.name] != _pose(robot)
-        }
-        return {name: self._stood.get((name, pose), pose) for name, pose in moved.items()}
+        poses = [(robot.name, _pose(robot)) for robot in after.robots if robot.name in known]
+        return {name: self._stood.get((name, at), at) for name, at in poses if known[name] != at}
 
 
 def _pose(robot: Robot) -> Pose:

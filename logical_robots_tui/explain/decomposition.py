@@ -133,8 +133,8 @@ class Decomposition:
         return {
             query: with_remarks(
                 sql,
-                [column for column, kind in compiled.kinds[query].items() if kind is Plain.TRUTH],
-                [column for column, kind in compiled.kinds[query].items() if is_nested(kind)],
+                [c for c, kind in compiled.kinds[query].items() if kind is Plain.TRUTH],
+                [c for c, kind in compiled.kinds[query].items() if is_nested(kind)],
             )
             for query, sql in compiled.statements(probes).items()
             for number in [1 + max(map(int, _GIVEN_COLUMN.findall(sql)), default=-1)]

@@ -128,11 +128,8 @@ class _ClauseBuilder:
             column: (str(aggregation.operator), self._without_calls(aggregation.argument))
             for column, aggregation in collected.items()
         }
-        everything: list[Node] = [
-            *self._body,
-            *self._head.values(),
-            *(argument for _, argument in self._collected.values()),
-        ]
+        collected_values = (argument for _, argument in self._collected.values())
+        everything: list[Node] = [*self._body, *self._head.values(), *collected_values]
         mentioned = variables(everything)
         self._begin: list[Proposition] = []
         self._given = given
@@ -299,11 +296,8 @@ class _ClauseBuilder:
 
     def _query(self, body: Sequence[Proposition], known: frozenset[str], wanted: set[str]) -> str:
         columns: dict[str, Expression] = {"one": Number("1")}
-        columns |= {
-            column: node
-            for node, column in self._columns.items()
-            if column in wanted and self._scope.mentioned(node) <= known
-        }
+        there = ((column, node) for node, column in self._columns.items() if column in wanted)
+        columns |= {c: node for c, node in there if self._scope.mentioned(node) <= known}
         probes = self._builder.probes
         name = f"{PROBE}{len(probes)}"
         probes[name] = make_rule(name, columns, body)

@@ -200,10 +200,8 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
         from logical_robots_tui.world import list_arenas
 
         level = _solved_levels()[file.stem]
-        why, hint = (
-            "a solution of a level that you have not won yet",
-            f"Win {level}, and you can read it.",
-        )
+        why = "a solution of a level that you have not won yet"
+        hint = f"Win {level}, and you can read it."
         if level in list_arenas():
             why = "an arena's solution, hidden here"
             hint = f"Beat the sparring partner of {level} without it."
@@ -258,10 +256,8 @@ def target(
         try:
             path = path.absolute()
         except OSError as error:
-            message, hint = (
-                "the current folder no longer exists",
-                "Use an absolute path such as /tmp/name.",
-            )
+            message = "the current folder no longer exists"
+            hint = "Use an absolute path such as /tmp/name."
             raise InputError(message, place=str(path), hint=hint) from error
         path = path if path.suffix or not path.name else path.with_suffix(usual)
     else:

@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from itertools import product
 from typing import TypeAlias
 
 from logical_robots_tui.values import SensorRow
@@ -121,12 +122,9 @@ Source: TypeAlias = Beacon | Mover
 def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
     """Return this tick's sources, before any move: stations, then robots with charge to give."""
     stations = [beacon for beacon in level.beacons if beacon.charging_station]
-    givers = [
-        mover
-        for robot, mover in zip(level.robots, movers, strict=True)
-        if robot.has_battery and robot.can_charge and mover.battery_level > 0
-    ]
-    return [*stations, *givers]
+    pairs = zip(level.robots, movers, strict=True)
+    givers = (mover for robot, mover in pairs if robot.has_battery and robot.can_charge)
+    return [*stations, *(mover for mover in givers if mover.battery_level > 0)]
 
 
 def run_battery(
@@ -332,11 +330,8 @@ class _Moment:
         return tuple(seen)
 
     def _distance(self, robots: Sequence[RobotState], areas: Sequence[Area]) -> int:
-        ways = [
-            math.hypot(robot.x - area.x, robot.y - area.y) - area.radius
-            for robot in robots
-            for area in areas
-        ]
+        pairs = product(robots, areas)
+        ways = [math.hypot(one.x - area.x, one.y - area.y) - area.radius for one, area in pairs]
         farthest = math.hypot(self._level.width, self._level.height)
         return round(max(0.0, min(ways, default=farthest)) * _PER_UNIT)
 

@@ -185,13 +185,10 @@ def _view(
 
 
 def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
+    own = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
     return {
         "robot_name": robot.name,
-        "sensor": {
-            **view,
-            "self": {name: getattr(state if changes else robot, name) for name, changes in _SELF},
-            "clock": clock,
-        },
+        "sensor": {**view, "self": own, "clock": clock},
     }
 
 

@@ -141,10 +141,8 @@ class _Reporter:
             hint, others = f"Look at {site.predicate} first.", tuple(each.span for each in stops)
             return Finding("no rows", "note", rule.span, self._first, said, hint, others)
         said = f"The rule of {rule.predicate} in line {rule.span.line} never had a row:"
-        said, hint = (
-            f"{said} {self._why_not(site, count)}",
-            "If it should have, check this condition.",
-        )
+        said += f" {self._why_not(site, count)}"
+        hint = "If it should have, check this condition."
         tick, others = count.reached or self._first, (rule.span, *site.places)
         return Finding("no rows", self._severity(count), site.span, tick, said, hint, others)
 

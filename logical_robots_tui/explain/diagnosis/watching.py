@@ -131,11 +131,8 @@ class Watching:
             for rule, first in zip(self._own[copy], self._own[original], strict=False):
                 self._numbers[id(rule)] = self._numbers[id(first)]
         self._sources = Sources(source, expanded.rules)
-        self._decisive = {
-            column
-            for rule in expanded.rules.get(MAIN, ())
-            for column in decisive_columns(rule, expanded.rules)
-        }
+        own = expanded.rules
+        self._decisive = {c for rule in own.get(MAIN, ()) for c in decisive_columns(rule, own)}
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()

@@ -49,11 +49,8 @@ class Telling:
         return tuple(grouped(nodes, clause.taken if until is None else ()))
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
-        return tuple(
-            self._column(column, clause.terms[column], way, row[column])
-            for column in clause.head
-            if column in row
-        )
+        shown = [column for column in clause.head if column in row]
+        return tuple(self._column(c, clause.terms[c], way, row[c]) for c in shown)
 
     def step(self, step: Step, way: Way) -> Iterator[Node]:
         """Yield the node of a step that holds; none for a call that its expression explains."""

@@ -121,11 +121,8 @@ class Explainer:
                     break
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
-        return Table(
-            tuple(self._program.label(function, column) for column in probing.columns),
-            tuple(found[:most]),
-            truncated=len(found) > most,
-        )
+        labels = tuple(self._program.label(function, column) for column in probing.columns)
+        return Table(labels, tuple(found[:most]), truncated=len(found) > most)
 
     def source(self, subject: Subject) -> Source:
         """Return what a value was made from; QueryError if there is no such value."""

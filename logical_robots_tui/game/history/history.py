@@ -138,11 +138,6 @@ class History:
     def is_blocked_up_to(self, tick: int) -> bool:
         return self._course.is_blocked_up_to(tick)
 
-    def known(self, tick: int) -> RecordedTick:
-        """Return a stored tick for replay, or raise NoSuchTickError."""
-        self._check(tick)
-        return self._course.known(tick)
-
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, or raise NoSuchTickError."""
         self._check(tick)
@@ -160,7 +155,7 @@ class History:
             lambda at: leads_here or (self._is_by(texts, at) and not self.is_changed_in(at)),
             range(tick + 1, min(tick + most, self.last) + 1),
         )
-        return [self.known(at) for at in same]
+        return [self._course.known(at) for at in same]
 
     def _is_by(self, texts: Texts, tick: int) -> bool:
         program = self.program_at(tick)

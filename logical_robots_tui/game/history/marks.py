@@ -110,10 +110,8 @@ class Marks:
         robots = _places([robot.name for robot in state.robots], self._robots)
         areas = _places([area.name for area in state.areas], self._areas)
         of_robots: list[MarkKind] = ["stuck", "circling", "notice", "memory"]
-        self._places: dict[MarkKind, list[int]] = {
-            "area": areas,
-            **dict.fromkeys(of_robots, robots),
-        }
+        self._places: dict[MarkKind, list[int]] = dict.fromkeys(of_robots, robots)
+        self._places["area"] = areas
 
     def at(self, tick: int) -> tuple[Mark, ...]:
         """Return the marks of one tick, the most significant first."""
