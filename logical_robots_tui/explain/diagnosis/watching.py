@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.explain.bodies import Scope, as_part, count_rule, parameters, span_of
+from logical_robots_tui.explain.bodies import Scope, parameters, span_of
 from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site, Stands
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.definitions import names_used, reach
@@ -17,16 +17,24 @@ from logical_robots_tui.language.tree import (
     CONDITIONS,
     Aggregate,
     Aggregation,
+    Argument,
     Atom,
+    Boolean,
     Call,
     Choice,
+    Conjunction,
+    Equation,
     Expression,
+    Head,
     Literal,
     Node,
+    Number,
     Proposition,
     Rule,
     Tree,
     Variable,
+    arguments,
+    call,
     conjuncts,
     equation_sides,
     operands,
@@ -99,6 +107,9 @@ class At:
         return replace(self, guard=(*self.guard, (column, holds)))
 
 
+_FALSE = Boolean("false")
+
+
 class Watching:
     """Collects the sites of rules and the predicates to be compiled for them.
 
@@ -159,7 +170,7 @@ class Watching:
     def _all_of(self, at: At) -> list[Proposition]:
         segment = at.trail.segment
         conditions = ((segment.trees[column], holds) for column, holds in at.guard)
-        return [*segment.body, *(as_part(c, holds=holds) for c, holds in conditions if c)]
+        return [*segment.body, *(_as_part(c, holds=holds) for c, holds in conditions if c)]
 
     def _tells(self, probe: Probe) -> bool:
         return any(
@@ -253,7 +264,7 @@ class Watching:
                 robot=is_robot,
                 closeness=("closer" if closer else "wider") if values else "both",
             )
-            rule = count_rule(name, columns, segment.differences, segment.body)
+            rule = _count_rule(name, columns, segment.differences, segment.body)
             self.probes[name] = (rule, probe)
             trail.probes.append(name)
 
@@ -399,3 +410,31 @@ def _values(rule: Rule, column: str) -> Iterator[Expression]:
         if each.column == column:
             value = each.value
             yield value.argument if isinstance(value, Aggregation) else value
+
+
+def _as_part(condition: Expression, *, holds: bool) -> Proposition:
+    """Return a part that holds where an expression is true, or where it is false or null."""
+    known = call("Coalesce", condition, _FALSE)
+    if holds:
+        return Atom("!=", arguments({"left": known, "right": _FALSE}))
+    return Equation(known, _FALSE)
+
+
+def _count_rule(
+    name: str,
+    columns: Mapping[str, Expression],
+    differences: Mapping[int, Expression],
+    body: Sequence[Proposition],
+) -> Rule:
+    """Make a rule that counts the ways in which a body holds, grouped by columns.
+
+    Of the differences, which are numbers, it gives the least and the greatest.
+    """
+    aggregated = [
+        Argument(f"{letter}{place}", Aggregation(operator, value))
+        for place, value in differences.items()
+        for letter, operator in (("l", "Min"), ("h", "Max"))
+    ]
+    number = Argument("n", Aggregation("+", Number("1")))
+    head = Head(name, (*arguments(columns), *aggregated, number))
+    return Rule(head, Conjunction(tuple(body)) if body else None, is_distinct=True)
