@@ -16,7 +16,7 @@ from logical_robots_tui import load_level
 from logical_robots_tui.caching import FOLDER_VARIABLE
 from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game import Run, load_program
-from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
+from logical_robots_tui.game.diagnosing import diagnose_run
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import list_levels
 

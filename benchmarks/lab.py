@@ -11,7 +11,7 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 from benchmarks.measure import Effort, Measurement, at_least, at_most, summed_up
-from logical_robots_tui.game.robustness import play_through, start_of
+from logical_robots_tui.game.measuring import play_through, start_of
 from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.folder import Folder

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from benchmarks.measure import Effort, Measurement, at_most, processor_seconds_for, summed_up
 from benchmarks.subjects import solution_of
 from logical_robots_tui import load_level
-from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.world import Team
 
 if TYPE_CHECKING:

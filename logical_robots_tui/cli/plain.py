@@ -244,7 +244,7 @@ class LineGame(SessionListener):
 
     async def why(self, text: str) -> None:
         from logical_robots_tui.cli.why import answer, answer_lines, read_row
-        from logical_robots_tui.explain.why.spelling import spell_call
+        from logical_robots_tui.explain.why.explanation import spell_call
 
         inquiry, program, robot, frame = self._thought()
         words = text.split(maxsplit=1)
@@ -273,7 +273,7 @@ class LineGame(SessionListener):
     async def origin(self, part: str) -> None:
         from logical_robots_tui.cli.why import origin_lines
         from logical_robots_tui.explain import Ask
-        from logical_robots_tui.explain.why.sources import Subject
+        from logical_robots_tui.explain.why.explanation import Subject
         from logical_robots_tui.game import origin_in_game, read_part
 
         _, _, robot, _ = self._thought()
@@ -285,7 +285,7 @@ class LineGame(SessionListener):
 
     async def diagnose(self, _: str) -> None:
         from logical_robots_tui.cli.query import Printer
-        from logical_robots_tui.game.diagnosis.diagnosing import diagnose
+        from logical_robots_tui.game.diagnosing import diagnose
 
         printer = Printer(is_silent=False)
         printer.finish(await diagnose(self._game, show=printer.show))

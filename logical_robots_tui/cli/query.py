@@ -35,7 +35,7 @@ from logical_robots_tui.values import spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.diagnosis.telling import Finding
-    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
+    from logical_robots_tui.game.diagnosing import Diagnosis
 
 FOUND, NOTHING = 0, 1
 DEFAULT_TICKS, TICKS_TO_SCAN = 5000, 3000
@@ -228,7 +228,7 @@ def diagnose(options: argparse.Namespace) -> int:
 async def _diagnose(
     level: world.Level, program: mind.Program, ticks: int, printer: Printer
 ) -> Diagnosis:
-    from logical_robots_tui.game.diagnosis.diagnosing import diagnose_run
+    from logical_robots_tui.game.diagnosing import diagnose_run
 
     async with run_shown(level, program, ticks) as (run, ran):
         with progress_bar("Examining", ticks, after=SOON) as report:
@@ -255,7 +255,7 @@ class Printer:
             self._print(found, found.findings[: found.sure])
 
     def finish(self, found: Diagnosis) -> None:
-        from logical_robots_tui.game.diagnosis.diagnosing import shortcomings
+        from logical_robots_tui.game.diagnosing import shortcomings
 
         self._print(found, found.findings)
         if not found.findings:
@@ -264,7 +264,7 @@ class Printer:
             print("", *textwrap.wrap(left, _width()), sep="\n")
 
     def _print(self, found: Diagnosis, findings: Sequence[Finding]) -> None:
-        from logical_robots_tui.game.diagnosis.diagnosing import ticks_of
+        from logical_robots_tui.game.diagnosing import ticks_of
 
         if not self._has_begun:
             self._has_begun = True

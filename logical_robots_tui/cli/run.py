@@ -70,7 +70,7 @@ def of_run(
 
 def open_run(options: argparse.Namespace) -> tuple[world.Level, mind.Program]:
     """Load level and program, check the robot; raise InputError or ProgramFileError."""
-    from logical_robots_tui.game.robustness import named_start_of
+    from logical_robots_tui.game.measuring import named_start_of
     from logical_robots_tui.game.source import programs_for
 
     level = named_start_of(world.load_level(options.level), options.start_number)
@@ -223,7 +223,7 @@ class Outcome:
 
     def as_data(self, *, times: bool = False) -> dict[str, Any]:
         """Return what is printed as JSON, without times by default, because they vary."""
-        from logical_robots_tui.world.scoring import points
+        from logical_robots_tui.world.dynamics import points
 
         ticks = self.frame.tick
         found: dict[str, Any] = {

@@ -17,8 +17,8 @@ from logical_robots_tui.cli.run import check_name, frame_at, of_run, open_run, r
 from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
+    from logical_robots_tui.explain.why.explanation import Path, Source
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.explain.why.sources import Path, Source
 
 GAVE, GAVE_NOT = 0, 1
 WIDEST = 100  # columns, of an explanation if the terminal's width is unknown
@@ -173,7 +173,7 @@ async def answer(
 
 
 def option_of(ask: explain.Ask) -> str:
-    from logical_robots_tui.explain.why.spelling import spell_call
+    from logical_robots_tui.explain.why.explanation import spell_call
 
     within = f" --within {ask.within}" if ask.within else ""
     return f"--predicate {shlex.quote(spell_call(ask))}{within}"
@@ -350,7 +350,7 @@ def origin(options: argparse.Namespace) -> int:
 async def _search(
     level: world.Level, program: mind.Program, asked: explain.Ask, options: argparse.Namespace
 ) -> game.Origin:
-    from logical_robots_tui.explain.why.sources import Subject
+    from logical_robots_tui.explain.why.explanation import Subject
 
     default = "memory" if asked.predicate == "Robot" else ""
     column, path = options.value or (default, ())
@@ -360,7 +360,7 @@ async def _search(
 
 
 def origin_lines(found: game.Origin) -> Iterator[str]:
-    from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
+    from logical_robots_tui.game.debugging.origin import INCOMPLETE, link_lines
 
     for number, link in enumerate(found.links):
         if number:
@@ -376,7 +376,7 @@ def _written(value: Value) -> str:
 
 
 def _link(link: game.Link) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.pins import path_text
+    from logical_robots_tui.game.debugging.inquiry import path_text
 
     source, steps = link.source, link.steps
     span = source.span if source else None
@@ -409,7 +409,7 @@ def _link(link: game.Link) -> dict[str, Any]:
 
 
 def _input(source: Source, link: int | None) -> dict[str, Any]:
-    from logical_robots_tui.game.debugging.pins import path_text
+    from logical_robots_tui.game.debugging.inquiry import path_text
 
     read = source.read
     return {

@@ -23,11 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_UNTOLD = {
-    "robots": "; each needs a unique name",
-    "beacons": "; a radar can't distinguish them",
-    "areas": "",
-}
+_REASONS = {"robots": "; each needs a unique name", "beacons": "; a radar can't distinguish them"}
 _MOST_NAMES = 3  # most names listed in one finding
 
 
@@ -48,14 +44,12 @@ def check(level: Level) -> list[LevelFinding]:
         *_placement(level),
         *_goals(level),
         *_open_rim(level.walls),
-        *_names_used_twice(level),
-        *_names_not_shared(level),
+        *_shared_names(level),
     ]
 
 
 def refusals(level: Level) -> list[LevelFinding]:
-    twice = [finding for finding in _names_used_twice(level) if finding.forbids]
-    return [*_refusals(level), *twice]
+    return [*_refusals(level), *(found for found in _names_used_twice(level) if found.forbids)]
 
 
 def _refusals(level: Level) -> Iterator[LevelFinding]:
@@ -90,11 +84,12 @@ def _names_used_twice(level: Level) -> Iterator[LevelFinding]:
             same[some.name].append(some)
         for name, things in same.items():
             if len(things) > 1 and (kind == "robots" or name not in level.shared_names):
-                text = f'{len(things)} {kind} are called "{name}"{_UNTOLD[kind]}.'
+                text = f'{len(things)} {kind} are called "{name}"{_REASONS.get(kind, "")}.'
                 yield LevelFinding(text, things[1].x, things[1].y, forbids=kind == "robots")
 
 
-def _names_not_shared(level: Level) -> Iterator[LevelFinding]:
+def _shared_names(level: Level) -> Iterator[LevelFinding]:
+    yield from _names_used_twice(level)
     for name in level.shared_names:
         if all([one.name for one in some].count(name) < 2 for some in (level.beacons, level.areas)):
             yield LevelFinding(f'"{name}" is a shared name, but no two beacons or areas have it.')
@@ -111,9 +106,14 @@ def _placement(level: Level) -> Iterator[LevelFinding]:
         on_map = 0 <= some.x < level.width and 0 <= some.y < level.height
         in_wall = on_map and bool(level.walls[math.floor(some.y), math.floor(some.x)])
         if isinstance(some, Area):
-            where = _where_an_area_is(some, level) if in_wall or not on_map else ""
+            where = ""
             if some.radius < 1:
                 where = "has no room"
+            elif in_wall or not on_map:
+                window, disc = units_of(some, level)
+                is_inside = bool(level.walls[window][disc].all())
+                where = "is inside walls" if is_inside else ""
+                where = where if disc.any() else "is outside the map"
             if where:
                 yield LevelFinding(f'Area "{some.name}" {where}.', some.x, some.y)
         elif in_wall:
@@ -121,13 +121,6 @@ def _placement(level: Level) -> Iterator[LevelFinding]:
             yield LevelFinding(f'{what} "{some.name}" is inside a wall.', some.x, some.y)
         elif not on_map and isinstance(some, Beacon):
             yield LevelFinding(f'Beacon "{some.name}" is outside the map.', some.x, some.y)
-
-
-def _where_an_area_is(area: Area, level: Level) -> str:
-    window, disc = units_of(area, level)
-    if not disc.any():
-        return "is outside the map"
-    return "is inside walls" if level.walls[window][disc].all() else ""
 
 
 def _goals(level: Level) -> Iterator[LevelFinding]:
@@ -153,22 +146,19 @@ def _goals(level: Level) -> Iterator[LevelFinding]:
 
 def _open_rim(walls: NDArray[np.bool_]) -> Iterator[LevelFinding]:
     height, width = walls.shape
-    for side, rim, y in (("top", walls[0], 0.5), ("bottom", walls[-1], height - 0.5)):
-        for middle, size in _gaps(rim):
-            yield LevelFinding(_open(side, size), middle, y)
-    for side, rim, x in (("left", walls[:, 0], 0.5), ("right", walls[:, -1], width - 0.5)):
-        for middle, size in _gaps(rim):
-            yield LevelFinding(_open(side, size), x, middle)
-
-
-def _gaps(rim: NDArray[np.bool_]) -> list[tuple[float, int]]:
-    edges = np.diff(np.pad(~rim, 1).astype(np.int8))
-    starts, stops = np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist()
-    return [((start + stop) / 2, stop - start) for start, stop in zip(starts, stops, strict=True)]
-
-
-def _open(side: str, size: int) -> str:
-    return f"The outer wall has a gap on the {side}, {size} unit{'' if size == 1 else 's'} wide."
+    for side, rim, x, y in (
+        ("top", walls[0], None, 0.5),
+        ("bottom", walls[-1], None, height - 0.5),
+        ("left", walls[:, 0], 0.5, None),
+        ("right", walls[:, -1], width - 0.5, None),
+    ):
+        edges = np.diff(np.pad(~rim, 1).astype(np.int8))
+        starts, stops = np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist()
+        for start, stop in zip(starts, stops, strict=True):
+            size, middle = stop - start, (start + stop) / 2
+            wide = f"{size} unit{'' if size == 1 else 's'} wide"
+            text = f"The outer wall has a gap on the {side}, {wide}."
+            yield LevelFinding(text, middle if x is None else x, middle if y is None else y)
 
 
 def _join(names: Sequence[str]) -> str:
@@ -179,9 +169,7 @@ def _join(names: Sequence[str]) -> str:
     return " and ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)
 
 
-_MARGIN = (
-    int(ROBOT_RADIUS) + 2
-)  # margin in map units around the map, where robots can drive as well
+_MARGIN = int(ROBOT_RADIUS) + 2  # map units around the map, where robots can drive as well
 
 
 class Reach:
@@ -226,7 +214,6 @@ class Reach:
         return never, hardly
 
     def _start(self, robot: Robot) -> frozenset[int]:
-        """Return the region of a robot, or those that it can reach if it starts in a wall."""
         row, column = math.floor(robot.y) + _MARGIN, math.floor(robot.x) + _MARGIN
         row = min(max(row, 0), self._shape[0] - 1)
         column = min(max(column, 0), self._shape[1] - 1)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.editing import things
@@ -173,15 +174,12 @@ class LevelEditor:
         width, grid = self.settings.width, self.settings.grid
         if tool is Tool.LINE:
             points = [stroke.start, stroke.end]
-            self.do("line", lambda level: paint(level, points, width=width, grid=grid, wall=wall))
+            self.do("line", partial(paint, points=points, width=width, grid=grid, wall=wall))
         elif tool is Tool.RECTANGLE:
+            corner, opposite = stroke.start, stroke.end
             border = 0 if self.settings.is_filled else width
-            self.do(
-                "rectangle",
-                lambda level: paint_rectangle(
-                    level, stroke.start, stroke.end, border=border, grid=grid, wall=wall
-                ),
-            )
+            work = partial(paint_rectangle, corner=corner, opposite=opposite, border=border)
+            self.do("rectangle", partial(work, grid=grid, wall=wall))
 
     def finish(self) -> None:
         """End the stroke before another action: keep its changes, but drop an unfinished line."""
@@ -248,10 +246,8 @@ class LevelEditor:
             return
         self._note_pose(ref)
         angle = (round(robot.angle / TURN) + steps) % round(math.tau / TURN) * TURN
-        values = {"x": robot.x, "y": robot.y, "angle": angle}
-        self.do(
-            f"turn {robot.name}", lambda level: things.change(level, ref, **values), goes_on=True
-        )
+        work = partial(things.change, ref=ref, x=robot.x, y=robot.y, angle=angle)
+        self.do(f"turn {robot.name}", work, goes_on=True)
 
     def duplicate(self) -> None:
         ref, thing = self.selected, self.thing
@@ -308,14 +304,13 @@ class LevelEditor:
 
     def _place(self, tool: Tool, x: float, y: float) -> None:
         new: Thing
+        level, at = self.level, (round(x), round(y))
         if tool is Tool.ROBOT:
-            name = _free("Robo", {robot.name for robot in self.level.robots})
-            new = Robot(name, round(x), round(y))
+            new = Robot(_free("Robo", level.robots), *at)
         elif tool is Tool.BEACON:
-            new = Beacon(_free("beacon ", {b.name for b in self.level.beacons}), round(x), round(y))
+            new = Beacon(_free("beacon ", level.beacons), *at)
         else:
-            name = _free("area ", {area.name for area in self.level.areas})
-            new = Area(name, round(x), round(y), _NEW_RADIUS)
+            new = Area(_free("area ", level.areas), *at, _NEW_RADIUS)
 
         def work(level: Level) -> Level:
             changed, self.selected = things.add(level, new)
@@ -350,27 +345,20 @@ class LevelEditor:
             return
         if not stroke.has_done:
             self._note_pose(ref)
-        is_new = not stroke.has_done
         stroke.what = what
-        done = self.do(what, lambda level: things.change(level, ref, **values), goes_on=not is_new)
+        work = partial(things.change, ref=ref, **values)
+        done = self.do(what, work, goes_on=stroke.has_done)
         stroke.has_done = stroke.has_done or done
 
     def _paint(self, start: Point, end: Point) -> None:
         stroke = self.stroke
         if stroke is None:
             return
-        settings = self.settings
-        done = self.do(
-            stroke.what,
-            lambda level: paint(
-                level,
-                [start, end],
-                width=settings.width,
-                grid=settings.grid,
-                wall=settings.tool is Tool.BRUSH,
-            ),
-            goes_on=stroke.has_done,
+        settings, wall = self.settings, self.settings.tool is Tool.BRUSH
+        work = partial(
+            paint, points=[start, end], width=settings.width, grid=settings.grid, wall=wall
         )
+        done = self.do(stroke.what, work, goes_on=stroke.has_done)
         stroke.has_done = stroke.has_done or done
 
     def _note_pose(self, ref: Ref) -> None:
@@ -395,6 +383,6 @@ def handle_of(thing: Thing, units: float) -> Point | None:
     return None
 
 
-def _free(stem: str, taken: set[str]) -> str:
-    numbers = range(1, len(taken) + 2)
-    return next(name for number in numbers if (name := f"{stem}{number}") not in taken)
+def _free(stem: str, there: Sequence[Thing]) -> str:
+    names = (f"{stem}{number}" for number in range(1, len(there) + 2))
+    return next(name for name in names if name not in {each.name for each in there})

@@ -24,20 +24,21 @@ class Delta(NamedTuple):
     def between(cls, before: Level, after: Level) -> Delta:
         """Return the difference, ignoring names and sources of the levels."""
         pairs = [(name, getattr(before, name), getattr(after, name)) for name in COMPARED]
-        differing = tuple((name, old, new) for name, old, new in pairs if old != new)
-        return cls(differing, _walls_between(before.walls, after.walls))
+        differing = tuple(each for each in pairs if each[1] != each[2])
+        old, new = before.walls, after.walls
+        if old.shape != new.shape:
+            return cls(differing, _Redrawn(PackedBits.of(old), PackedBits.of(new)))
+        if (box := difference_box(old, new)) is None:
+            return cls(differing, None)
+        down, across = box
+        flips = _Flips(down.start, across.start, PackedBits.of(old[box] ^ new[box]))
+        return cls(differing, flips)
 
     @property
     def empty(self) -> bool:
         return not (self.values or self.walls)
 
-    def apply(self, level: Level) -> Level:
-        return self._change(level, forward=True)
-
-    def revert(self, level: Level) -> Level:
-        return self._change(level, forward=False)
-
-    def _change(self, level: Level, *, forward: bool) -> Level:
+    def apply(self, level: Level, *, forward: bool = True) -> Level:
         changes = {name: new if forward else old for name, old, new in self.values}
         if self.walls is not None:
             changes["walls"] = self.walls.change(level.walls, forward=forward)
@@ -71,21 +72,6 @@ class _Redrawn(NamedTuple):
         return changed
 
 
-def _walls_between(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> _Flips | _Redrawn | None:
-    if before.shape != after.shape:
-        return _Redrawn(PackedBits.of(before), PackedBits.of(after))
-    box = difference_box(before, after)
-    if box is None:
-        return None
-    down, across = box
-    return _Flips(down.start, across.start, PackedBits.of(before[box] ^ after[box]))
-
-
-class _Step(NamedTuple):
-    what: str
-    delta: Delta
-
-
 class Edits:
     """A level with unlimited undo and redo; each step stores only the difference.
 
@@ -94,8 +80,8 @@ class Edits:
 
     def __init__(self, level: Level) -> None:
         self._level = level
-        self._done: list[_Step] = []
-        self._undone: list[_Step] = []
+        self._done: list[tuple[str, Delta]] = []
+        self._undone: list[tuple[str, Delta]] = []
         self._open: tuple[str, Level] | None = None
         self._saved: int | None = 0
 
@@ -113,12 +99,12 @@ class Edits:
         """The step that would be undone, or ""."""
         if self._open is not None:
             return self._open[0]
-        return self._done[-1].what if self._done else ""
+        return self._done[-1][0] if self._done else ""
 
     @property
     def can_redo(self) -> str:
         """The step that would be redone, or ""."""
-        return self._undone[-1].what if self._undone else ""
+        return self._undone[-1][0] if self._undone else ""
 
     def do(self, what: str, level: Level, *, goes_on: bool = False) -> bool:
         """Apply a step and clear redo; return False if nothing changed, so no step was added.
@@ -140,21 +126,21 @@ class Edits:
     def undo(self) -> str:
         """Undo a step and return its description, or "" if there is none."""
         self._close()
-        if not self._done:
-            return ""
-        step = self._done.pop()
-        self._undone.append(step)
-        self._level = step.delta.revert(self._level)
-        return step.what
+        return self._step(self._done, self._undone, forward=False)
 
     def redo(self) -> str:
         """Redo a step and return its description, or "" if there is none."""
-        if not self._undone:
+        return self._step(self._undone, self._done, forward=True)
+
+    def _step(
+        self, taken: list[tuple[str, Delta]], put: list[tuple[str, Delta]], *, forward: bool
+    ) -> str:
+        if not taken:
             return ""
-        step = self._undone.pop()
-        self._done.append(step)
-        self._level = step.delta.apply(self._level)
-        return step.what
+        put.append(taken.pop())
+        what, delta = put[-1]
+        self._level = delta.apply(self._level, forward=forward)
+        return what
 
     def saved(self) -> None:
         self._close()
@@ -170,4 +156,4 @@ class Edits:
             self._open = None
             delta = Delta.between(before, self._level)
             if not delta.empty:
-                self._done.append(_Step(what, delta))
+                self._done.append((what, delta))

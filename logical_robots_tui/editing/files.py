@@ -1,17 +1,46 @@
-"""Saving levels in either format."""
+"""Saving levels in either format; a file of this game changes in as few bytes as possible."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
+from itertools import pairwise
 from pathlib import Path
+from typing import Any, cast
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT, Array
 
 from logical_robots_tui.editing.checks import refusals
-from logical_robots_tui.editing.level_text import write_native, write_web
-from logical_robots_tui.editing.rewriting import rewritten
+from logical_robots_tui.editing.level_text import (
+    KINDS,
+    Kind,
+    Record,
+    Thing,
+    block_text,
+    kind_of,
+    needs_leniency,
+    record_of,
+    toml_text,
+    words_of,
+    write_native,
+    write_web,
+)
 from logical_robots_tui.paths import is_there, real, shipped_folder
-from logical_robots_tui.world.level import Level, LevelError
+from logical_robots_tui.world.level import Level, LevelError, alike
 from logical_robots_tui.world.levels.fields import MOST_BYTES
 from logical_robots_tui.world.levels.load import SUFFIXES, is_web_file, load_level, read_text
+from logical_robots_tui.world.levels.native import (
+    coarsest_cell,
+    draw_rows,
+    expresses,
+    find_drawing,
+    read_native,
+)
 from logical_robots_tui.writing import write_atomically
 
 
@@ -46,7 +75,7 @@ def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:
 
 
 def is_made_here(path: Path) -> bool:
-    """Return whether this game wrote a file, as far as its text shows, or there is none. Blocks.
+    """Return whether this game wrote a file, as far as its text shows, or there is none. _Blocks.
 
     Saving in a file of the web platform's format replaces all of it.
     """
@@ -71,3 +100,233 @@ def _texts(level: Level, path: Path, anew: bool) -> tuple[str, str]:
         return _texts(level, path, anew=True)
     text = write_web(level)
     return before, before if write_web(earlier) == text else text
+
+
+_INSTEAD = {"angle": "heading", "heading": "angle"}
+
+
+def rewritten(text: str, level: Level) -> str:
+    """Return the text of a level file, changed to describe another level, or raise LevelError.
+
+    Comments, key order and unchanged parts are kept, if the file's layout allows it.
+    """
+    mark = "\ufeff" if text.startswith("\ufeff") else ""
+    of_windows = text.count("\r\n") * 2 > text.count("\n")
+    plain = text.removeprefix(mark).replace("\r\n", "\n")
+    before = read_native(plain, level.name, level.source)
+    if alike(before, level):
+        return text
+    new = _rewrite(plain, before, level)
+    if new is None:
+        new = write_native(level)
+    return mark + (new.replace("\n", "\r\n") if of_windows else new)
+
+
+def _rewrite(text: str, before: Level, level: Level) -> str | None:
+    """Return the changed text, or None if it would not describe the level."""
+    try:
+        blocks = _Blocks(text)
+        inline = []
+        for kind in KINDS:
+            old, new = getattr(before, kind), getattr(level, kind)
+            if old == new:
+                continue
+            if len(blocks.of(kind)) == len(old):
+                blocks.replace(kind, _blocks(blocks.of(kind), old, new))
+            else:
+                inline.append(kind)
+        blocks.head = _head(blocks.head, before, level, inline)
+        changed = blocks.text()
+        return changed if alike(read_native(changed, "", ""), level) else None
+    except (ValueError, KeyError, TOMLKitError, LevelError):
+        return None
+
+
+def _blocks(blocks: list[_Block], old: Sequence[Thing], new: Sequence[Thing]) -> list[_Block]:
+    found: list[_Block] = []
+    matcher = SequenceMatcher(None, old, new, autojunk=False)
+    for _, start, stop, new_start, new_stop in matcher.get_opcodes():
+        pairs = _pairs(old[start:stop], new[new_start:new_stop])
+        for thing, index in zip(new[new_start:new_stop], pairs, strict=True):
+            if index is None:
+                kind = kind_of(thing)
+                found.append(_Block(kind, block_text(kind, record_of(thing)), new=True))
+                continue
+            block = blocks[start + index]
+            earlier = old[start + index]
+            if earlier != thing:
+                document = tomlkit.parse(block.text)
+                tables = document[block.kind]
+                assert isinstance(tables, AoT)
+                _update(tables[0], record_of(earlier), record_of(thing))
+                block.text = document.as_string()
+            found.append(block)
+    return found
+
+
+def _pairs(old: Sequence[Thing], new: Sequence[Thing]) -> list[int | None]:
+    """Return the index of the old object for each new one, ascending; matched by name first."""
+    names = {thing.name for thing in old} & {thing.name for thing in new}
+    if len(old) == len(new) or not names:
+        return [i if i < len(old) else None for i in range(len(new))]
+    pairs: list[int | None] = []
+    free = 0
+    for thing in new:
+        match = next((i for i in range(free, len(old)) if old[i].name == thing.name), None)
+        pairs.append(match)
+        free = free if match is None else match + 1
+    return pairs
+
+
+def _update(table: Any, before: Record, after: Record) -> None:
+    for key in before:
+        if key not in after and key in table:
+            del table[key]
+    for key, value in after.items():
+        if key in before and before[key] == value:
+            continue
+        if key in _INSTEAD and _INSTEAD[key] in table:
+            del table[_INSTEAD[key]]
+        there = table.get(key)
+        if isinstance(value, dict) and isinstance(there, dict):
+            earlier = before.get(key)
+            _update(there, earlier if isinstance(earlier, dict) else {}, value)
+        elif isinstance(value, list) and isinstance(there, Array) and len(value) == len(there):
+            for i, item in enumerate(value):
+                if there[i] != item:
+                    there[i] = item
+        else:
+            table[key] = tomlkit.value(toml_text(key, value))
+
+
+def _head(head: str, before: Level, level: Level, inline: Sequence[Kind]) -> str:
+    """Return the changed head; `inline` are the kinds listed there that differ."""
+    same_walls = before.walls.shape == level.walls.shape and (before.walls == level.walls).all()
+    old, new = words_of(before), words_of(level)
+    lenient = needs_leniency(level) and not needs_leniency(before)
+    if same_walls and old == new and not inline and not lenient:
+        return head
+    drawing: str = tomllib.loads(head)["walls"]
+    place = find_drawing(drawing, head)
+    mark = "the drawing"
+    if place is not None:  # tomlkit is slow for long texts, and unchanged rows must be preserved
+        while mark in head:
+            mark += " itself"
+        head = head[:place] + mark + head[place + len(drawing) :]
+    body = head.rstrip("\n")
+    document = tomlkit.parse(body)
+    _update(document, old, new)
+    if lenient:
+        document["lenient"] = True
+    for kind in inline:
+        records = [record_of(some) for some in getattr(level, kind)]
+        document[kind] = tomlkit.value(toml_text(kind, records))
+    if not same_walls:
+        drawing = _drawing(document, drawing, level)
+        if place is None:
+            document["walls"] = tomlkit.value(f"'''\n{drawing}'''")
+    changed = document.as_string().rstrip("\n") + (head[len(body) :] or "\n")
+    return changed if place is None else changed.replace(mark, drawing)
+
+
+def _drawing(document: tomlkit.TOMLDocument, drawing: str, level: Level) -> str:
+    cell = int(str(document["cell"]))
+    earlier = drawing.removesuffix("\n").split("\n")
+    if not expresses(level.walls, cell):
+        document["cell"] = cell = coarsest_cell(level.walls)
+        earlier = []
+    lines = "\n".join(draw_rows(level.walls, cell, earlier))
+    return lines + ("\n" if drawing.endswith("\n") else "")
+
+
+_HEADER = re.compile(
+    r"^[ \t]*\[\[[ \t]*(robots|beacons|areas)[ \t]*\]\][ \t]*(?:#[^\n]*)?$", re.MULTILINE
+)
+
+
+@dataclass
+class _Block:
+    """The text of one object, with the comments above it and the empty lines below."""
+
+    kind: Kind
+    text: str
+    new: bool = False
+
+
+class _Blocks:
+    """A file split into blocks; raises ValueError if its layout does not allow that."""
+
+    def __init__(self, text: str) -> None:
+        # A row of the drawing may look like a comment.
+        if not (self._split(text, with_comments=True) or self._split(text, with_comments=False)):
+            raise ValueError("The pieces say something else than the whole.")
+
+    def _split(self, text: str, *, with_comments: bool) -> bool:
+        """Split a text; return whether the pieces mean the same as the whole."""
+        found = list(_HEADER.finditer(text))
+        starts = [match.start() for match in found]
+        if with_comments:
+            starts = [_comments_above(text, start) for start in starts]
+        bounds = [0, *starts, len(text)]
+        pieces = [text[start:stop] for start, stop in pairwise(bounds)]
+        self.head = pieces[0]
+        self.blocks = [
+            _Block(cast("Kind", match[1]), piece)
+            for match, piece in zip(found, pieces[1:], strict=True)
+        ]
+        try:
+            return _merge(map(tomllib.loads, pieces)) == tomllib.loads(text)
+        except ValueError:
+            return False
+
+    def of(self, kind: Kind) -> list[_Block]:
+        return [block for block in self.blocks if block.kind == kind]
+
+    def replace(self, kind: Kind, wanted: Sequence[_Block]) -> None:
+        """Replace the blocks of a kind; existing ones must be in order, and keep their places."""
+        kept = {id(block) for block in wanted}
+        self.blocks = [b for b in self.blocks if b.kind != kind or id(b) in kept]
+        before = KINDS[: KINDS.index(kind)]
+        after = [i + 1 for i, b in enumerate(self.blocks) if b.kind in before]
+        first = [i for i, b in enumerate(self.blocks) if b.kind == kind]
+        place = first[0] if first else max(after, default=0)
+        for block in wanted:
+            known = next((i for i, b in enumerate(self.blocks) if b is block), None)
+            if known is None:
+                self.blocks.insert(place, block)
+                known = place
+            place = known + 1
+
+    def text(self) -> str:
+        text = self.head
+        after_new = False
+        for block in self.blocks:
+            if text and not text.endswith("\n"):
+                text += "\n"
+            if (block.new or after_new) and not text.endswith("\n\n"):
+                text += "\n"
+            text += block.text
+            after_new = block.new
+        return text
+
+
+def _comments_above(text: str, start: int) -> int:
+    while start:
+        line = text.rfind("\n", 0, start - 1) + 1
+        if not text[line:start].lstrip(" \t").startswith("#"):
+            break
+        start = line
+    return start
+
+
+def _merge(pieces: Any) -> dict[str, Any]:
+    whole: dict[str, Any] = {}
+    for number, piece in enumerate(pieces):
+        for key, value in piece.items():
+            if number and key in KINDS and isinstance(value, list):
+                whole.setdefault(key, []).extend(value)
+            elif key in whole:
+                raise ValueError(f"{key} is there twice.")
+            else:
+                whole[key] = value
+    return whole

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import chain
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -22,9 +23,8 @@ from logical_robots_tui.world.level import (
     Team,
     Visibility,
 )
-from logical_robots_tui.world.levels.drawing import coarsest_cell, draw_rows
 from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER
-from logical_robots_tui.world.levels.native import oddities
+from logical_robots_tui.world.levels.native import coarsest_cell, draw_rows, oddities
 
 Kind: TypeAlias = Literal["robots", "beacons", "areas"]
 
@@ -38,46 +38,36 @@ Record = dict[str, object]
 
 
 def all_things(level: Level) -> Iterator[Thing]:
-    yield from level.robots
-    yield from level.beacons
-    yield from level.areas
+    return chain(level.robots, level.beacons, level.areas)
 
 
 def kind_of(some: Thing) -> Kind:
-    return (
-        "robots" if isinstance(some, Robot) else "beacons" if isinstance(some, Beacon) else "areas"
+    return next(
+        kind for kind, its in zip(KINDS, (Robot, Beacon, Area), strict=True) if type(some) is its
     )
 
 
 def record_of(thing: Thing) -> Record:
     """Return the record of a robot, beacon or area, without default values."""
-    if isinstance(thing, Robot):
-        return _robot(thing)
+    record: Record = {"name": thing.name, "x": _number(thing.x), "y": _number(thing.y)}
     if isinstance(thing, Beacon):
-        return _beacon(thing)
-    return _area(thing)
+        return record | ({"charging_station": True} if thing.charging_station else {})
+    return record | (_robot(thing) if isinstance(thing, Robot) else _area(thing))
 
 
 def words_of(level: Level) -> Record:
     record: Record = {
-        "title": level.title,
-        "idea": level.idea,
-        "starter": level.starter,
-        "solution": level.solution,
-        "visibility": {"memory": level.visibility.memory, "sensor": level.visibility.sensor},
+        **{name: getattr(level, name) for name in ("title", "idea", "starter", "solution")},
+        "visibility": {} if level.visibility == Visibility() else asdict(level.visibility),
         "shared_names": list(level.shared_names),
         "second_goals": [goal.words for goal in level.second_goals],
         "briefing": level.briefing,
         "hints": list(level.hints),
-        "lesson": level.lesson,
-        "further": level.further,
-        "divided_charge": level.divided_charge,
+        **{name: getattr(level, name) for name in ("lesson", "further", "divided_charge")},
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
         "scores": [_record_of(score) for score in level.scores],
     }
-    if level.visibility == Visibility():
-        del record["visibility"]
     return {key: value for key, value in record.items() if value or key == "title"}
 
 
@@ -89,7 +79,7 @@ def _record_of(part: Team | Score) -> Record:
 
 
 def _robot(robot: Robot) -> Record:
-    record = _placed(robot) | _heading(robot.angle)
+    record = _heading(robot.angle)
     if robot.color != ROBOT_COLOR:
         record["color"] = robot.color
     battery: Record = {"capacity": _number(robot.battery_capacity)}
@@ -106,31 +96,17 @@ def _robot(robot: Robot) -> Record:
     return record
 
 
-def _beacon(beacon: Beacon) -> Record:
-    record = _placed(beacon)
-    if beacon.charging_station:
-        record["charging_station"] = True
-    return record
-
-
 def _area(area: Area) -> Record:
-    record = _placed(area) | {
-        "radius": _number(area.radius),
-        "color": area.color,
+    record: Record = {
+        "color": "" if area.color == AREA_COLOR else area.color,
         "solid": area.impenetrable,
         "goal_for": list(area.victory_robots),
         "on_beacon": area.on_beacon,
         "off_beacon": area.off_beacon,
         "sticky": area.sticky_switch,
     }
-    if area.color == AREA_COLOR:
-        del record["color"]
-    needed = ("name", "x", "y", "radius")
-    return {key: value for key, value in record.items() if value or key in needed}
-
-
-def _placed(thing: Thing) -> Record:
-    return {"name": thing.name, "x": _number(thing.x), "y": _number(thing.y)}
+    given = {key: value for key, value in record.items() if value}
+    return {"radius": _number(area.radius), **given}
 
 
 def _number(value: float) -> float | int:

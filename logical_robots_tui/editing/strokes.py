@@ -1,4 +1,4 @@
-"""Brush strokes, lines and rectangles, as masks of map units.
+"""Painting walls: brush strokes, lines, rectangles and filled regions.
 
 On a grid coarser than 1 whole squares are covered, so that a level drawn with large cells
 keeps them.
@@ -20,25 +20,11 @@ from logical_robots_tui.world.levels.fields import MOST_OF_A_NUMBER, MOST_SIDE
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-
-def paint(
-    level: Level, points: Sequence[Point], *, width: int = 1, grid: int = 1, wall: bool = True
-) -> Level:
-    """Draw or erase walls with a round brush, or raise LevelError; arguments as of `stroke`."""
-    return _with(level, stroke(points, width, grid, level.walls.shape), wall)
+    _Bits = NDArray[np.bool_]
 
 
-def paint_rectangle(
-    level: Level,
-    corner: Point,
-    opposite: Point,
-    *,
-    border: int = 0,
-    grid: int = 1,
-    wall: bool = True,
-) -> Level:
-    """Draw or erase a rectangle of walls, or raise LevelError; arguments as of `rectangle`."""
-    return _with(level, rectangle(corner, opposite, border, grid, level.walls.shape), wall)
+Point = tuple[float, float]
+"""Map units (x, y)."""
 
 
 def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
@@ -47,14 +33,15 @@ def fill(level: Level, x: float, y: float, *, wall: bool = True) -> Level:
         return level
     regions = Regions(level.walls != wall, corners=False)
     region = regions.at(math.floor(y), math.floor(x))
-    return level if region < 0 else _with(level, Patch(0, 0, regions.mask(region)), wall)
+    return level if region < 0 else _painted(level, 0, 0, regions.mask(region), wall)
 
 
-def _with(level: Level, patch: Patch | None, wall: bool) -> Level:
-    if patch is None or not (patch.mask & (level.walls[patch.window] != wall)).any():
+def _painted(level: Level, top: int, left: int, units: _Bits, wall: bool) -> Level:
+    window = slice(top, top + units.shape[0]), slice(left, left + units.shape[1])
+    if not (units & (level.walls[window] != wall)).any():
         return level
     walls = level.walls.copy()
-    walls[patch.window][patch.mask] = wall
+    walls[window][units] = wall
     walls.flags.writeable = False
     return replace(level, walls=walls)
 
@@ -65,7 +52,7 @@ class Regions:
     `units` has the shape (height, width); `corners` also connects units touching at corners.
     """
 
-    def __init__(self, units: NDArray[np.bool_], *, corners: bool) -> None:
+    def __init__(self, units: _Bits, *, corners: bool) -> None:
         self._shape = units.shape
         edges = np.zeros((units.shape[0], units.shape[1] + 2), np.int8)
         edges[:, 1:-1] = units
@@ -92,12 +79,12 @@ class Regions:
         dy = y - np.clip(y, self._row[runs], self._row[runs] + 1)
         return frozenset(self._region[runs][np.hypot(dx, dy) < radius].tolist())
 
-    def mask(self, region: int) -> NDArray[np.bool_]:
+    def mask(self, region: int) -> _Bits:
         runs = self._region == region
         edges = np.zeros((self._shape[0], self._shape[1] + 1), np.int8)
         edges[self._row[runs], self._start[runs]] += 1
         edges[self._row[runs], self._stop[runs]] -= 1
-        inside: NDArray[np.bool_] = edges.cumsum(axis=1, dtype=np.int8)[:, :-1] > 0
+        inside: _Bits = edges.cumsum(axis=1, dtype=np.int8)[:, :-1] > 0
         return inside
 
     def _neighbours(self, corners: bool) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -124,72 +111,65 @@ def _roots(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArra
             root = root[root]
 
 
-Point = tuple[float, float]
-"""Map units (x, y)."""
-
 _PIECE = 64.0  # squares of the grid; a long line is drawn in pieces with small bounding boxes
 
 
-class Patch(NamedTuple):
-    """Part of a map, in map units; `mask` has the shape (height, width)."""
+def paint(
+    level: Level, points: Sequence[Point], *, width: int = 1, grid: int = 1, wall: bool = True
+) -> Level:
+    """Draw or erase walls with a round brush, along a path without gaps, not even diagonal ones.
 
-    top: int
-    left: int
-    mask: NDArray[np.bool_]
-
-    @property
-    def window(self) -> tuple[slice, slice]:
-        height, width = self.mask.shape
-        return slice(self.top, self.top + height), slice(self.left, self.left + width)
-
-
-def stroke(points: Sequence[Point], width: int, grid: int, shape: tuple[int, int]) -> Patch | None:
-    """Return the units that a round brush covers along a path, or None if none on the map.
-
-    The path has no gaps, not even diagonal ones. `width` is in squares of the grid, `grid` in
-    map units, `shape` is (height, width). Raises LevelError if a value is out of range.
+    `width` is in squares of the grid, `grid` in map units. Raises LevelError if a value is out of
+    range.
     """
     _check(width, grid, points)
+    shape = level.walls.shape
     way = [(_snap(x / grid, width), _snap(y / grid, width)) for x, y in points]
     reach = width / 2 + 1
     box = _Box.around(way, reach, grid, shape)
     if box is None:
-        return None
+        return level
     mask = np.zeros((box.bottom - box.top, box.right - box.left), np.bool_)
     for start, stop in zip(way, way[1:] or way, strict=False):
-        length = math.hypot(stop[0] - start[0], stop[1] - start[1])
-        pieces = max(math.ceil(length / _PIECE), 1)
-        ends = [_between(start, stop, i / pieces) for i in range(pieces + 1)]
+        dx, dy = stop[0] - start[0], stop[1] - start[1]
+        pieces = max(math.ceil(math.hypot(dx, dy) / _PIECE), 1)
+        shares = [i / pieces for i in range(pieces + 1)]
+        ends = [(start[0] + dx * share, start[1] + dy * share) for share in shares]
         for one, other in pairwise(ends):
             part = _Box.around((one, other), reach, grid, shape)
             if part is not None:
                 window = part.within(box)
                 mask[window] |= part.distances(one, other) <= _reach(start, stop, width)
-    return box.patch(mask, grid, shape)
+    return box.painted(level, mask, grid, wall)
 
 
-def rectangle(
-    corner: Point, opposite: Point, border: int, grid: int, shape: tuple[int, int]
-) -> Patch | None:
-    """Return the units that a rectangle covers, including the squares of both corners.
+def paint_rectangle(
+    level: Level,
+    corner: Point,
+    opposite: Point,
+    *,
+    border: int = 0,
+    grid: int = 1,
+    wall: bool = True,
+) -> Level:
+    """Draw or erase a rectangle of walls, including the squares of both corners.
 
-    `border` is in squares of the grid, 0 to fill; `grid` in map units; `shape` is (height,
-    width). Raises LevelError if a value is out of range.
+    `border` is in squares of the grid, 0 to fill; `grid` in map units. Raises LevelError if a
+    value is out of range.
     """
     _check(max(border, 1), grid, (corner, opposite))
     xs = sorted(math.floor(x / grid) for x, _ in (corner, opposite))
     ys = sorted(math.floor(y / grid) for _, y in (corner, opposite))
-    box = _Box(ys[0], xs[0], ys[1] + 1, xs[1] + 1).clipped(grid, shape)
+    box = _Box(ys[0], xs[0], ys[1] + 1, xs[1] + 1).clipped(grid, level.walls.shape)
     if box is None:
-        return None
+        return level
     rows, columns = np.arange(box.top, box.bottom), np.arange(box.left, box.right)
-    if not border:
-        mask = np.ones((len(rows), len(columns)), np.bool_)
-    else:
+    mask = np.ones((len(rows), len(columns)), np.bool_)
+    if border:
         near_y = np.minimum(rows - ys[0], ys[1] - rows) < border
         near_x = np.minimum(columns - xs[0], xs[1] - columns) < border
         mask = near_y[:, None] | near_x[None, :]
-    return box.patch(mask, grid, shape)
+    return box.painted(level, mask, grid, wall)
 
 
 class _Box(NamedTuple):
@@ -236,11 +216,12 @@ class _Box(NamedTuple):
         distances: NDArray[np.float64] = np.hypot(x - along * dx, y - along * dy)
         return distances
 
-    def patch(self, mask: NDArray[np.bool_], grid: int, shape: tuple[int, int]) -> Patch:
-        """Return squares as map units; the edge of the map may cut the last ones."""
+    def painted(self, level: Level, mask: _Bits, grid: int, wall: bool) -> Level:
+        """Paint the squares of a mask; the edge of the map may cut the last ones."""
         top, left = self.top * grid, self.left * grid
         units = mask.repeat(grid, axis=0).repeat(grid, axis=1)
-        return Patch(top, left, units[: shape[0] - top, : shape[1] - left])
+        units = units[: level.height - top, : level.width - left]
+        return _painted(level, top, left, units, wall)
 
 
 def _check(width: int, grid: int, points: Sequence[Point]) -> None:
@@ -254,10 +235,6 @@ def _check(width: int, grid: int, points: Sequence[Point]) -> None:
 
 def _snap(place: float, width: int) -> float:
     return math.floor(place) + 0.5 if width % 2 else float(math.floor(place + 0.5))
-
-
-def _between(start: Point, stop: Point, share: float) -> Point:
-    return start[0] + (stop[0] - start[0]) * share, start[1] + (stop[1] - start[1]) * share
 
 
 def _reach(start: Point, stop: Point, width: int) -> float:

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,8 +20,7 @@ from logical_robots_tui.editing.level_text import (
     words_of,
 )
 from logical_robots_tui.world import WorldState
-from logical_robots_tui.world.changing import Pose
-from logical_robots_tui.world.level import Area, Beacon, Level, LevelError, Robot
+from logical_robots_tui.world.level import COMPARED, Beacon, Level, LevelError, Robot
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
     MOST_OF_A_KIND,
@@ -29,20 +28,15 @@ from logical_robots_tui.world.levels.fields import (
     Fields,
     check_robot_names,
 )
-from logical_robots_tui.world.levels.native import (
-    Words,
-    read_area,
-    read_beacon,
-    read_robot,
-    read_words,
-)
+from logical_robots_tui.world.levels.native import read_area, read_beacon, read_robot, read_words
 from logical_robots_tui.world.sensing import BEACON_RADIUS, ROBOT_RADIUS
+from logical_robots_tui.world.world import Pose
 
 
 def set_words(level: Level, **values: Any) -> Level:
     """Set texts, visibility or shared names, named as in ``Level``, or raise LevelError."""
     for name in values:
-        if name not in Words.__annotations__:
+        if name not in COMPARED or name in ("width", "height", *KINDS):
             raise LevelError(f"A level has no property {name}.")
     words = read_words(Fields(words_of(replace(level, **values)), level.name))
     changed = replace(level, **words)
@@ -114,7 +108,9 @@ def add(level: Level, new: Thing) -> tuple[Level, Ref]:
     if len(things) >= MOST_OF_A_KIND:
         raise LevelError(f"There are {MOST_OF_A_KIND} {kind} already, the most allowed.")
     if isinstance(new, Robot):
-        new = replace(new, name=_free_name(new.name, {robot.name for robot in level.robots}))
+        taken = {robot.name for robot in level.robots}
+        name = next(name for name in _numbered(new.name) if name not in taken)
+        new = replace(new, name=name)
         if level.teams and not new.team:
             new = replace(new, team=level.teams[0].name)
     ref = Ref(kind, len(things))
@@ -168,12 +164,8 @@ def ref_at(level: Level, x: float, y: float, reach: float = 0.0) -> Ref | None:
     bodies = [found for found in near if found[0] < ROBOT_RADIUS + reach]
     if bodies:
         return min(bodies)[1]
-    around = [
-        (area.radius, Ref("areas", i))
-        for i, area in enumerate(level.areas)
-        if away(area) < area.radius
-    ]
-    return min(around)[1] if around else None
+    around = [(area.radius, i) for i, area in enumerate(level.areas) if away(area) < area.radius]
+    return Ref("areas", min(around)[1]) if around else None
 
 
 def _list(level: Level, kind: Kind) -> tuple[Thing, ...]:
@@ -182,8 +174,7 @@ def _list(level: Level, kind: Kind) -> tuple[Thing, ...]:
 
 
 def _with(level: Level, kind: Kind, things: tuple[Thing, ...]) -> Level:
-    changes: dict[str, Any] = {kind: things}
-    return replace(level, **changes)
+    return replace(level, **cast("dict[str, Any]", {kind: things}))
 
 
 def reread(level: Level, ref: Ref, some: Thing) -> Thing:
@@ -193,46 +184,37 @@ def reread(level: Level, ref: Ref, some: Thing) -> Thing:
 
 
 def _validate(level: Level, ref: Ref, some: Thing) -> Thing:
-    top = Fields({}, level.name)
     found = reread(level, ref, some)
     if ref.kind == "robots":
         names = [robot.name for robot in level.robots]
         names[ref.index : ref.index + 1] = [found.name]
         if names.count(found.name) > 1:
-            check_robot_names(top, tuple(names))
+            check_robot_names(Fields({}, level.name), tuple(names))
     return found
 
 
 def _follow(level: Level, before: Thing, after: Thing) -> Level:
     """Rename an object in the areas and scores of a level that refer to it."""
-    names = {before.name: after.name}
+
+    def new(name: str) -> str:
+        return after.name if name == before.name else name
+
+    areas, scores = level.areas, level.scores
     if isinstance(before, Robot):
-        areas = tuple(
-            replace(area, victory_robots=tuple(names.get(n, n) for n in area.victory_robots))
-            for area in level.areas
-        )
-    elif isinstance(before, Beacon) and before.name not in {b.name for b in level.beacons}:
-        areas = tuple(
-            replace(
-                area,
-                on_beacon=names.get(area.on_beacon, area.on_beacon),
-                off_beacon=names.get(area.off_beacon, area.off_beacon),
-            )
-            for area in level.areas
-        )
-    elif isinstance(before, Area) and before.name not in {a.name for a in level.areas}:
-        scores = (replace(s, area=names.get(s.area, s.area)) for s in level.scores)
-        return replace(level, scores=tuple(scores))
-    else:
+        areas = tuple(replace(a, victory_robots=tuple(map(new, a.victory_robots))) for a in areas)
+    elif before.name in [each.name for each in _list(level, kind_of(before))]:
         return level
-    return replace(level, areas=areas)
+    elif isinstance(before, Beacon):
+        areas = tuple(
+            replace(a, on_beacon=new(a.on_beacon), off_beacon=new(a.off_beacon)) for a in areas
+        )
+    else:
+        scores = tuple(replace(score, area=new(score.area)) for score in scores)
+    return replace(level, areas=areas, scores=scores)
 
 
-def _free_name(name: str, taken: set[str]) -> str:
-    return name if name not in taken else next(n for n in _numbers(name) if n not in taken)
-
-
-def _numbers(name: str) -> Iterator[str]:
+def _numbered(name: str) -> Iterator[str]:
+    yield name
     found = re.fullmatch(r"(.+?)( ?)\d{1,4}", name, re.DOTALL)
     stem, gap = (found[1], found[2]) if found else (name, " ")
     for number in range(2, MOST_OF_A_KIND + 3):
@@ -244,13 +226,9 @@ def as_it_stands(level: Level, state: WorldState) -> Level:
     if state.tick == 0:
         return level
     bodies = {body.name: body for body in state.robots}
-    robots = tuple(
-        replace(robot, x=body.x, y=body.y, angle=body.angle)
-        if (body := bodies.get(robot.name)) is not None
-        else robot
-        for robot in level.robots
-    )
-    return replace(level, robots=robots)
+    pairs = ((robot, bodies.get(robot.name, robot)) for robot in level.robots)
+    robots = (replace(robot, x=now.x, y=now.y, angle=now.angle) for robot, now in pairs)
+    return replace(level, robots=tuple(robots))
 
 
 class Poses:
@@ -268,12 +246,8 @@ class Poses:
 
     def between(self, before: Level, after: Level) -> dict[str, Pose]:
         known = {robot.name: _pose(robot) for robot in before.robots}
-        moved = {
-            robot.name: _pose(robot)
-            for robot in after.robots
-            if robot.name in known and known[robot.name] != _pose(robot)
-        }
-        return {name: self._stood.get((name, pose), pose) for name, pose in moved.items()}
+        poses = [(robot.name, _pose(robot)) for robot in after.robots if robot.name in known]
+        return {name: self._stood.get((name, at), at) for name, at in poses if known[name] != at}
 
 
 def _pose(robot: Robot) -> Pose:

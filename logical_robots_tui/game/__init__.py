@@ -15,7 +15,16 @@ if TYPE_CHECKING:
         mistake_in,
         subjects,
     )
-    from logical_robots_tui.game.debugging.inquiry import Inquiry
+    from logical_robots_tui.game.debugging.inquiry import (
+        MIND,
+        ROBOT_COLUMNS,
+        Inquiry,
+        Path,
+        Pin,
+        Reading,
+        pin_of_cell,
+        read,
+    )
     from logical_robots_tui.game.debugging.matches import (
         Matches,
         SearchResult,
@@ -29,15 +38,6 @@ if TYPE_CHECKING:
         origin_in_run,
         read_part,
         subject_name,
-    )
-    from logical_robots_tui.game.debugging.pins import (
-        MIND,
-        ROBOT_COLUMNS,
-        Path,
-        Pin,
-        Reading,
-        pin_of_cell,
-        read,
     )
     from logical_robots_tui.game.frame import Frame, Goal, NoSuchTickError, Superseded, goals
     from logical_robots_tui.game.game import Game
@@ -63,18 +63,15 @@ _NAMES = {
     "game": "Game",
     "history.history": "History",
     "debugging.matches": "Matches SearchResult find_matches search_ticks",
-    "debugging.inquiry": "Inquiry",
     "history.marks": "MARK_KINDS Mark MarkKind",
     "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
     "history.course": "Difference Divergence",
-    "debugging.pins": "MIND ROBOT_COLUMNS Path Pin Reading pin_of_cell read",
+    "debugging.inquiry": "MIND ROBOT_COLUMNS Inquiry Path Pin Reading pin_of_cell read",
     "pace": "Pace",
     "victory": "count_rules is_shipped level_key reference_for",
     "run": "Run run_key",
-    "source": (
-        "Source compile_program list_programs load_program mistake_in_question save_program "
-        "warnings_in"
-    ),
+    "source": "Source compile_program list_programs load_program mistake_in_question "
+    "save_program warnings_in",
     "advancing": "start_frame",
 }
 

@@ -1,28 +1,31 @@
-"""Advancing a game: its first frame, and the next ones, computed, replayed or edited."""
+"""Frames that are computed, replayed or edited, and the thread with a mind that does it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import asyncio
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from logical_robots_tui.clock import CLOCK
 from logical_robots_tui.game.frame import Frame, ends
-from logical_robots_tui.world import World
-from logical_robots_tui.world.changing import change_state, former_names
+from logical_robots_tui.mind import Stopped
+from logical_robots_tui.world import Level, World
 
 if TYPE_CHECKING:
-    import threading
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from logical_robots_tui.clock import Clock
-    from logical_robots_tui.game.debugging.breakpoints import Hit
-    from logical_robots_tui.game.debugging.watching import Watch
+    from logical_robots_tui.game.debugging.breakpoints import Hit, Watch
     from logical_robots_tui.game.history.packing import TickState
-    from logical_robots_tui.mind import Decision, Mind
+    from logical_robots_tui.mind import Decision, Limits, Mind, Program
     from logical_robots_tui.values import Value
-    from logical_robots_tui.world import Level, WorldState
-    from logical_robots_tui.world.changing import Pose
+    from logical_robots_tui.world import WorldState
 
     Decide = Callable[[int, tuple[Decision, ...]], tuple[Decision, ...]]
+
+T = TypeVar("T")
 
 
 class Advance(NamedTuple):
@@ -81,16 +84,9 @@ def frame_of(worlds: Worlds, before: Frame | TickState, known: RecordedTick) -> 
     if not moment.decisions:
         return fresh_frame(world, moment.after, moment.memories)
     world.restore(before.after)
-    return Frame(
-        moment.after.tick,
-        before.after,
-        moment.after,
-        tuple(world.sense()),
-        before.memories,
-        moment.decisions,
-        moment.memories,
-        moment.think_milliseconds,
-    )
+    then, now, rows = before.after, moment.after, tuple(world.sense())
+    memories, decisions, milliseconds = before.memories, moment.decisions, moment.think_milliseconds
+    return Frame(now.tick, then, now, rows, memories, decisions, moment.memories, milliseconds)
 
 
 def play_tick(
@@ -139,26 +135,69 @@ class Worlds:
         return self._world
 
 
-def after_change(
-    frame: Frame, before: Level, after: Level, poses: Mapping[str, Pose]
-) -> tuple[WorldState, dict[str, Value]]:
-    """Return world and memories after a change of the level, or raise ValueError.
-
-    The poses are by the robots' names in the new level, which must be known there.
-    """
-    former = former_names(before, after)
-    known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
-    memories = {robot.name: known.get(robot.name, "") for robot in after.robots}
-    return change_state(frame.after, before, after, poses), memories
-
-
 def is_thought_alike(before: Level, after: Level) -> bool:
     """Return whether robots, teams, areas and visibility match, so decisions stay valid."""
-    return before.visibility == after.visibility and all(
-        one == other for one, other in zip(_thinkers(before), _thinkers(after), strict=True)
+    names = (
+        ([(one.name, one.team) for one in level.robots], [area.name for area in level.areas])
+        for level in (before, after)
     )
+    return before.visibility == after.visibility and next(names) == next(names)
 
 
-def _thinkers(level: Level) -> tuple[list[str], ...]:
-    robots, areas = level.robots, level.areas
-    return [one.name for one in robots], [one.team for one in robots], [one.name for one in areas]
+class Thinker:
+    """One thread with one mind at a time; its work can be stopped."""
+
+    def __init__(self, name: str) -> None:
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix=f"logical-robots-{name}")
+        self._stop = threading.Event()
+        self._mind: Mind | None = None
+        self._serves: tuple[object, ...] = ()
+        self._worlds: Worlds | None = None
+
+    def mind(self, program: Program, level: Level, limits: Limits) -> Mind:
+        """Return the mind for a program in a level; call it in the thread."""
+        teams = {robot.name: robot.team for robot in level.robots} if level.teams else {}
+        serves = (program, level.visibility, teams)
+        if self._mind is None or serves != self._serves:
+            from logical_robots_tui.game.minds import mind_for
+
+            self._forget()
+            self._serves = serves
+            self._mind = mind_for(program, level, limits)
+        return self._mind
+
+    def replay(
+        self, program: Program, before: TickState, known: RecordedTick, limits: Limits
+    ) -> tuple[Frame, Mind]:
+        if self._worlds is None:
+            self._worlds = Worlds(known.level)
+        frame = frame_of(self._worlds, before, known)
+        return frame, self.mind(program, known.level, limits)
+
+    async def do(self, work: Callable[[threading.Event], T]) -> T:
+        """Run work in the thread, passing it the event that asks it to stop."""
+        stop = self._stop = threading.Event()
+
+        def unless_stopped() -> T:
+            if stop.is_set():
+                raise Stopped
+            return work(stop)
+
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._pool, unless_stopped)
+        except asyncio.CancelledError:
+            stop.set()
+            raise
+
+    def stop(self) -> None:
+        self._stop.set()
+
+    async def close(self) -> None:
+        self._stop.set()
+        await asyncio.get_running_loop().run_in_executor(self._pool, self._forget)
+        self._pool.shutdown(wait=False)
+
+    def _forget(self) -> None:
+        if self._mind is not None:
+            self._mind.close()
+            self._mind = None

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from logical_robots_tui.errors import LogicalRobotsError
 from logical_robots_tui.values import SensorRow, Value
 from logical_robots_tui.world import Level, WorldState
-from logical_robots_tui.world.dynamics import AreaState, RobotState
-from logical_robots_tui.world.scoring import points
+from logical_robots_tui.world.dynamics import AreaState, RobotState, points
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.decision import Decision
@@ -162,13 +161,9 @@ class Goal(NamedTuple):
 
 def goals(level: Level, state: WorldState) -> tuple[Goal, ...]:
     """Return the goals of a level in their present state."""
-    return tuple(
-        Goal(
-            area.name,
-            now.active,
-            area.victory_robots,
-            tuple(name for name in area.victory_robots if name in now.visitors),
-        )
-        for area, now in zip(level.areas, state.areas, strict=True)
-        if area.victory_robots
-    )
+    found = []
+    for area, now in zip(level.areas, state.areas, strict=True):
+        if wanted := area.victory_robots:
+            inside = tuple(name for name in wanted if name in now.visitors)
+            found.append(Goal(area.name, now.active, wanted, inside))
+    return tuple(found)

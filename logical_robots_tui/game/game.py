@@ -12,23 +12,27 @@ from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.game.advancing import (
     Advance,
     RecordedTick,
+    Thinker,
     Worlds,
     advance,
-    after_change,
     fresh_frame,
     is_thought_alike,
     start_frame,
 )
-from logical_robots_tui.game.debugging.breakpoints import Breakpoint, Breakpoints, Hit, mistake_in
-from logical_robots_tui.game.debugging.watching import Watch
+from logical_robots_tui.game.debugging.breakpoints import (
+    Breakpoint,
+    Breakpoints,
+    Hit,
+    Watch,
+    mistake_in,
+)
 from logical_robots_tui.game.frame import Frame, Superseded, ends
 from logical_robots_tui.game.history.history import DEFAULT_LENGTH, History, Past
 from logical_robots_tui.game.pace import Pace
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, Stopped, Table
 from logical_robots_tui.values import Value
 from logical_robots_tui.world import Level, WorldState
-from logical_robots_tui.world.changing import Pose
+from logical_robots_tui.world.world import Pose, change_state, former_names
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.advancing import Decide
@@ -208,17 +212,16 @@ class Game:
         Raises:
             ValueError: A pose is for an unknown robot.
         """
-        changed = after_change(self._frame, self.level, level, poses or {})
-        keeps = bool(self._frame.decisions) and is_thought_alike(self.level, level)
-        return self.go_on_in(level, *changed, keeps_decisions=keeps)
+        frame, before = self._frame, self.level
+        former = former_names(before, level)
+        known: dict[str, Value] = {name: frame.memories[old] for name, old in former.items()}
+        memories = {robot.name: known.get(robot.name, "") for robot in level.robots}
+        state = change_state(frame.after, before, level, poses or {})
+        keeps = bool(frame.decisions) and is_thought_alike(before, level)
+        return self.go_on_in(level, state, memories, keeps)
 
     def go_on_in(
-        self,
-        level: Level,
-        state: WorldState,
-        memories: Mapping[str, Value],
-        *,
-        keeps_decisions: bool,
+        self, level: Level, state: WorldState, memories: Mapping[str, Value], keeps_decisions: bool
     ) -> Frame:
         """Continue in a given state; one of another tick begins a new course of history."""
         frame = replace(self._frame, after=state)
@@ -318,7 +321,15 @@ class Game:
         leads_on = not self._is_program_wanted
         known = self.history.known_ahead(here, together, texts, is_course_wanted=leads_on)
         for each in await self._ahead(most, known, seconds):
-            self._take(each, run, is_known=bool(known))
+            frame = each.frame
+            follows = frame.before is self._frame.after or not frame.decisions
+            if run != self.run_number or not follows:
+                raise Superseded
+            if not known:
+                self.history.add(frame, self.program)
+                self._is_program_wanted = False
+            self.history.note_hits(frame.tick, each.hits)
+            self._show(frame)
             if each.hits or (condition and condition(each.frame)):
                 return True
         return False
@@ -328,22 +339,12 @@ class Game:
     ) -> list[Advance]:
         program, level, past = self.program, self.level, self._frame
         watch = self._present_watch()
-        decide = self.decide
+        decide, clock = self.decide, self.clock
 
         def ticks(stop: threading.Event) -> list[Advance]:
             mind = self._thinker.mind(program, level, self.limits)
             return advance(
-                self._worlds,
-                level,
-                mind,
-                past,
-                known,
-                watch,
-                stop,
-                self.clock,
-                seconds,
-                most,
-                decide,
+                self._worlds, level, mind, past, known, watch, stop, clock, seconds, most, decide
             )
 
         try:
@@ -356,17 +357,6 @@ class Game:
         if self._watch.breakpoints != breakpoints or self._watched_by is not self.program:
             self._watch, self._watched_by = Watch(breakpoints), self.program
         return self._watch
-
-    def _take(self, each: Advance, run: int, *, is_known: bool) -> None:
-        frame = each.frame
-        follows = frame.before is self._frame.after or not frame.decisions
-        if run != self.run_number or not follows:
-            raise Superseded
-        if not is_known:
-            self.history.add(frame, self.program)
-            self._is_program_wanted = False
-        self.history.note_hits(frame.tick, each.hits)
-        self._show(frame)
 
     def _supersede(self) -> None:
         self.run_number += 1

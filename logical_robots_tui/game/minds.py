@@ -30,14 +30,9 @@ class TeamMind(Mind):
 
     def __init__(self, program: Program, level: Level, limits: Limits | None, team: str) -> None:
         seen = level.visibility
-        super().__init__(
-            program.for_team(team),
-            seen.memory,
-            seen.sensor,
-            limits,
-            frozen=True,
-            robots=frozenset(robot.name for robot in level.robots if robot.team == team),
-        )
+        mine, robots = program.for_team(team), [each for each in level.robots if each.team == team]
+        own = frozenset(robot.name for robot in robots)
+        super().__init__(mine, seen.memory, seen.sensor, limits, frozen=True, robots=own)
         self._others: list[TeamMind] | None = None  # needed for thinking only
         names = [each.name for each in level.teams if each.name != team]
         self._new_others: Callable[[], list[TeamMind]] = lambda: [

@@ -304,13 +304,13 @@ async def gather(
         raise InputError("The level was changed too often for a replay.")
     stages, hashes = [], {}
     for first, end in zip([begin, *changes], [*changes, last], strict=True):
-        level, start = history.level_at(first), history.around(max(first, history.first))
-        moment = start[0] if first < history.first else start[1]
+        level, (before, known) = history.level_at(first), history.replay(max(first, history.first))
+        moment = before if first < history.first else known.moment
         wanted = np.full((end - first, len(level.robots), 2), np.nan, "<f8")
         is_decided = bool(moment.decisions) and first > begin
         memories = json.dumps(dict(moment.memories), ensure_ascii=False)
         for tick in range(first + 1, end + 1):
-            _, after = history.around(tick)
+            after = history.replay(tick)[1].moment
             for place, decision in enumerate(after.decisions):
                 if decision.desire is not None:
                     desire = decision.desire
@@ -398,7 +398,7 @@ async def play_into(
             if tick in changes:
                 stage, level = replay.stages[changes[tick]], replay.levels[changes[tick]]
                 memories = json.loads(stage.memories)
-                game.go_on_in(level, stage.state, memories, keeps_decisions=stage.is_decided)
+                game.go_on_in(level, stage.state, memories, stage.is_decided)
             if tick in uses:
                 use(uses[tick])
             verifier.look(game.frame)

@@ -15,12 +15,18 @@ from typing import TYPE_CHECKING, TypeVar
 
 from logical_robots_tui.caching import digest_of_code
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.game.advancing import RecordedTick, Worlds, advance, frame_of, start_frame
-from logical_robots_tui.game.debugging.watching import Watch
+from logical_robots_tui.game.advancing import (
+    RecordedTick,
+    Thinker,
+    Worlds,
+    advance,
+    frame_of,
+    start_frame,
+)
+from logical_robots_tui.game.debugging.breakpoints import Watch
 from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.world import Level
 
@@ -244,11 +250,6 @@ class RunHistory:
         self.first, self.last = first, last
         self._latest: RecordedTick | None = None
 
-    def around(self, tick: int) -> tuple[TickState, TickState]:
-        """Return the moments before and after a tick, or raise DamagedError."""
-        before, known = self.replay(tick)
-        return before, known.moment
-
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, or raise DamagedError."""
         before = self._stored(max(tick - 1, 0)).moment
@@ -272,16 +273,14 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
     parts = {
         "size": (level.width, level.height),
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
-        "robots": [asdict(robot) for robot in level.robots],
-        "beacons": [asdict(beacon) for beacon in level.beacons],
-        "areas": [asdict(area) for area in level.areas],
         "visibility": asdict(level.visibility),
-        "teams": [asdict(team) for team in level.teams],
-        "match": (level.match_ticks, [asdict(score) for score in level.scores]),
+        "match_ticks": level.match_ticks,
         "divided_charge": level.divided_charge,
         "programs": program.texts,
         "limits": asdict(limits),
     }
+    for kind in ("robots", "beacons", "areas", "teams", "scores"):
+        parts[kind] = [asdict(each) for each in getattr(level, kind)]
     digest = hashlib.sha256(simulation_digest())
     digest.update(json.dumps(parts).encode())
     return digest.hexdigest()

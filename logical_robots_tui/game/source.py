@@ -138,11 +138,8 @@ def load_program(
             if folder is not None and is_file(found := folder / f"{path.name}{SUFFIX}"):
                 return _read(found)
     known = list_programs(own)
-    raise InputError(
-        "there is no such program",
-        place=str(path_or_name),
-        hint=did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}.",
-    )
+    hint = did_you_mean(path.stem, known) or f"There are {', '.join(known) or 'none'}."
+    raise InputError("there is no such program", place=str(path_or_name), hint=hint)
 
 
 def programs_for(
@@ -191,11 +188,9 @@ def save_program(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, text)
     except OSError as error:
-        raise InputError(
-            f"can't be written: {error.strerror or error}",
-            place=str(path),
-            hint="Save it under another name or in another folder.",
-        ) from error
+        message = f"can't be written: {error.strerror or error}"
+        hint = "Save it under another name or in another folder."
+        raise InputError(message, place=str(path), hint=hint) from error
 
 
 def _read(path: Path, *, pipes: bool = False) -> Source:
@@ -205,14 +200,12 @@ def _read(path: Path, *, pipes: bool = False) -> Source:
         from logical_robots_tui.world import list_arenas
 
         level = _solved_levels()[file.stem]
+        why = "a solution of a level that you have not won yet"
+        hint = f"Win {level}, and you can read it."
         if level in list_arenas():
+            why = "an arena's solution, hidden here"
             hint = f"Beat the sparring partner of {level} without it."
-            raise InputError("is an arena's solution, hidden here", place=path.stem, hint=hint)
-        raise InputError(
-            "is a solution of a level that you have not won yet",
-            place=path.stem,
-            hint=f"Win {level}, and you can read it.",
-        )
+        raise InputError(f"is {why}", place=path.stem, hint=hint)
     return Source(path.stem, _text_of(path, pipes=pipes), path, shipped)
 
 
@@ -236,9 +229,9 @@ def _text_of(path: Path, *, pipes: bool = False) -> str:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            "is not UTF-8 text", place=f"{place}, line {line}", hint="Is it a program at all?"
-        ) from error
+        place += f", line {line}"
+        hint = "Is it a program at all?"
+        raise InputError("is not UTF-8 text", place=place, hint=hint) from error
     if "\0" in text:
         raise InputError("is a binary file, not a program", place=place)
     return text.replace("\r\n", "\n")
@@ -259,40 +252,32 @@ def target(
     if not name:
         raise InputError(f"A {folder.removesuffix('s')} needs a name.")
     if "/" in name:
-        path = _from_root(typed_path(name))
+        path = typed_path(name)
+        try:
+            path = path.absolute()
+        except OSError as error:
+            message = "the current folder no longer exists"
+            hint = "Use an absolute path such as /tmp/name."
+            raise InputError(message, place=str(path), hint=hint) from error
         path = path if path.suffix or not path.name else path.with_suffix(usual)
     else:
         stem = name.removesuffix(usual)
         if not re.fullmatch(r"[\w][\w .+-]*", stem):
-            raise InputError(
-                "A name is made of letters, digits, spaces and the signs _ - + .",
-                hint="Put a slash in it to name a file anywhere.",
-            )
+            message = "A name is made of letters, digits, spaces and the signs _ - + ."
+            raise InputError(message, hint="Put a slash in it to name a file anywhere.")
         known = (shipped_names(folder, suffix, w) for suffix in suffixes for w in ("", ARENAS))
         if any(stem in names for names in known):
-            raise InputError(
-                f"{stem} is part of the game and can't be changed.", hint="Choose another name."
-            )
+            message = f"{stem} is part of the game and can't be changed."
+            raise InputError(message, hint="Choose another name.")
         path = own / f"{stem}{usual}"
     if is_folder(path):
         raise InputError("is a folder.", place=str(path), hint="Choose another name.")
     if is_there(path) and not is_file(path):
         raise InputError("is not a regular file.", place=str(path), hint="Choose another name.")
     if shipped_folder(folder).resolve() in real(path).parents:
-        raise InputError(
-            f"The {folder} of the game can't be changed.", hint="Save it in another folder."
-        )
+        message = f"The {folder} of the game can't be changed."
+        raise InputError(message, hint="Save it in another folder.")
     return path
-
-
-def _from_root(path: Path) -> Path:
-    try:
-        return path.absolute()
-    except OSError as error:
-        hint = "Use an absolute path such as /tmp/name."
-        raise InputError(
-            "the current folder no longer exists", place=str(path), hint=hint
-        ) from error
 
 
 async def compile_program(text: str | Texts, report: Report | None = None) -> Program:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
 
 FILE_NAME = "reference.csv"
+_WHOLE = ("ticks", "rules", "wins", "starts")
 FIELDS = ("level", "program", "ticks", "rules", "distance", "wins", "starts", "goals")
 
 
@@ -51,21 +52,13 @@ def reference_table() -> Mapping[str, Mapping[str, Measures]]:
     try:
         with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
-                table.setdefault(row["level"], {})[row["program"]] = _measures(row)
+                ticks, rules, wins, starts = (int(row[name]) for name in _WHOLE)
+                goals = tuple(filter(None, row["goals"].split("; ")))
+                measures = Measures(ticks, rules, float(row["distance"]), wins, starts, goals)
+                table.setdefault(row["level"], {})[row["program"]] = measures
     except FileNotFoundError:
         return {}
     return table
-
-
-def _measures(row: dict[str, str]) -> Measures:
-    return Measures(
-        int(row["ticks"]),
-        int(row["rules"]),
-        float(row["distance"]),
-        int(row["wins"]),
-        int(row["starts"]),
-        tuple(filter(None, row["goals"].split("; "))),
-    )
 
 
 def count_rules(text: str) -> int:

@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeAlias
 import msgspec
 
 from logical_robots_tui.game.frame import Frame, standing
-from logical_robots_tui.game.robustness import LateError, play_through, start_of
+from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
 from logical_robots_tui.game.victory import count_rules
 from logical_robots_tui.mind import (

@@ -30,7 +30,7 @@ _MOST_DAILIES = 9
 
 def daily_level(progress: Progress, day: date, size: DailySize) -> Level:
     """Return the labyrinth of a day, shown to be winnable, or raise InputError."""
-    from logical_robots_tui.game.robustness import LateError, play_through
+    from logical_robots_tui.game.measuring import LateError, play_through
     from logical_robots_tui.mind import Program
     from logical_robots_tui.world.levels.labyrinths import Daily
 

@@ -72,7 +72,7 @@ def open_game(
     """
     level = load_level(level_name) if level_name else level_to_begin_with(progress)
     if start:
-        from logical_robots_tui.game.robustness import named_start_of
+        from logical_robots_tui.game.measuring import named_start_of
 
         level = named_start_of(level, start)
     own = data_dir / "programs"

@@ -26,7 +26,7 @@ from logical_robots_tui.world.levels.load import is_web_file
 if TYPE_CHECKING:
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.mind.program import Texts
-    from logical_robots_tui.world.changing import Pose
+    from logical_robots_tui.world.world import Pose
 
 Going: TypeAlias = "Callable[[game.Game], Coroutine[Any, Any, object]]"
 

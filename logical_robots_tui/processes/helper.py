@@ -35,7 +35,7 @@ def collect_later() -> None:
 
 _MODULES = (
     "logical_robots_tui.game.measuring",
-    "logical_robots_tui.game.diagnosis.scanning",
+    "logical_robots_tui.game.diagnosing",
     "logical_robots_tui.explain.worker",
 )
 _FLAGS = ("-I", "-S", "-B", "-X", "utf8")

@@ -1,14 +1,17 @@
-"""How robots move, batteries drain and charge, and areas switch: the rules of a tick."""
+"""The rules of a tick: driving, batteries, areas, and what the teams of a match score."""
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from itertools import product
 from typing import TypeAlias
 
-from logical_robots_tui.world.level import Area, Beacon, Level, Robot
+from logical_robots_tui.values import SensorRow
+from logical_robots_tui.world.level import Area, Beacon, Level, Robot, Score
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,7 @@ class AreaState:
 
 @dataclass(frozen=True, slots=True)
 class WorldState:
-    """A whole world at a tick's end, to continue from; tallies as of `scoring.tallied`."""
+    """A whole world at a tick's end, to continue from; tallies as of `tally_tick`."""
 
     tick: int
     robots: tuple[RobotState, ...]
@@ -75,16 +78,18 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
     The turn always succeeds. The move is cancelled if it ends in a wall; there are none outside
     the map. The wanted power is finite.
     """
-    left, right = _clamp(left), _clamp(right)
+    left, right = min(1.0, max(-1.0, left)), min(1.0, max(-1.0, right))
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
     speed = (left + right) / 2
     x = mover.x + speed * math.cos(angle)
     y = mover.y + speed * math.sin(angle)
     mover.left_engine, mover.right_engine, mover.angle = left, right, angle
-    if not _is_wall(level, x, y):
-        mover.x, mover.y = x, y
-    else:
+    column, row = math.floor(x), math.floor(y)
+    is_on_map = 0 <= column < level.width and 0 <= row < level.height
+    if is_on_map and level.walls[row, column]:
         mover.blocked = speed != 0
+    else:
+        mover.x, mover.y = x, y
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
@@ -105,17 +110,6 @@ def is_inside(mover: Mover | RobotState, area: Area) -> bool:
     return math.hypot(mover.x - area.x, mover.y - area.y) < area.radius
 
 
-def _clamp(power: float) -> float:
-    return min(1.0, max(-1.0, power))
-
-
-def _is_wall(level: Level, x: float, y: float) -> bool:
-    column, row = math.floor(x), math.floor(y)
-    if not (0 <= column < level.width and 0 <= row < level.height):
-        return False
-    return bool(level.walls[row, column])
-
-
 CHARGING_RADIUS = 50
 """Map units within which a source charges."""
 
@@ -128,12 +122,9 @@ Source: TypeAlias = Beacon | Mover
 def charging_sources(level: Level, movers: Sequence[Mover]) -> list[Source]:
     """Return this tick's sources, before any move: stations, then robots with charge to give."""
     stations = [beacon for beacon in level.beacons if beacon.charging_station]
-    givers = [
-        mover
-        for robot, mover in zip(level.robots, movers, strict=True)
-        if robot.has_battery and robot.can_charge and mover.battery_level > 0
-    ]
-    return [*stations, *givers]
+    pairs = zip(level.robots, movers, strict=True)
+    givers = (mover for robot, mover in pairs if robot.has_battery and robot.can_charge)
+    return [*stations, *(mover for mover in givers if mover.battery_level > 0)]
 
 
 def run_battery(
@@ -232,3 +223,122 @@ def is_won(areas: Iterable[tuple[Area, AreaState]]) -> bool:
         state.active and area.victory_robots and set(area.victory_robots) <= set(state.visitors)
         for area, state in areas
     )
+
+
+_PER_UNIT = 1000
+"""A tally of distance counts thousandths of map units."""
+
+
+def points(level: Level, state: WorldState) -> dict[str, tuple[float, ...]]:
+    """Return each team's points for each part of the score; constant after the match."""
+    parts = [
+        [score.points * _worth(level, score, tally) for tally in tallies]
+        for score, tallies in zip(level.scores, state.tallies, strict=True)
+    ]
+    return {team.name: tuple(part[i] for part in parts) for i, team in enumerate(level.teams)}
+
+
+def _worth(level: Level, score: Score, tally: int) -> float:
+    if score.kind == "first":
+        return min(tally, 1)
+    if score.kind == "beacons":
+        return tally.bit_count()
+    if score.kind == "near":
+        return max(0.0, 1 - tally / _PER_UNIT / math.hypot(level.width, level.height))
+    return tally
+
+
+def tallies_at_start(
+    level: Level, robots: Sequence[RobotState], areas: Sequence[AreaState]
+) -> tuple[tuple[int, ...], ...]:
+    nothing = ((0,) * len(level.teams),) * len(level.scores)
+    return tally_tick(level, nothing, 0, robots, areas, ())
+
+
+def tally_tick(
+    level: Level,
+    before: Sequence[tuple[int, ...]],
+    tick: int,
+    robots: Sequence[RobotState],
+    areas: Sequence[AreaState],
+    rows: Sequence[SensorRow],
+) -> tuple[tuple[int, ...], ...]:
+    """Return the tallies after a tick of a match, for each part of the score and each team.
+
+    A tally is, by kind: ``hold`` and ``most`` the ticks, for each area of the name; ``first``
+    the tick of arrival, or 0; ``near`` the nearest robot's distance to the nearest of these
+    areas, in thousandths of a map unit; ``beacons`` a bit for each name; ``charged`` the robots
+    that can drive on. Inactive areas count for nothing. Rows are what robots sensed in the
+    tick.
+    """
+    if tick > level.match_ticks or not before:
+        return tuple(before)
+    moment = _Moment(level, tick, robots, areas, rows)
+    return tuple(
+        moment.tally(score, tallies) for score, tallies in zip(level.scores, before, strict=True)
+    )
+
+
+class _Moment:
+    def __init__(
+        self,
+        level: Level,
+        tick: int,
+        robots: Sequence[RobotState],
+        areas: Sequence[AreaState],
+        rows: Sequence[SensorRow],
+    ) -> None:
+        self._level, self._tick, self._rows = level, tick, rows
+        self._areas: dict[str, list[tuple[Area, AreaState]]] = defaultdict(list)
+        for area, state in zip(level.areas, areas, strict=True):
+            if state.active:
+                self._areas[area.name].append((area, state))
+        teams = {team.name: i for i, team in enumerate(level.teams)}
+        self._team = {robot.name: teams[robot.team] for robot in level.robots}
+        self._robots: list[list[RobotState]] = [[] for _ in teams]
+        for robot in robots:
+            self._robots[self._team[robot.name]].append(robot)
+
+    def tally(self, score: Score, before: tuple[int, ...]) -> tuple[int, ...]:
+        areas = self._areas[score.area]
+        if score.kind == "beacons":
+            return self._beacons(before)
+        if score.kind == "charged":
+            return tuple(sum(not robot.dead for robot in mine) for mine in self._robots)
+        if score.kind == "near":
+            return tuple(self._distance(mine, [area for area, _ in areas]) for mine in self._robots)
+        if self._tick == 0 or (score.kind == "first" and any(before)):
+            return before
+        teams = range(len(self._robots))
+        found = [[self._team[name] for name in state.visitors] for _, state in areas]
+        counts = [[each.count(team) for team in teams] for each in found]
+        if score.kind == "first":
+            inside = [any(each) for each in zip(*counts, strict=True)] or [False] * len(before)
+            return tuple(self._tick * is_in for is_in in inside)
+        leading = [_leads(count, alone=score.kind == "hold") for count in counts]
+        return tuple(map(sum, zip(before, *leading, strict=True)))
+
+    def _beacons(self, before: tuple[int, ...]) -> tuple[int, ...]:
+        names = list(dict.fromkeys(beacon.name for beacon in self._level.beacons))
+        bits = {name: 1 << i for i, name in enumerate(names)}
+        seen = list(before)
+        for row in self._rows:
+            team = self._team[row["robot_name"]]
+            for ray in row["sensor"]["radar"]:
+                if ray["object"] == "beacon":
+                    seen[team] |= bits[ray["label"]]
+        return tuple(seen)
+
+    def _distance(self, robots: Sequence[RobotState], areas: Sequence[Area]) -> int:
+        pairs = product(robots, areas)
+        ways = [math.hypot(one.x - area.x, one.y - area.y) - area.radius for one, area in pairs]
+        farthest = math.hypot(self._level.width, self._level.height)
+        return round(max(0.0, min(ways, default=farthest)) * _PER_UNIT)
+
+
+def _leads(count: Sequence[int], *, alone: bool) -> list[bool]:
+    """Return which team has an area: alone, or with more robots than any other."""
+    return [
+        mine > max([0, *count[:i], *count[i + 1 :]]) and (not alone or mine == sum(count))
+        for i, mine in enumerate(count)
+    ]

@@ -129,7 +129,7 @@ ScoreKind: TypeAlias = Literal["hold", "most", "first", "near", "beacons", "char
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """A part of what a match is about; `scoring.points` says what it gives.
+    """A part of what a match is about; `dynamics.points` says what it gives.
 
     Attributes:
         kind: ``hold`` an area alone, have the ``most`` robots in it, be ``first`` there or ``near``

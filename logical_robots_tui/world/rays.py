@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,6 +13,10 @@ from logical_robots_tui.world.dynamics import RobotState
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    _Floats = NDArray[np.float64]
+    _Ints = NDArray[np.int64]
+    _Places = NDArray[np.intp]
 
 
 RADAR_SPAN = RADAR_DEGREES * math.pi / 180
@@ -41,15 +45,15 @@ class Rays(NamedTuple):
     to right with the forward ray at ``FORWARD``; `cos` and `sin` are of the rays' headings.
     """
 
-    robot: NDArray[np.intp]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    angle: NDArray[np.float64]
-    aside: NDArray[np.float64]
-    cos: NDArray[np.float64]
-    sin: NDArray[np.float64]
+    robot: _Places
+    x: _Floats
+    y: _Floats
+    angle: _Floats
+    aside: _Floats
+    cos: _Floats
+    sin: _Floats
 
-    def some(self, which: NDArray[np.intp]) -> Rays:
+    def some(self, which: _Places) -> Rays:
         return Rays._make(part[which] for part in self)
 
 
@@ -60,10 +64,10 @@ class Circles(NamedTuple):
     there.
     """
 
-    number: NDArray[np.intp]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    number: _Places
+    x: _Floats
+    y: _Floats
+    radius: _Floats
 
     def around(self, rays: Rays) -> Circles:
         far = self.radius + SENSOR_RANGE
@@ -98,7 +102,6 @@ FEW = 200
 
 _PAIRS_AT_ONCE = 4096  # bounds the memory for robots that crowd around each other
 _THREE = np.arange(3.0)[:, None]
-_ALL_RAYS = range(RADAR_RAYS + 1)
 
 
 class Pairs(NamedTuple):
@@ -107,14 +110,14 @@ class Pairs(NamedTuple):
     `dx` and `dy` are map units from robot to centre; `robot` is an index among those that cast.
     """
 
-    robot: NDArray[np.intp]
-    circle: NDArray[np.intp]
-    dx: NDArray[np.float64]
-    dy: NDArray[np.float64]
-    squared: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    robot: _Places
+    circle: _Places
+    dx: _Floats
+    dy: _Floats
+    squared: _Floats
+    radius: _Floats
 
-    def some(self, which: NDArray[np.intp]) -> Pairs:
+    def some(self, which: _Places) -> Pairs:
         return Pairs._make(part[which] for part in self)
 
 
@@ -125,13 +128,13 @@ class Chords(NamedTuple):
     is the square of half its length, plus a small margin.
     """
 
-    pair: NDArray[np.intp]
-    ray: NDArray[np.intp]
-    along: NDArray[np.float64]
-    half_squared: NDArray[np.float64]
+    pair: _Places
+    ray: _Places
+    along: _Floats
+    half_squared: _Floats
 
 
-def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> None:
+def take_nearer_circles(hits: _Ints, codes: int, rays: Rays, circles: Circles) -> None:
     """Lower hits where a circle is closer than what was hit so far; no robot hits itself.
 
     `hits` are ``distance * codes + code`` of shape (robots, rays), changed in place; the code
@@ -163,7 +166,7 @@ def take_nearer_circles(hits: NDArray[np.int64], codes: int, rays: Rays, circles
         _take(hits, codes, rays, circles, some, _between_tangents(hits, least[shown], rays, some))
 
 
-def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles) -> Pairs:
+def _within_reach(hits: _Ints, codes: int, rays: Rays, circles: Circles) -> Pairs:
     to_x = circles.x - rays.x[:, None]
     to_y = circles.y - rays.y[:, None]
     squared = to_x * to_x
@@ -173,14 +176,8 @@ def _within_reach(hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circ
     near[np.arange(len(near)), circles.number.searchsorted(rays.robot)] = False  # its own
     which = near.reshape(-1).nonzero()[0]
     robot, circle = np.divmod(which, len(circles.number))
-    return Pairs(
-        robot,
-        circle,
-        to_x.take(which),
-        to_y.take(which),
-        squared.take(which),
-        circles.radius[circle],
-    )
+    dx, dy, squared = to_x.take(which), to_y.take(which), squared.take(which)
+    return Pairs(robot, circle, dx, dy, squared, circles.radius[circle])
 
 
 def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
@@ -197,9 +194,7 @@ def _of_all_rays(rays: Rays, pairs: Pairs) -> Chords:
     return Chords(pair, ray, along.take(which), half_squared.take(which))
 
 
-def _between_tangents(
-    hits: NDArray[np.int64], least: NDArray[np.int64], rays: Rays, pairs: Pairs
-) -> Chords:
+def _between_tangents(hits: _Ints, least: _Ints, rays: Rays, pairs: Pairs) -> Chords:
     """Return the chords ahead of rays that have not hit something closer.
 
     `least` is the lower bound of the hits of a pair, of shape (pairs,).
@@ -235,14 +230,14 @@ def _between_tangents(
     return Chords(pair[met], ray[met], along[met], half_squared[met])
 
 
-def _widen(pairs: Pairs) -> NDArray[np.float64]:
+def _widen(pairs: Pairs) -> _Floats:
     """Return squared radii enlarged by more than any rounding error, so no circle is missed."""
     squared = pairs.radius * pairs.radius
     return squared + 1e-9 * pairs.radius + 1e-14 * (pairs.squared + squared)
 
 
 def _take(
-    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, pairs: Pairs, chords: Chords
+    hits: _Ints, codes: int, rays: Rays, circles: Circles, pairs: Pairs, chords: Chords
 ) -> None:
     """Lower hits where rays enter circles; exact distances decide among three steps."""
     pair, ray, along, half_squared = chords
@@ -266,9 +261,7 @@ def _take(
     np.minimum.at(hits.reshape(-1), ray.take(found), distance * codes + number + 1)
 
 
-def _is_nearer(
-    dx: NDArray[np.float64], dy: NDArray[np.float64], radius: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _is_nearer(dx: _Floats, dy: _Floats, radius: _Floats) -> NDArray[np.bool_]:
     """Return where ``math.hypot(dx, dy) < radius``; squares decide all but the rounded edge."""
     limit = radius * radius
     over = dx * dx
@@ -282,9 +275,7 @@ def _is_nearer(
     return nearer
 
 
-def _take_one_by_one(
-    hits: NDArray[np.int64], codes: int, rays: Rays, circles: Circles, most: int
-) -> bool:
+def _take_one_by_one(hits: _Ints, codes: int, rays: Rays, circles: Circles, most: int) -> bool:
     """Do as `take_nearer_circles`; for more than `most` pairs return False, unchanged."""
     found = hits.tolist()
     each = list(zip(*(part.tolist() for part in circles), strict=True))
@@ -317,12 +308,10 @@ def _take_one_by_one(
     return True
 
 
-def _rays_between_tangents(
-    ahead: float, right: float, radius: float, angle: float
-) -> Iterable[int]:
+def _rays_between_tangents(ahead: float, right: float, radius: float, angle: float) -> range:
     away = math.hypot(ahead, right)
     if radius >= away * (1 - 1e-9):
-        return _ALL_RAYS
+        return range(RAYS)
     center = math.atan2(right, ahead) * PER_RADIAN + MIDDLE
     # More than any rounding error.
     half = math.asin(radius / away) * PER_RADIAN + 1e-13 * abs(angle) + 1e-3
@@ -332,14 +321,12 @@ def _rays_between_tangents(
     return range(first + (first >= FORWARD), last + (last >= FORWARD - 1) + 1)
 
 
-def _steps_around_entry(along: float, aside: float, radius: float) -> Iterable[int]:
+def _steps_around_entry(along: float, aside: float, radius: float) -> range:
     """Return the steps that include the first one inside the circle, if there is one."""
     half_squared = radius * radius - aside * aside
     half_squared += 1e-9 * radius + 1e-14 * (along * along + radius * radius)
-    if half_squared < 0:
-        return ()
-    half = math.sqrt(half_squared)
-    if along + half <= 0.5:
-        return ()
+    half = math.sqrt(max(half_squared, 0.0))
+    if half_squared < 0 or along + half <= 0.5:
+        return range(0)
     entry = max(math.floor(along - half - 1e-6), 1)
     return range(entry, min(entry + 3, SENSOR_RANGE))

@@ -18,6 +18,8 @@ from logical_robots_tui.world.walls import Walls
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    _Hits = NDArray[np.int64]
+
 ROBOT_RADIUS = 9.0
 """Map units within which a ray hits a robot."""
 
@@ -36,21 +38,8 @@ class _Reading(NamedTuple):
 
     robots: Sequence[RobotState]
     shown: list[bool]
-    hits: NDArray[np.int64]
+    hits: _Hits
     views: list[_View]
-
-    def reach(self, codes: int, place: int) -> int:
-        longest: int = self.hits[place].max().item() // codes
-        return longest
-
-    def but(
-        self, places: list[int], hits: NDArray[np.int64], views: list[_View]
-    ) -> tuple[NDArray[np.int64], list[_View]]:
-        all_hits, all_views = self.hits.copy(), self.views.copy()
-        all_hits[places] = hits
-        for place, view in zip(places, views, strict=True):
-            all_views[place] = view
-        return all_hits, all_views
 
 
 class Senses:
@@ -103,7 +92,12 @@ class Senses:
         last = self._last = self._look(robots, [areas[i].active for i in self._solid])
         each = zip(self._robots, robots, last.views, strict=True)
         rows = [_row(robot, state, view, clock) for robot, state, view in each]
-        return rows, self._on_radar(last.hits) if self._has_switches else frozenset()
+        if not self._has_switches:
+            return rows, frozenset()
+        code = last.hits % self._codes
+        on_radar = np.zeros(self._codes, dtype=np.bool_)
+        on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
+        return rows, frozenset(self._labels[self._beacons][on_radar[self._beacons]].tolist())
 
     def _look(self, robots: Sequence[RobotState], shown: list[bool]) -> _Reading:
         """Return what robots see; only robots whose reading may have changed look again."""
@@ -116,9 +110,15 @@ class Senses:
         hits = self._hits(rays, self._circles(robots, shown))
         if self._by_name is not None:
             self._settle(hits, rays, robots, self._by_name)
-        views = self._views(rays, hits)
+        distance, code = np.divmod(hits, self._codes)
+        parts = (rays.aside, distance, self._objects[code], self._labels[code])
+        views = list(map(_view, *(part.tolist() for part in parts)))
         if last is not None and len(anew) < len(robots):
-            hits, views = last.but(anew, hits, views)
+            all_hits = last.hits.copy()
+            all_hits[anew] = hits
+            again = dict(zip(anew, views, strict=True))
+            views = [again.get(place, view) for place, view in enumerate(last.views)]
+            hits = all_hits
         return _Reading(robots, shown, hits, views)
 
     def _circles(self, robots: Sequence[RobotState], shown: list[bool]) -> Circles:
@@ -130,8 +130,7 @@ class Senses:
                 x[number] = np.inf
         return Circles(self._numbers, x, y, self._radius)
 
-    def _hits(self, rays: Rays, circles: Circles) -> NDArray[np.int64]:
-        """Return the hits of all rays, of shape (robots, rays)."""
+    def _hits(self, rays: Rays, circles: Circles) -> _Hits:
         if len(rays.robot) <= _ROBOTS_AT_ONCE:
             return self._cast(rays, circles)
         hits = np.empty(rays.cos.shape, dtype=np.int64)
@@ -143,18 +142,14 @@ class Senses:
             hits[neighbours] = self._cast(some, circles.around(some))
         return hits
 
-    def _cast(self, rays: Rays, circles: Circles) -> NDArray[np.int64]:
+    def _cast(self, rays: Rays, circles: Circles) -> _Hits:
         walls = self._walls.distances(rays.x, rays.y, rays.cos, rays.sin)
         hits = self._of_walls.take(walls)
         take_nearer_circles(hits, self._codes, rays, circles)
         return hits
 
     def _settle(
-        self,
-        hits: NDArray[np.int64],
-        rays: Rays,
-        robots: Sequence[RobotState],
-        order: NDArray[np.intp],
+        self, hits: _Hits, rays: Rays, robots: Sequence[RobotState], order: NDArray[np.intp]
     ) -> None:
         """Choose, in place, among robots hit at once by position, then by `order`."""
         places = np.array([(robots[i].x, robots[i].y) for i in order])
@@ -171,24 +166,6 @@ class Senses:
         found = away.min(axis=1) < ROBOT_RADIUS
         nearest = order[away.argmin(axis=1)]
         hits[viewer[found], ray[found]] = (steps * self._codes + nearest + 1)[found]
-
-    def _views(self, rays: Rays, hits: NDArray[np.int64]) -> list[_View]:
-        distance, code = np.divmod(hits, self._codes)
-        return list(
-            map(
-                _view,
-                rays.aside.tolist(),
-                distance.tolist(),
-                self._objects[code].tolist(),
-                self._labels[code].tolist(),
-            )
-        )
-
-    def _on_radar(self, hits: NDArray[np.int64]) -> frozenset[str]:
-        code = hits % self._codes
-        on_radar = np.zeros(self._codes, dtype=np.bool_)
-        on_radar[code[:, :FORWARD]] = on_radar[code[:, FORWARD + 1 :]] = True
-        return frozenset(self._labels[self._beacons][on_radar[self._beacons]].tolist())
 
 
 def _view(
@@ -208,20 +185,15 @@ def _view(
 
 
 def _row(robot: Robot, state: RobotState, view: _View, clock: int) -> SensorRow:
+    own = {name: getattr(state if changes else robot, name) for name, changes in _SELF}
     return {
         "robot_name": robot.name,
-        "sensor": {
-            **view,
-            "self": {name: getattr(state if changes else robot, name) for name, changes in _SELF},
-            "clock": clock,
-        },
+        "sensor": {**view, "self": own, "clock": clock},
     }
 
 
 _SELF = [(name, name in RobotState.__slots__) for name in SELF.names]
 """What a robot knows of itself, and whether that is part of its state."""
-
-_Spot: TypeAlias = tuple[float, float]
 
 _MARGIN = 1.0
 """Map units; far more than any rounding error."""
@@ -229,7 +201,7 @@ _MARGIN = 1.0
 
 def _may_have_changed(robots: Sequence[RobotState], last: _Reading, codes: int) -> list[int]:
     """Return the indices of robots that moved, or had a moving robot in view, then or now."""
-    spots: list[_Spot] = []
+    spots: list[tuple[float, float]] = []
     found: list[int] = []
     still: list[int] = []
     for place, (now, then) in enumerate(zip(robots, last.robots, strict=True)):
@@ -241,14 +213,11 @@ def _may_have_changed(robots: Sequence[RobotState], last: _Reading, codes: int) 
         else:
             still.append(place)
     for place in still:
-        near = _in_front(robots[place], spots, ROBOT_RADIUS + _MARGIN)
-        if near and min(near) < last.reach(codes, place) + ROBOT_RADIUS + _MARGIN:
+        robot, radius = robots[place], ROBOT_RADIUS + _MARGIN
+        cos, sin = math.cos(robot.angle), math.sin(robot.angle)
+        ways = [(x - robot.x, y - robot.y) for x, y in spots]
+        # Circles that are entirely behind the robot don't matter.
+        near = [math.hypot(dx, dy) for dx, dy in ways if dx * cos + dy * sin > -radius]
+        if near and min(near) < last.hits[place].max().item() // codes + radius:
             found.append(place)
     return sorted(found)
-
-
-def _in_front(robot: RobotState, spots: Sequence[_Spot], radius: float) -> list[float]:
-    """Return the distances of the spots whose circle is not entirely behind the robot."""
-    cos, sin = math.cos(robot.angle), math.sin(robot.angle)
-    ways = [(x - robot.x, y - robot.y) for x, y in spots]
-    return [math.hypot(dx, dy) for dx, dy in ways if dx * cos + dy * sin > -radius]

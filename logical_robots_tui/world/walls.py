@@ -12,6 +12,11 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    _Bits = NDArray[np.bool_]
+    _Bytes = NDArray[np.uint8]
+    _Floats = NDArray[np.float64]
+    _Ints = NDArray[np.int64]
+
 FEWEST = 64
 """Up to this many rays are faster tested at every step at once."""
 
@@ -24,9 +29,8 @@ _BESIDE = 4  # steps before and after a tested one that it may stand for
 _APART = 2 * _BESIDE + 1
 _CLOSELY = np.arange(float(_APART))[:, None]
 _PLACES = np.arange(256)[:, None]
-_SAMPLES = (
-    2048  # steps tested at once, about: with fewer there are more calls, with more each is slower
-)
+# Steps tested at once, about: with fewer there are more calls, with more each is slower.
+_SAMPLES = 2048
 
 
 class Walls:
@@ -36,7 +40,7 @@ class Walls:
     before `reach`, at most 254; `like` has nearly the same walls, for speed.
     """
 
-    def __init__(self, walls: NDArray[np.bool_], reach: int, *, like: Walls | None = None) -> None:
+    def __init__(self, walls: _Bits, reach: int, *, like: Walls | None = None) -> None:
         height, width = walls.shape
         self._reach = reach
         self._stride = width + 2 * _RIM
@@ -50,13 +54,7 @@ class Walls:
         # Rolled so that cell (0, 0) comes first; the margin to the left and above is at the end.
         self._room = np.roll(room, -self._stride * _RIM - _RIM)
 
-    def distances(
-        self,
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
-        cos: NDArray[np.float64],
-        sin: NDArray[np.float64],
-    ) -> NDArray[np.int64]:
+    def distances(self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats) -> _Ints:
         """Return the first step of every ray in a wall, map units from 1, or the reach.
 
         Starts are of shape (robots,) and may be in a wall; `cos`, `sin` and result (robots, rays).
@@ -67,8 +65,12 @@ class Walls:
         x = np.minimum(np.maximum(x, -2.0), self._end_x)
         y = np.minimum(np.maximum(y, -2.0), self._end_y)
         if len(cos) <= FEW:
-            rooms = map(self._free_around, x.tolist(), y.tolist())
-            free = min(rooms, default=self._reach - 1)
+            places = zip(x.tolist(), y.tolist(), strict=True)
+            rooms = [
+                self._room.item(math.floor(b) * self._stride + math.floor(a)) for a, b in places
+            ]
+            # The steps that are free of walls in any direction.
+            free = min((0 if room == _WALL else room for room in rooms), default=self._reach - 1)
             x, y = x.repeat(shape[1]), y.repeat(shape[1])
             few = self._at_every_step if len(cos) <= FEWEST else self._where_walls_are_near
             return few(x, y, cos, sin, free).reshape(shape)
@@ -85,7 +87,7 @@ class Walls:
         while True:
             going = (step < self._reach).nonzero()[0]
             if not len(going):
-                reached: NDArray[np.int64] = np.minimum(found, self._reach).astype(np.int64)
+                reached: _Ints = np.minimum(found, self._reach).astype(np.int64)
                 return reached.reshape(shape)
             if len(going) < len(rays):
                 rays, pace, step = rays[going], pace[going], step[going]
@@ -103,23 +105,17 @@ class Walls:
             found[rays] = there
 
     def _at_every_step(
-        self,
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
-        cos: NDArray[np.float64],
-        sin: NDArray[np.float64],
-        free: int,
-    ) -> NDArray[np.int64]:
-        """Return the same as `distances`, all (rays,); the first `free` steps are not in walls."""
+        self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, free: int
+    ) -> _Ints:
+        """Do as `distances`, all (rays,); the first `free` steps are not in walls."""
         # A ray behind a wall may be anywhere; only its first wall matters.
         x, y, cos, sin = x[:, None], y[:, None], cos[:, None], sin[:, None]
         in_wall = self._room_on(x, y, cos, sin, self._ahead[free:, 0] + 1) == _WALL
         in_wall[:, -1] = True  # the reach itself
-        found: NDArray[np.int64] = in_wall.argmax(axis=1)
-        found += free + 1
-        return found
+        found: _Ints = in_wall.argmax(axis=1)
+        return found + (free + 1)
 
-    def _room_like(self, like: Walls) -> NDArray[np.uint8]:
+    def _room_like(self, like: Walls) -> _Bytes:
         """Return the free space around cells, recomputed only where the walls differ."""
         box = difference_box(like._walls, self._walls)
         if box is None:
@@ -142,13 +138,8 @@ class Walls:
         return room
 
     def _where_walls_are_near(
-        self,
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
-        cos: NDArray[np.float64],
-        sin: NDArray[np.float64],
-        free: int,
-    ) -> NDArray[np.int64]:
+        self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, free: int
+    ) -> _Ints:
         """Return the same, looking closely only at steps with little free space around them."""
         first = min(free + 1 + _BESIDE, self._reach)
         some = np.arange(float(first), self._reach + _BESIDE, _APART)
@@ -169,31 +160,21 @@ class Walls:
         np.minimum(found, self._reach, out=found)
         return found
 
-    def _free_around(self, x: float, y: float) -> int:
-        """Return the distance from a place, in steps, that is free of walls in any direction."""
-        room = self._room.item(math.floor(y) * self._stride + math.floor(x))
-        return 0 if room == _WALL else room
-
     def _room_on(
-        self,
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
-        cos: NDArray[np.float64],
-        sin: NDArray[np.float64],
-        steps: NDArray[np.float64],
-    ) -> NDArray[np.uint8]:
+        self, x: _Floats, y: _Floats, cos: _Floats, sin: _Floats, steps: _Floats
+    ) -> _Bytes:
         column, row = cos * steps, sin * steps
         column += x
         row += y
         return self._room_at(np.floor(column, out=column), np.floor(row, out=row))
 
-    def _room_at(self, column: NDArray[np.float64], row: NDArray[np.float64]) -> NDArray[np.uint8]:
+    def _room_at(self, column: _Floats, row: _Floats) -> _Bytes:
         row *= self._stride
         row += column
         return self._room.take(row.astype(np.int32), mode="wrap")
 
 
-def _room(walls: NDArray[np.bool_], reach: int) -> NDArray[np.uint8]:
+def _room(walls: _Bits, reach: int) -> _Bytes:
     """Return how many cells around each are free in every direction, less than the reach.
 
     The -1 of a wall itself wraps to 255, more than any reach, and so ends a ray.
@@ -210,7 +191,7 @@ def _widen(part: slice, by: int, length: int) -> slice:
 _ROWS_AT_ONCE = 64  # bounds the memory for distances along rows
 
 
-def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
+def clearances(walls: _Bits, most: int) -> _Bytes:
     """Return every cell's distance to the nearest wall; diagonal steps count as 1.
 
     The shape is that of `walls`, (height, width): 0 in a wall, 1 beside one, `most` (1 to 254)
@@ -224,7 +205,7 @@ def clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
     return found
 
 
-def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
+def row_clearances(walls: _Bits, most: int) -> _Bytes:
     """Return the same as `clearances`, within each row."""
     found = np.empty(walls.shape, dtype=np.uint8)
     for start in range(0, len(walls), _ROWS_AT_ONCE):
@@ -233,8 +214,7 @@ def row_clearances(walls: NDArray[np.bool_], most: int) -> NDArray[np.uint8]:
     return found
 
 
-def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
-    """Return the distance to the nearest wall in the same row, at most `most`."""
+def _along_rows(walls: _Bits, most: int) -> NDArray[np.int32]:
     column = np.arange(walls.shape[1], dtype=np.int32)
     left = np.maximum.accumulate(np.where(walls, column, -most), axis=1)
     beyond = np.int32(walls.shape[1] + most)
@@ -242,7 +222,7 @@ def _along_rows(walls: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
     return np.minimum(np.minimum(column - left, right - column), most)
 
 
-def _carry_over(found: NDArray[np.uint8]) -> None:
+def _carry_over(found: _Bytes) -> None:
     """Limit each row from the second on to 1 more than its neighbours in the row before."""
     least = np.empty_like(found[0])
     for before, row in pairwise(found):
@@ -258,32 +238,26 @@ class PackedBits(NamedTuple):
     data: bytes
 
     @classmethod
-    def of(cls, bits: NDArray[np.bool_]) -> PackedBits:
+    def of(cls, bits: _Bits) -> PackedBits:
         height, width = bits.shape
         return cls((height, width), zlib.compress(np.packbits(bits).tobytes(), 1))
 
-    def bits(self) -> NDArray[np.bool_]:
+    def bits(self) -> _Bits:
         height, width = self.shape
         packed = np.frombuffer(zlib.decompress(self.data), np.uint8)
         return np.unpackbits(packed, count=height * width).reshape(self.shape).view(np.bool_)
 
 
-def difference_box(
-    before: NDArray[np.bool_], after: NDArray[np.bool_]
-) -> tuple[slice, slice] | None:
+def difference_box(before: _Bits, after: _Bits) -> tuple[slice, slice] | None:
     if before is after:
         return None
-    rows = np.flatnonzero(_unequal_rows(before, after))
+    one: NDArray[Any] = before
+    other: NDArray[Any] = after
+    if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
+        one, other = before.view(np.uint64), after.view(np.uint64)  # eight units at a time
+    rows = np.flatnonzero((one != other).any(axis=1))
     if not len(rows):
         return None
     down = slice(int(rows[0]), int(rows[-1]) + 1)
     columns = np.flatnonzero((before[down] != after[down]).any(axis=0))
     return down, slice(int(columns[0]), int(columns[-1]) + 1)
-
-
-def _unequal_rows(before: NDArray[Any], after: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which rows differ; compares eight units at a time where the width allows."""
-    if before.shape[1] % 8 == 0 and before.flags.c_contiguous and after.flags.c_contiguous:
-        before, after = before.view(np.uint64), after.view(np.uint64)
-    unequal: NDArray[np.bool_] = (before != after).any(axis=1)
-    return unequal

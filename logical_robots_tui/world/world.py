@@ -1,15 +1,17 @@
-"""The running simulation of a level, one tick at a time."""
+"""The running simulation of a level, one tick at a time, and how it goes on in another level."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from numbers import Real
+from operator import attrgetter
+from typing import TypeAlias
 
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.values import Desire, SensorRow
-from logical_robots_tui.world.changing import start_state
 from logical_robots_tui.world.dynamics import (
     AreaState,
     Mover,
@@ -24,12 +26,15 @@ from logical_robots_tui.world.dynamics import (
     push_out,
     run_batteries,
     run_battery,
+    starts_active,
+    tallies_at_start,
+    tally_tick,
 )
-from logical_robots_tui.world.level import Level
-from logical_robots_tui.world.scoring import tally_tick
+from logical_robots_tui.world.level import Area, Level, Robot
 from logical_robots_tui.world.sensing import Senses
 
 _ROOM = 32 * 1024**2  # bytes of address space that arrays of rays may take
+_fields = attrgetter(*Mover.__slots__)
 
 
 class World:
@@ -120,14 +125,19 @@ class World:
         Raises:
             ValueError: A name is not a robot of the level; nothing has changed then.
         """
-        self._refuse_strangers(desires)
+        for name in sorted(desires.keys() - set(self._names)):
+            hint = did_you_mean(name, self._names)
+            raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
         self.sense()
         before, level = self._state, self._level
 
         movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in before.robots]
         pairs = list(zip(level.areas, before.areas, strict=True))
         solid = [area for area, state in pairs if area.impenetrable and state.active]
-        wanted = [_engines(desires.get(name)) for name in self._names]
+        given = [desires.get(name) for name in self._names]
+        wanted = [
+            (_power(d.left_engine), _power(d.right_engine)) if d else (0.0, 0.0) for d in given
+        ]
         sources = charging_sources(level, movers)
         divided = level.divided_charge or bool(level.teams)
         if divided:
@@ -141,16 +151,14 @@ class World:
             drive(mover, left, right, level)
             push_out(mover, solid)
 
-        robots = tuple(map(_final_state, self._names, movers))
+        robots = tuple(
+            [RobotState(n, *_fields(m)) for n, m in zip(self._names, movers, strict=True)]
+        )
         areas = tuple(
             AreaState(
-                name=area.name,
-                active=next_active(area, state.active, self._seen),
-                visitors=tuple(
-                    name
-                    for name, mover in zip(self._names, movers, strict=True)
-                    if is_inside(mover, area)
-                ),
+                area.name,
+                next_active(area, state.active, self._seen),
+                tuple([robot.name for robot in robots if is_inside(robot, area)]),
             )
             for area, state in pairs
         )
@@ -194,31 +202,6 @@ class World:
         check_room(_ROOM)
         return self._senses.sense(self._state.robots, self._state.areas, clock)
 
-    def _refuse_strangers(self, names: Iterable[str]) -> None:
-        for name in sorted(set(names).difference(self._names)):
-            hint = did_you_mean(name, self._names)
-            raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
-
-
-def _final_state(name: str, mover: Mover) -> RobotState:
-    return RobotState(
-        name=name,
-        x=mover.x,
-        y=mover.y,
-        angle=mover.angle,
-        battery_level=mover.battery_level,
-        left_engine=mover.left_engine,
-        right_engine=mover.right_engine,
-        blocked=mover.blocked,
-        dead=mover.dead,
-    )
-
-
-def _engines(desire: Desire | None) -> tuple[float, float]:
-    if desire is None:
-        return 0.0, 0.0
-    return _power(desire.left_engine), _power(desire.right_engine)
-
 
 def _power(engine: object) -> float:
     """Return an engine's power as a finite float, 0 for anything that isn't a number."""
@@ -231,3 +214,96 @@ def _power(engine: object) -> float:
     except OverflowError:
         return 0.0
     return power if math.isfinite(power) else 0.0
+
+
+Pose: TypeAlias = tuple[float, float, float]
+"""Position in map units (x, y), and heading in radians."""
+
+
+def start_state(level: Level) -> WorldState:
+    """Return the world at tick 0, before anybody has sensed."""
+    robots = tuple(_at_start(robot) for robot in level.robots)
+    areas = tuple(AreaState(area.name, starts_active(area)) for area in level.areas)
+    return WorldState(0, robots, areas, tallies=tallies_at_start(level, robots, areas))
+
+
+def change_state(
+    state: WorldState, before: Level, after: Level, poses: Mapping[str, Pose]
+) -> WorldState:
+    """Return the state in which a world continues in a changed level, or raise ValueError.
+
+    Robots keep position and charge; new ones are at their start, as are all at tick 0. Areas
+    keep their state unless their switch changed, teams theirs unless the scoring did; visitors
+    are recomputed. The poses are by the robots' names in the new level.
+    """
+    if strangers := poses.keys() - {robot.name for robot in after.robots}:
+        raise ValueError(f"There are no robots {sorted(strangers)}.")
+    if state.tick == 0:
+        start = start_state(after)
+        return replace(start, robots=tuple(_put(robot, poses) for robot in start.robots))
+    given = {robot.name: robot for robot in before.robots}
+    bodies = {robot.name: robot for robot in state.robots}
+    former = former_names(before, after)
+    robots = tuple(
+        _put(_carry(robot, given[old], bodies[old]), poses)
+        if (old := former.get(robot.name)) is not None
+        else _put(_at_start(robot), poses)
+        for robot in after.robots
+    )
+    areas = tuple(
+        AreaState(area.name, active, tuple(one.name for one in robots if is_inside(one, area)))
+        for area, active in zip(after.areas, _switch_as_before(state, before, after), strict=True)
+    )
+    is_scored_alike = _score_key(before) == _score_key(after)
+    tallies = state.tallies if is_scored_alike else tallies_at_start(after, robots, areas)
+    return WorldState(state.tick, robots, areas, state.won_at, tallies)
+
+
+def former_names(before: Level, after: Level) -> dict[str, str]:
+    """Return old names of robots; a single new one in a missing one's place is renamed."""
+    old, new = [r.name for r in before.robots], [r.name for r in after.robots]
+    names = {name: name for name in new if name in set(old)}
+    if len(old) == len(new):
+        pairs = [(then, now) for then, now in zip(old, new, strict=True) if then != now]
+        if len(pairs) == 1 and pairs[0][0] not in names:
+            names[pairs[0][1]] = pairs[0][0]
+    return names
+
+
+def _carry(robot: Robot, before: Robot, body: RobotState) -> RobotState:
+    charge = min(body.battery_level, float(robot.battery_capacity))
+    if robot.has_battery and not before.has_battery:
+        charge = float(robot.battery_capacity)
+    return replace(body, name=robot.name, battery_level=charge)
+
+
+def _put(body: RobotState, poses: Mapping[str, Pose]) -> RobotState:
+    if body.name not in poses:
+        return body
+    x, y, angle = poses[body.name]
+    return replace(body, x=float(x), y=float(y), angle=float(angle) % (2 * math.pi))
+
+
+def _at_start(robot: Robot) -> RobotState:
+    capacity = float(robot.battery_capacity)
+    return RobotState(robot.name, float(robot.x), float(robot.y), float(robot.angle), capacity)
+
+
+def _switch_as_before(state: WorldState, before: Level, after: Level) -> list[bool]:
+    """Return which areas are on: as before if they are the same areas, else as at the start."""
+    known: dict[tuple[object, ...], list[bool]] = {}
+    for area, now in zip(before.areas, state.areas, strict=True):
+        known.setdefault(_switch(area), []).append(now.active)
+    found = []
+    for area in after.areas:
+        left = known.get(_switch(area))
+        found.append(left.pop(0) if left else starts_active(area))
+    return found
+
+
+def _switch(area: Area) -> tuple[object, ...]:
+    return area.name, area.on_beacon, area.off_beacon, area.sticky_switch
+
+
+def _score_key(level: Level) -> tuple[object, ...]:
+    return level.scores, level.teams, [beacon.name for beacon in level.beacons]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from logical_robots_tui.game import load_program
-from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.game.victory import count_rules
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress

@@ -15,9 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from logical_robots_tui.editing.edits import Edits
-from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.files import rewritten, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, record_of, write_native, write_web
-from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.strokes import paint, paint_rectangle
 from logical_robots_tui.editing.things import Ref, add, change, remove, resize, set_words
 from logical_robots_tui.world import (

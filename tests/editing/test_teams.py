@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import given, settings
 
-from logical_robots_tui.editing.files import save_level
+from logical_robots_tui.editing.files import rewritten, save_level
 from logical_robots_tui.editing.level_text import lost_in_web, write_native, write_web
-from logical_robots_tui.editing.rewriting import rewritten
 from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, set_words
 from logical_robots_tui.world import Area, LevelError, Robot, Score, Team
 from logical_robots_tui.world.level import alike

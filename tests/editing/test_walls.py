@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.editing.strokes import Regions, fill, paint, paint_rectangle
 from logical_robots_tui.world import LevelError
-from logical_robots_tui.world.levels.drawing import expresses
+from logical_robots_tui.world.levels.native import expresses
 from tests.editing.making import drawn, room, sketch
 
 INSIDE = st.floats(0, 79.9)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.explain import Ask, Explainer
-from logical_robots_tui.explain.why.spelling import read_call, spell_call
+from logical_robots_tui.explain.why.explanation import read_call, spell_call
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.mind.relations import same
 from tests.explain.checking import Checker

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from logical_robots_tui.explain import Ask
-from logical_robots_tui.explain.clauses import calls
-from logical_robots_tui.explain.why.spelling import read_call, spell_call
+from logical_robots_tui.explain import worker as calls
+from logical_robots_tui.explain.why.explanation import read_call, spell_call
 from logical_robots_tui.language.diagnostics import ProgramError
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from logical_robots_tui.explain.why.sources import Subject, part_of
+from logical_robots_tui.explain.why.explanation import Subject, part_of
 from logical_robots_tui.game import Link, Run, origin_in_run
 from logical_robots_tui.mind import Program, QueryError
 from tests.game.playing import hall

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui import Game, Program, list_levels, load_level
-from logical_robots_tui.game.robustness import LateError, play_through
+from logical_robots_tui.game.measuring import LateError, play_through
 from tests.short import AHEAD, LEVEL
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.game import Game, Superseded
-from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import Program
 from tests.game.playing import game
 

@@ -12,7 +12,7 @@ from tests.game.test_diagnosing import diagnosis_of, the
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis
+    from logical_robots_tui.game.diagnosing import Diagnosis
 
 
 async def without_door(tmp_path: Path, text: str) -> Diagnosis:

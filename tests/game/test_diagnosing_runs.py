@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.game import Game, Run
-from logical_robots_tui.game.diagnosis import diagnosing, scanning
-from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, diagnose_run, extent
+from logical_robots_tui.game import Game, Run, diagnosing
+from logical_robots_tui.game import diagnosing as scanning
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, diagnose_run, extent
 from logical_robots_tui.mind import Program
 from tests.game.playing import hall
 

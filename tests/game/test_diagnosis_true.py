@@ -11,7 +11,7 @@ import pytest
 from hypothesis import strategies as st
 
 from logical_robots_tui.game import Game
-from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose
 from logical_robots_tui.mind import Mind, Program, ProgramError
 from logical_robots_tui.world import World
 from tests.explain.judging import judge_until

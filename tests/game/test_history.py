@@ -174,8 +174,8 @@ class Histories(RuleBasedStateMachine):
         # The start needs no tick before it, so it is there beside as many ticks as there may be.
         assert self.history.last - max(self.history.first, 1) < LENGTH
         for tick in range(self.history.first, self.history.last + 1):
-            before, moment = self.history.around(tick)
-            assert as_told(moment) == as_moment(self.course[tick])
+            before, known = self.history.replay(tick)
+            assert as_told(known.moment) == as_moment(self.course[tick])
             assert as_told(before) == as_moment(self.course[max(tick - 1, 0)])
 
     @invariant()
@@ -240,7 +240,7 @@ def test_bytes_are_bounded_and_the_other_course_goes_first() -> None:
     assert history.other is None
     assert history.kept_bytes <= 4000 + 64 * 2000
     assert history.dropped == history.first
-    assert as_told(history.around(last.tick)[1]) == as_moment(last)
+    assert as_told(history.replay(last.tick)[1].moment) == as_moment(last)
 
 
 def test_of_two_courses_that_were_left_the_longer_one_is_kept() -> None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from logical_robots_tui.world.changing import Pose
+    from logical_robots_tui.world.world import Pose
 
 LEVEL = make_level(
     (Robot("Ada", 30.5, 30.5), Robot("Bo", 30.5, 50.5)),

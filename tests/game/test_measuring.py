@@ -19,8 +19,14 @@ from logical_robots_tui.game import (
     measuring,
     reference_for,
 )
-from logical_robots_tui.game.measuring import Trial, measure, patience_for
-from logical_robots_tui.game.robustness import play_through, shift_start, try_starts
+from logical_robots_tui.game.measuring import (
+    Trial,
+    measure,
+    patience_for,
+    play_through,
+    shift_start,
+    try_starts,
+)
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.mind import Stopped

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.sources import Source, Subject, part_of
+from logical_robots_tui.explain.why.explanation import Ask, Source, Subject, part_of
 from logical_robots_tui.game import (
     Game,
     Link,
@@ -18,8 +17,8 @@ from logical_robots_tui.game import (
     origin_in_run,
     read_part,
 )
-from logical_robots_tui.game.debugging.origin_words import link_lines
-from logical_robots_tui.game.debugging.pins import path_text
+from logical_robots_tui.game.debugging.inquiry import path_text
+from logical_robots_tui.game.debugging.origin import link_lines
 from logical_robots_tui.mind import Program, QueryError
 from logical_robots_tui.values import spell
 from tests.game.playing import hall

@@ -12,8 +12,8 @@ from logical_robots_tui.game import Game
 from logical_robots_tui.game.replay import Replay, _hash_of, load_replay
 from logical_robots_tui.mind import Program
 from logical_robots_tui.world import WorldState, load_level
+from logical_robots_tui.world.dynamics import points
 from logical_robots_tui.world.levels.native import read_native
-from logical_robots_tui.world.scoring import points
 from tests.game.playing import COUNTER, HALL, hall
 from tests.game.test_replay import again, kept, written
 from tests.game.test_run import frames

@@ -8,7 +8,7 @@ import pytest
 
 from logical_robots_tui.game import Game
 from logical_robots_tui.game.frame import standing
-from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.world import load_level
 from tests.game.playing import BACKWARDS, COUNTER, HALL, SLOW

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import pytest
 
-from logical_robots_tui.game.robustness import play_through, start_of
+from logical_robots_tui.game.measuring import play_through, start_of
 from logical_robots_tui.lab.running import Asked, Result, Task, execute, fingerprint
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder

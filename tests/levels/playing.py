@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from logical_robots_tui import Level, Program, list_levels, load_level
-from logical_robots_tui.game.robustness import play_through
+from logical_robots_tui.game.measuring import play_through
 from logical_robots_tui.game.source import load_program, reference_names
 from logical_robots_tui.game.victory import reference_table
 

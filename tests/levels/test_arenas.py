@@ -13,11 +13,11 @@ import pytest
 
 from logical_robots_tui import Program, list_arenas, load_level
 from logical_robots_tui.editing.checks import check
+from logical_robots_tui.game.measuring import start_of
 from logical_robots_tui.game.minds import mind_for
-from logical_robots_tui.game.robustness import start_of
 from logical_robots_tui.paths import ARENAS, shipped_names
 from logical_robots_tui.world import Level, World
-from logical_robots_tui.world.scoring import points
+from logical_robots_tui.world.dynamics import points
 from tests.levels.playing import LEVELS, program_text
 from tests.levels.test_levels import around, check_texts
 

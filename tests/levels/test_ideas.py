@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import pytest
 
 from logical_robots_tui import Desire, Program, World, load_level
-from logical_robots_tui.game.robustness import play_through, shift_start
+from logical_robots_tui.game.measuring import play_through, shift_start
 from logical_robots_tui.paths import shipped_names
 from logical_robots_tui.world.dynamics import Mover, drive, is_inside
 from tests.levels.playing import LEVELS, measured, program_text, shipped_program, solution_of

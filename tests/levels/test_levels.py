@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from logical_robots_tui import Game, Level, Program, load_level
-from logical_robots_tui.game.robustness import FARTHEST_SHIFT, try_starts
+from logical_robots_tui.game.measuring import FARTHEST_SHIFT, try_starts
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.paths import shipped_names
 from tests.levels.playing import LEVELS, program_text, shipped_program, ticks_to_win

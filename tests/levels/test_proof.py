@@ -14,9 +14,10 @@ import pytest
 
 from logical_robots_tui import load_level
 from logical_robots_tui.game.history.marks import Rounds
-from logical_robots_tui.game.measuring import MOST_TICKS, patience_for
-from logical_robots_tui.game.robustness import (
+from logical_robots_tui.game.measuring import (
+    MOST_TICKS,
     STARTS,
+    patience_for,
     play_through,
     shift_start,
     try_starts,

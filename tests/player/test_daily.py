@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game import robustness, source
-from logical_robots_tui.game.robustness import LateError, Played
+from logical_robots_tui.game import measuring as robustness
+from logical_robots_tui.game import source
+from logical_robots_tui.game.measuring import LateError, Played
 from logical_robots_tui.player.library import daily_level
 from logical_robots_tui.player.opening import level_to_begin_with
 from logical_robots_tui.player.recorder import note_level

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Level, Robot, World
-from logical_robots_tui.world.changing import change_state, former_names, start_state
+from logical_robots_tui.world.world import change_state, former_names, start_state
 from tests.world.making import make_level
 
 ADA, BO = Robot("Ada", 30.5, 30.5), Robot("Bo", 60.5, 30.5, has_battery=True, battery_capacity=50)

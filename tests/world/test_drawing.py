@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from logical_robots_tui.world.levels.drawing import (
+from logical_robots_tui.world.levels.fields import Fields
+from logical_robots_tui.world.levels.native import (
     coarsest_cell,
     draw_rows,
     expresses,
     read_drawing,
 )
-from logical_robots_tui.world.levels.fields import Fields
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from logical_robots_tui.editing.checks import check
 from logical_robots_tui.editing.strokes import Regions
 from logical_robots_tui.world import LevelError
-from logical_robots_tui.world.levels.drawing import coarsest_cell
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
+from logical_robots_tui.world.levels.native import coarsest_cell
 from tests.editing.making import sketch
 
 PLACES = st.tuples(st.integers(1, 9), st.integers(1, 9)).filter(lambda size: size != (1, 1))

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from logical_robots_tui.values import Desire
 from logical_robots_tui.world import Area, Beacon, Level, Robot, Score, Team, World
-from logical_robots_tui.world.changing import change_state
-from logical_robots_tui.world.scoring import points
+from logical_robots_tui.world.dynamics import points
+from logical_robots_tui.world.world import change_state
 from tests.world.making import levels, make_level
 
 if TYPE_CHECKING:

@@ -6,17 +6,11 @@ from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from logical_robots_tui.explain.clauses.bodies import span_of
+from logical_robots_tui.explain.bodies import span_of
 from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
-from logical_robots_tui.explain.diagnosis.sources import Sources, decisive_columns
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
-from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import (
-    definitions,
-    is_constant,
-    names_used,
-    rules_of,
-)
+from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
+from logical_robots_tui.language.definitions import definitions, is_constant, names_used, rules_of
 from logical_robots_tui.language.functors import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
@@ -81,14 +75,13 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
         if tracer.probes[name][1].closeness != "closer":
             tracer.miss_probe(tracer.probes[name][1])
     writes, writes_all = memory_fields(own, functions, source)
+    sites = []
+    for name, rule in rules:
+        site = _site(name, rule, source, is_function=name in functions, is_needed=name in needed)
+        decisive = decisive_columns(rule, expanded.rules) if name == MAIN else ()
+        sites.append(replace(site, sources=tuple(sorted({made for made, _ in decisive}))))
     return Checkup(
-        tuple(
-            replace(
-                _site(name, rule, source, is_function=name in functions, is_needed=name in needed),
-                sources=_sources(rule, expanded.rules) if name == MAIN else (),
-            )
-            for name, rule in rules
-        ),
+        tuple(sites),
         tuple(tracer.sites),
         tuple(probes),
         Program(text, (), statements),
@@ -133,18 +126,9 @@ def _site(
     memory = span_of(column, source) if column and column.expression else None
     body = span_of(rule.body, source) if rule.body else None
     span = span_of(rule, source)
-    return RuleSite(
-        str(name), span, is_function, is_needed, not rule.body, _key(rule, span), memory, body
-    )
-
-
-def _sources(rule: Rule, own: Mapping[str, Sequence[Rule]]) -> tuple[str, ...]:
-    return tuple(sorted({name for name, _ in decisive_columns(rule, own)}))
-
-
-def _key(rule: Rule, span: Span) -> str:
-    found = None if rule.body else text_of(rule.head.columns[0].expression)
-    return span.text if found is None else found
+    text = None if rule.body else text_of(rule.head.columns[0].expression)
+    key = span.text if text is None else text
+    return RuleSite(str(name), span, is_function, is_needed, not rule.body, key, memory, body)
 
 
 _DEEPEST = 8
@@ -170,8 +154,12 @@ def memory_fields(
                 for branch in value.branches:
                     look(branch.value, rule, depth)
                 look(value.otherwise, rule, depth)
-            case Variable() if (bound := _binding(value, rule)) is not None:
-                look(bound, rule, depth)
+            case Variable() if bound := [
+                part.right
+                for part in conjuncts(rule.body)
+                if isinstance(part, Equation) and part.left == value
+            ]:
+                look(bound[0], rule, depth)
             case Call(name=name) if name in functions and name in own and depth < _DEEPEST:
                 for inner in own[name]:
                     if inner.value is not None:
@@ -214,10 +202,3 @@ def _constants_in(node: Node, own: Container[str], *, is_fact: bool) -> Sequence
         case Head() if is_fact:
             return operands(node.columns)
     return ()
-
-
-def _binding(value: Variable, rule: Rule) -> Expression | None:
-    for part in conjuncts(rule.body):
-        if isinstance(part, Equation) and part.left == value:
-            return part.right
-    return None

@@ -6,14 +6,15 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from logical_robots_tui.explain.diagnosis.counting import (
+from logical_robots_tui.explain.diagnosis.sites import (
     MOST_VALUES,
+    TESTS,
     Count,
+    Site,
     Tally,
     is_always_true,
     is_telling,
 )
-from logical_robots_tui.explain.diagnosis.sites import TESTS, Site
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language.diagnostics import most_similar
 from logical_robots_tui.values import Value
@@ -78,15 +79,13 @@ def rule_findings(
     """
     found = list(_Reporter(tally, is_over=is_over, is_complete=is_complete).findings())
     lines = {each.span.line for each in found if each.span is not None}
-    consequences = [each for each in found if _follows(each, lines)]
+    # What these are about comes from places of other findings.
+    consequences = [
+        each
+        for each in found
+        if each.span and lines & {place.line for place in each.others} - {each.span.line}
+    ]
     return [each for each in found if each not in consequences], consequences
-
-
-def _follows(finding: Finding, lines: Collection[int]) -> bool:
-    """Return whether what a finding is about comes from places of other findings."""
-    return finding.span is not None and any(
-        place.line in lines and place.line != finding.span.line for place in finding.others
-    )
 
 
 def shorten(text: str) -> str:
@@ -110,21 +109,16 @@ class _Reporter:
         for tell in (self._of_text, self._of_site, self._of_truth, self._of_fallback):
             for number, site in enumerate(self._checkup.sites):
                 found = None if number in self._said else tell(number, site)
-                if found is not None and (found.severity == "warning" or self._is_often(number)):
+                is_often = len(self._tally.sites[number].ticks) > 1 or self._all < _RARE
+                if found is not None and (found.severity == "warning" or is_often):
                     yield found
-
-    # -- rules ---------------------------------------------------------------------------------
 
     def _silent(self) -> dict[int, int | None]:
         silent = {}
         for number, rule in enumerate(self._checkup.rules):
             count = self._tally.rules[number]
-            if (
-                rule.is_needed
-                and not rule.is_function
-                and count.asked is not None
-                and count.gave is None
-            ):
+            was_asked = count.asked is not None and count.gave is None
+            if rule.is_needed and not rule.is_function and was_asked:
                 silent[number] = self._tally.stopped(number)
         return silent
 
@@ -143,33 +137,23 @@ class _Reporter:
         if self._is_consequence(number, silent):
             rules = [n for n in silent if self._checkup.rules[n].predicate == site.predicate]
             stops = [self._checkup.sites[stop] for n in rules if (stop := silent[n]) is not None]
-            return Finding(
-                "no rows",
-                "note",
-                rule.span,
-                self._first,
-                f"This rule of {rule.predicate} never had a row; {site.predicate} had none.",
-                f"Look at {site.predicate} first.",
-                tuple(each.span for each in stops),
-            )
-        reason = self._why_not(site, count)
-        return Finding(
-            "no rows",
-            self._severity(count),
-            site.span,
-            count.reached or self._first,
-            f"The rule of {rule.predicate} in line {rule.span.line} never had a row: {reason}",
-            "If it should have, check this condition.",
-            (rule.span, *site.places),
-        )
-
-    # -- sites ---------------------------------------------------------------------------------
+            said = f"This rule of {rule.predicate} never had a row; {site.predicate} had none."
+            hint, others = f"Look at {site.predicate} first.", tuple(each.span for each in stops)
+            return Finding("no rows", "note", rule.span, self._first, said, hint, others)
+        said = f"The rule of {rule.predicate} in line {rule.span.line} never had a row:"
+        said += f" {self._why_not(site, count)}"
+        hint = "If it should have, check this condition."
+        tick, others = count.reached or self._first, (rule.span, *site.places)
+        return Finding("no rows", self._severity(count), site.span, tick, said, hint, others)
 
     def _of_text(self, number: int, site: Site) -> Finding | None:
         count = self._tally.sites[number]
-        if site.literal is None or count.reached is None or count.true is not None:
-            return None
-        if not count.left:
+        if (
+            site.literal is None
+            or count.reached is None
+            or count.true is not None
+            or not count.left
+        ):
             return None
         self._said.add(number)
         close = most_similar(site.literal, (v for v in count.left if isinstance(v, str)))
@@ -180,10 +164,11 @@ class _Reporter:
 
     def _of_site(self, number: int, site: Site) -> Finding | None:
         count = self._tally.sites[number]
+        has_other_words = site.kind in ("leaf", "text", "value", "fallback")
         if (
             count.reached is None
             or count.true is not None
-            or site.kind in ("leaf", "text", "value", "fallback")
+            or has_other_words
             or not is_telling(site)
         ):
             return None
@@ -257,21 +242,11 @@ class _Reporter:
         is_rare = len(count.ticks) < min(_RARE, self._all)
         return "warning" if self._is_over and not is_rare else "note"
 
-    def _is_often(self, number: int) -> bool:
-        """Return whether something was asked so often that it is worth a note."""
-        return len(self._tally.sites[number].ticks) > 1 or self._all < _RARE
-
     def _finding(
-        self,
-        kind: FindingKind,
-        severity: Severity,
-        site: Site,
-        count: Count,
-        message: str,
-        hint: str,
+        self, kind: FindingKind, severity: Severity, site: Site, count: Count, said: str, hint: str
     ) -> Finding:
         tick = count.reached if count.reached is not None else self._first
-        return Finding(kind, severity, site.span, tick, message, hint, site.places)
+        return Finding(kind, severity, site.span, tick, said, hint, site.places)
 
 
 def _is_inside(part: Span, whole: Span) -> bool:
@@ -296,14 +271,10 @@ def _closest_miss(site: Site, count: Count) -> str:
     return f"; at best {shorten(site.other)} was {abs(lacks):.4g} {what}"
 
 
-def _value(value: Value) -> str:
-    return f'"{value}"' if isinstance(value, str) else f"{value:.4g}"
-
-
 def _values(values: Collection[Value], count: Count) -> str:
     """Return values in words; null may be on either side of a comparison."""
     known = sorted(values, key=str)
-    listed = [_value(value) for value in known[:_MOST_LISTED]]
+    listed = [f'"{v}"' if isinstance(v, str) else f"{v:.4g}" for v in known[:_MOST_LISTED]]
     if count.null is not None:
         listed.append("null")
     if len(known) > _MOST_LISTED:

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from logical_robots_tui.explain.clauses.bodies import (
-    EVERY_COLUMN,
+from logical_robots_tui.explain.bodies import (
     Scope,
-    as_expression,
-    binding,
-    comparison_of,
     in_order,
-    outer_calls,
     parameters,
     part_kind,
 )
-from logical_robots_tui.explain.diagnosis.sites import Field
-from logical_robots_tui.explain.diagnosis.watching import At, Segment, Stands, Trail, Watching
+from logical_robots_tui.explain.diagnosis.sites import Field, Stands
+from logical_robots_tui.explain.diagnosis.watching import At, Segment, Trail, Watching
 from logical_robots_tui.explain.why.probing import ORDERING
 from logical_robots_tui.language.tree import (
+    COMPARISONS,
     CONDITIONS,
     JUNCTIONS,
     REST,
@@ -46,15 +42,28 @@ from logical_robots_tui.language.tree import (
     call,
     conjuncts,
     equation_sides,
+    is_aggregate,
     operands,
     substitute,
     text_of,
     variable_of,
     variables,
+    walk,
 )
 
 _DEEPEST = 8  # nesting of functions
 _NOT_VALUES = frozenset({"TryCast"})  # the second argument is a type
+
+
+class _EveryColumn:
+    """Contains every column name."""
+
+    def __contains__(self, column: object) -> bool:
+        return True
+
+
+_EVERY_COLUMN = _EveryColumn()
+"""The columns of a function whose required columns are unknown."""
 
 
 class Tracer(Watching):
@@ -126,7 +135,7 @@ class Tracer(Watching):
         """Watch a condition; return its column, or -1 if there are too many."""
         name = condition.name if isinstance(condition, Call) else ""
         given = operands(condition.arguments) if isinstance(condition, Call) else ()
-        found = comparison_of(condition)
+        found = (name, *given) if name in COMPARISONS and len(given) == 2 else None
         whole = substitute(condition, at.given)
         asked: list[Expression] = [whole]
         how, literal, other, lacks = "truth", None, "", None
@@ -224,7 +233,7 @@ class Tracer(Watching):
                 return None
             given[variable] = substitute(value, at.given)
         inner = [*conjuncts(rule.body), *rule.head.columns]
-        scope = Scope(dict.fromkeys(self._functions, EVERY_COLUMN), variables(inner))
+        scope = Scope(dict.fromkeys(self._functions, _EVERY_COLUMN), variables(inner))
         known = frozenset(given)
         for local in variables(inner, inside=True) - known:
             given[local] = Variable(self._new(local))
@@ -274,7 +283,7 @@ class Tracer(Watching):
         self._owner = rule.name
         leaves = [column for column in columns if (rule.name, column.column) in self._decisive]
         self._leaves = {variable_of(column.expression) for column in leaves} - {""}
-        scope = Scope(dict.fromkeys(self._functions, EVERY_COLUMN), variables([*parts, rule.head]))
+        scope = Scope(dict.fromkeys(self._functions, _EVERY_COLUMN), variables([*parts, rule.head]))
         done = self._parts(parts, At(Trail(Segment([])), number, scope, frozenset(), {}))
         if done is None:
             self._miss(rule, At(Trail(Segment([])), number, scope, frozenset(), {}))
@@ -302,12 +311,12 @@ class Tracer(Watching):
         return None if left else at
 
     def _part(self, part: Proposition, at: At, known: frozenset[str]) -> At:
-        kind, bound = part_kind(part, self._own), binding(part, at.known)
+        kind, bound = part_kind(part, self._own), _binding(part, at.known)
         is_test = kind in ("condition", "denial") or (kind == "value" and bound is None)
         is_test = is_test and not isinstance(part, Disjunction)
         if is_test and not self._relations(part) and variables(part) <= at.known:
             column = self._truth(
-                as_expression(part), at, "denial" if kind == "denial" else "condition"
+                _as_expression(part), at, "denial" if kind == "denial" else "condition"
             )
             if column < 0:
                 return self._next(at, -1, substitute(part, at.given))
@@ -370,4 +379,23 @@ class Tracer(Watching):
 
     def _relations(self, node: Tree) -> list[Call | Atom]:
         """Return the calls in a tree of predicates that may have no row, outside aggregates."""
-        return list(outer_calls(node, self._own.keys() - self._functions))
+        calls = (each for each in walk(node, is_aggregate) if isinstance(each, Call | Atom))
+        return [each for each in calls if each.name in self._own.keys() - self._functions]
+
+
+def _as_expression(part: Proposition) -> Expression:
+    pair = equation_sides(part)
+    if pair is not None:
+        return call("==", left=pair[0], right=pair[1])
+    assert isinstance(part, Atom)
+    return Call(part.name, part.arguments, span=part.span)
+
+
+def _binding(part: Proposition, known: Container[str]) -> tuple[str, Expression] | None:
+    """Return the variable that an equation binds, with its value, or None."""
+    sides = equation_sides(part)
+    for pattern, value in (sides, sides[::-1]) if sides else ():
+        name = variable_of(pattern)
+        if name and name not in known and all(each in known for each in variables(value)):
+            return name, value
+    return None

@@ -1,30 +1,48 @@
-"""Collecting sites, and the predicates that query them. In the compile process."""
+"""Sites, where their values come from, and what queries them. In the compile process."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from logical_robots_tui.explain.clauses.bodies import (
-    Scope,
-    as_part,
-    count_rule,
-    span_of,
-)
-from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site
-from logical_robots_tui.explain.diagnosis.sources import Sources, alternate, decisive_columns
+from logical_robots_tui.explain.bodies import Scope, parameters, span_of
+from logical_robots_tui.explain.diagnosis.sites import TESTS, Column, Field, Probe, Site, Stands
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.language.definitions import reach
+from logical_robots_tui.language.definitions import names_used, reach
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
+    CONDITIONS,
+    Aggregate,
+    Aggregation,
+    Argument,
+    Atom,
+    Boolean,
+    Call,
+    Choice,
+    Conjunction,
+    Equation,
     Expression,
+    Head,
+    Literal,
+    Node,
+    Number,
     Proposition,
     Rule,
     Tree,
+    Variable,
+    arguments,
+    call,
+    conjuncts,
+    equation_sides,
+    operands,
     variable_of,
+    variables,
+    walk,
 )
-from logical_robots_tui.schema import INPUTS, MAIN
+from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
     from logical_robots_tui.language.functors import Expanded
@@ -37,7 +55,6 @@ _MOST_COLUMNS = 90  # of a probe; SQLite allows 100
 _EXPLAINED = (*TESTS, "leaf", "value")
 """Kinds of sites that record where their values come from."""
 
-Stands: TypeAlias = Literal["body", "aggregate", "denied"]
 Guard: TypeAlias = tuple[tuple[int, bool], ...]
 
 
@@ -90,6 +107,9 @@ class At:
         return replace(self, guard=(*self.guard, (column, holds)))
 
 
+_FALSE = Boolean("false")
+
+
 class Watching:
     """Collects the sites of rules and the predicates to be compiled for them.
 
@@ -122,11 +142,8 @@ class Watching:
             for rule, first in zip(self._own[copy], self._own[original], strict=False):
                 self._numbers[id(rule)] = self._numbers[id(first)]
         self._sources = Sources(source, expanded.rules)
-        self._decisive = {
-            column
-            for rule in expanded.rules.get(MAIN, ())
-            for column in decisive_columns(rule, expanded.rules)
-        }
+        own = expanded.rules
+        self._decisive = {c for rule in own.get(MAIN, ()) for c in decisive_columns(rule, own)}
         self._known_sites: dict[tuple[Any, ...], int] = {}
         self._memories: set[str] = set()
         self._leaves: set[str] = set()
@@ -153,7 +170,7 @@ class Watching:
     def _all_of(self, at: At) -> list[Proposition]:
         segment = at.trail.segment
         conditions = ((segment.trees[column], holds) for column, holds in at.guard)
-        return [*segment.body, *(as_part(c, holds=holds) for c, holds in conditions if c)]
+        return [*segment.body, *(_as_part(c, holds=holds) for c, holds in conditions if c)]
 
     def _tells(self, probe: Probe) -> bool:
         return any(
@@ -184,7 +201,7 @@ class Watching:
             if kind == "leaf" and at.chosen is not None:
                 condition, number = at.chosen
                 why = self._sources.of_condition(condition, self._rules[number])
-                places = alternate(places, why, span.line)
+                places = _alternate(places, why, span.line)
             known = {"within": self._within, "places": places, "stands": at.stands, "owner": owner}
             self.sites.append(Site(kind, span, at.rule, **(known | details)))
         return self._known_sites[key]
@@ -200,7 +217,8 @@ class Watching:
         """Add a column to the query at a place; return -1 if there are too many."""
         segment = at.trail.segment
         number = len(segment.columns)
-        if self._width(segment) + 4 > _MOST_COLUMNS:
+        width = 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
+        if width + 4 > _MOST_COLUMNS:
             self.left_out += 1
             self._missed_sites.add(site)
             return -1
@@ -209,9 +227,6 @@ class Watching:
         if asked:
             segment.asked[number] = asked
         return number
-
-    def _width(self, segment: Segment) -> int:
-        return 2 + 2 * len(segment.differences) + sum(map(len, segment.asked.values()))
 
     def _emit(
         self,
@@ -249,6 +264,177 @@ class Watching:
                 robot=is_robot,
                 closeness=("closer" if closer else "wider") if values else "both",
             )
-            rule = count_rule(name, columns, segment.differences, segment.body)
+            rule = _count_rule(name, columns, segment.differences, segment.body)
             self.probes[name] = (rule, probe)
             trail.probes.append(name)
+
+
+_MOST = 6  # places
+_DEEPEST = 4
+
+
+class Sources:
+    def __init__(self, source: Prepared, own: Mapping[str, Sequence[Rule]]) -> None:
+        self._source, self._own = source, own
+
+    def of(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
+        """Return where an expression's values come from, recursively.
+
+        The nearest places come first, and those that only copy a value last.
+        """
+        found: dict[int, Span] = {}
+        copies: dict[int, Span] = {}
+        seen: set[tuple[int, str]] = set()
+        waiting: deque[tuple[Tree, Rule, int]] = deque([(node, rule, 0)])
+        own_line = span_of(node, self._source).line
+        while waiting and len(found) < _MOST:
+            node, rule, depth = waiting.popleft()
+            for place, inner, where in self._next(node, rule, seen):
+                span = span_of(place, self._source)
+                if span.text and span.line != own_line:
+                    (copies if self._copies(place) else found).setdefault(span.line, span)
+                if depth + 1 < _DEEPEST:
+                    waiting.append((inner, where, depth + 1))
+        return tuple((found | {n: s for n, s in copies.items() if n not in found}).values())[:_MOST]
+
+    def _copies(self, place: Node) -> bool:
+        """Return whether a place is a call of a sensor or of what other rules give."""
+        return isinstance(place, Atom) and (
+            place.name == "Sensor" or any(rule.body for rule in self._own.get(place.name, ()))
+        )
+
+    def of_condition(self, node: Tree, rule: Rule) -> tuple[Span, ...]:
+        """Return the place of a condition, and where its values come from."""
+        return span_of(node, self._source), *self.of(node, rule)
+
+    def _next(
+        self, node: Tree, rule: Rule, seen: set[tuple[int, str]]
+    ) -> Iterator[tuple[Node, Tree, Rule]]:
+        for name in dict.fromkeys(names_used(node)):
+            yield from self._rules(name, seen)
+        for variable in sorted(variables(node, inside=True)):
+            if (id(rule), variable) in seen:
+                continue
+            seen.add((id(rule), variable))
+            for part, value in _bindings(variable, rule):
+                if isinstance(part, Atom) and value is None:
+                    yield part, (), rule
+                    yield from self._rules(part.name, seen)
+                elif value is not None:
+                    yield from ((place, value, rule) for place in _places(part, value))
+
+    def _rules(self, name: str, seen: set[tuple[int, str]]) -> Iterator[tuple[Node, Tree, Rule]]:
+        """Yield the rules of a predicate except facts."""
+        if (0, name) in seen:
+            return
+        seen.add((0, name))
+        for rule in self._own.get(name, ()):
+            is_function = rule.value is not None and parameters(rule) is not None
+            if rule.body or is_function:
+                copies = all(isinstance(each.value, Variable) for each in rule.head.columns)
+                yield (copies and rule.body) or rule, rule.value or rule, rule
+            for part in conjuncts(rule.body):
+                if isinstance(part, Atom) and part.name in CONDITIONS:
+                    yield part, part, rule
+
+
+def _bindings(variable: str, rule: Rule) -> Iterator[tuple[Node, Expression | None]]:
+    """Yield equations of a variable with its value, and calls that mention it with None."""
+    for part in walk(rule):
+        if (pair := equation_sides(part)) is not None:
+            for side, value in (pair, pair[::-1]):
+                if variable_of(side) == variable:
+                    yield part, value
+        elif isinstance(part, Atom) and variable in variables(part):
+            yield part, None
+
+
+def _places(part: Node, value: Tree) -> Sequence[Node]:
+    """Return the places of an equation: of an ``if``, those of its values."""
+    if not isinstance(value, Choice):
+        return (part,)
+    each = (*(branch.value for branch in value.branches), value.otherwise)
+    return [place for place in each if not isinstance(place, Literal)] or (part,)
+
+
+def _alternate(some: Sequence[Span], others: Sequence[Span], own_line: int) -> tuple[Span, ...]:
+    """Return places of both sorts in turn, one for each line except one."""
+    each = (place for pair in zip_longest(some, others) for place in pair if place is not None)
+    found: dict[int, Span] = {}
+    for place in each:
+        if place.line != own_line:
+            found.setdefault(place.line, place)
+    return tuple(found.values())[:_MOST]
+
+
+def decisive_columns(rule: Rule, own: Mapping[str, Sequence[Rule]]) -> set[tuple[str, str]]:
+    """Return the predicates and columns from which the desire of a rule of `Robot` is copied."""
+    found = {(MAIN, "desire")}
+    waiting = [(rule, value) for value in _values(rule, "desire")]
+    seen: set[tuple[int, int]] = set()
+
+    def add(name: str, column: str) -> None:
+        if name in own and (name, column) not in found:
+            found.add((name, column))
+            waiting.extend((each, value) for each in own[name] for value in _values(each, column))
+
+    while waiting:
+        rule, value = waiting.pop()
+        if (id(rule), id(value)) in seen:
+            continue
+        seen.add((id(rule), id(value)))
+        match value:
+            case Choice():
+                waiting += [(rule, each.value) for each in value.branches]
+                waiting.append((rule, value.otherwise))
+            case Aggregate():
+                waiting.append((rule, value.argument))
+            case Call(name="Coalesce"):
+                waiting += [(rule, each) for each in operands(value.arguments)]
+            case Call():
+                add(value.name, VALUE)
+            case Variable():
+                for part, other in _bindings(value.name, rule):
+                    if other is not None:
+                        waiting.append((rule, other))
+                    elif isinstance(part, Atom):
+                        for argument in part.arguments:
+                            if argument.expression == value:
+                                add(part.name, argument.column)
+    return found
+
+
+def _values(rule: Rule, column: str) -> Iterator[Expression]:
+    """Yield what a rule's head has for a column."""
+    for each in rule.head.columns:
+        if each.column == column:
+            value = each.value
+            yield value.argument if isinstance(value, Aggregation) else value
+
+
+def _as_part(condition: Expression, *, holds: bool) -> Proposition:
+    """Return a part that holds where an expression is true, or where it is false or null."""
+    known = call("Coalesce", condition, _FALSE)
+    if holds:
+        return Atom("!=", arguments({"left": known, "right": _FALSE}))
+    return Equation(known, _FALSE)
+
+
+def _count_rule(
+    name: str,
+    columns: Mapping[str, Expression],
+    differences: Mapping[int, Expression],
+    body: Sequence[Proposition],
+) -> Rule:
+    """Make a rule that counts the ways in which a body holds, grouped by columns.
+
+    Of the differences, which are numbers, it gives the least and the greatest.
+    """
+    aggregated = [
+        Argument(f"{letter}{place}", Aggregation(operator, value))
+        for place, value in differences.items()
+        for letter, operator in (("l", "Min"), ("h", "Max"))
+    ]
+    number = Argument("n", Aggregation("+", Number("1")))
+    head = Head(name, (*arguments(columns), *aggregated, number))
+    return Rule(head, Conjunction(tuple(body)) if body else None, is_distinct=True)

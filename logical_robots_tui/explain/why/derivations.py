@@ -187,8 +187,6 @@ class Stages:
         stage = self._stage(probing.name, row)
         return [each for each in rows if self._stage(name, each) < stage]
 
-    # -- inside ----------------------------------------------------------------------------------
-
     def _stage(self, name: str, row: Row) -> int:
         if self._stages is None:
             self._stages = self._found()

@@ -49,11 +49,8 @@ class Telling:
         return tuple(grouped(nodes, clause.taken if until is None else ()))
 
     def row(self, clause: Clause, way: Way, row: Mapping[str, Value]) -> tuple[Node, ...]:
-        return tuple(
-            self._column(column, clause.terms[column], way, row[column])
-            for column in clause.head
-            if column in row
-        )
+        shown = [column for column in clause.head if column in row]
+        return tuple(self._column(c, clause.terms[c], way, row[c]) for c in shown)
 
     def step(self, step: Step, way: Way) -> Iterator[Node]:
         """Yield the node of a step that holds; none for a call that its expression explains."""
@@ -86,7 +83,8 @@ class Telling:
             tested = tuple(node for term in step.terms[1:] for node in self.term(term, way))
             yield Node("element", text, holds=True, span=span, children=(*given, *tested))
         elif step.kind == "value":
-            terms = [term for term in step.terms if not _is_among(term, step)]
+            gives, terms = step.gives.values(), [t for t in step.terms if t.kind != "literal"]
+            terms = [t for t in terms if t.kind != "variable" or t.column not in gives]
             values = tuple(value_of(way, place) for place in step.gives.values() if place in way)
             children = tuple(node for term in terms for node in self.reason(term, way))
             if len(step.gives) != 1:
@@ -181,8 +179,6 @@ class Telling:
         more = len(found) - len(nodes)
         rest = (Node("note", f"and {more:,} more"),) if more else ()
         return (Node("note", f"goes over {number}", children=(*nodes, *rest)),)
-
-    # -- inside ----------------------------------------------------------------------------------
 
     def _column(self, name: str, term: Term, way: Way, value: Value) -> Node:
         title = self._relations.label(self._predicate, name)
@@ -330,9 +326,3 @@ def negation(text: str, *, holds: bool) -> tuple[str, str]:
 def number_of(number: int, what: str, *, is_all: bool) -> str:
     more = "" if is_all else " or more"
     return f"{number:,}{more} {what}{'' if number == 1 else 's'}"
-
-
-def _is_among(term: Term, step: Step) -> bool:
-    return term.kind == "literal" or (
-        term.kind == "variable" and term.column in step.gives.values()
-    )

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.explain.why.derivations import Derivations, Row, check_given
 from logical_robots_tui.explain.why.deriving import ask_of
-from logical_robots_tui.explain.why.explanation import Ask, Explanation, Proof
-from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
-from logical_robots_tui.explain.why.probing import (
-    Body,
-    Call,
-    Clause,
-    Probing,
-    Span,
-    Term,
-    decompose,
+from logical_robots_tui.explain.why.explanation import (
+    Ask,
+    Explanation,
+    Proof,
+    Source,
+    Subject,
+    read_call,
 )
+from logical_robots_tui.explain.why.nearest import Nearest, Suggestion
+from logical_robots_tui.explain.why.probing import Call, Clause, Probing, Span, decompose
 from logical_robots_tui.explain.why.proving import explain, prove
-from logical_robots_tui.explain.why.sources import Source, Subject
 from logical_robots_tui.explain.why.sourcing import source_of
-from logical_robots_tui.explain.why.spelling import read_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way
@@ -113,33 +110,31 @@ class Explainer:
         callers = {
             name: [p for p, used in uses.items() if name in used and p != name] for name in uses
         }
-        most = self._limits.rows
+        most, probing = self._limits.rows, self._decompose(function, "")
+        calls = _Calls(callers, self._derivations, most + 1)
+        found: list[tuple[Value, ...]] = []
         try:
-            columns, found = _calls_of(function, callers, self._derivations, most + 1)
+            for given in calls.arguments(function, 0):
+                arguments = {column: given.get(column) for column in probing.given}
+                found += [tuple(r.values()) for r in self._derivations.rows(probing, arguments)]
+                if len(found) > most:
+                    break
         except FailureError as failure:
             raise QueryError(f"The calls of {function} can't be told: {failure}.") from None
-        return Table(
-            tuple(self._program.label(function, column) for column in columns),
-            tuple(found[:most]),
-            truncated=len(found) > most,
-        )
+        labels = tuple(self._program.label(function, column) for column in probing.columns)
+        return Table(labels, tuple(found[:most]), truncated=len(found) > most)
 
     def source(self, subject: Subject) -> Source:
         """Return what a value was made from; QueryError if there is no such value."""
         return source_of(self._derivations, replace(subject, asked=self._about(subject.asked)))
 
     def _decompose(self, predicate: str, within: str) -> Probing:
-        known = self._decomposed.get((predicate, within))
-        if known is None:
-            known = decompose(
-                self._program,
-                predicate,
-                within,
-                stop=lambda: self._within.stop,
-                limits=self._limits,
+        key = predicate, within
+        if key not in self._decomposed:
+            self._decomposed[key] = decompose(
+                self._program, *key, stop=lambda: self._within.stop, limits=self._limits
             )
-            self._decomposed[predicate, within] = known
-        return known
+        return self._decomposed[key]
 
     def _about(self, asked: Ask) -> Ask:
         """Return the question about this robot, unless it names another one."""
@@ -164,19 +159,6 @@ def read_ask(program: Program, text: str, within: str = "") -> Ask:
 
 _MOST_WAYS = 1_000
 _DEEPEST = 20  # functions that call functions
-
-
-def _calls_of(
-    name: str, callers: Mapping[str, Sequence[str]], derivations: Derivations, most: int
-) -> tuple[tuple[str, ...], list[tuple[Value, ...]]]:
-    probing = derivations.decompose(name, "")
-    rows: list[tuple[Value, ...]] = []
-    for given in _Calls(callers, derivations, most).arguments(name, 0):
-        arguments = {column: given.get(column) for column in probing.given}
-        rows += [tuple(row.values()) for row in derivations.rows(probing, arguments)]
-        if len(rows) >= most:
-            break
-    return probing.columns, rows[:most]
 
 
 class _Calls:
@@ -212,7 +194,8 @@ class _Calls:
     ) -> Iterator[tuple[Call, Way]]:
         for clause in clauses:
             calls = [s.call for s in clause.steps if s.call and s.call.predicate == name]
-            bodies = [*_bodies(clause)]
+            bodies = [step.denied for step in clause.steps if step.denied]
+            bodies += [term.body for term in clause.all_terms() if term.body]
             sql = probing.queries.get(clause.query)
             if sql is None or not (calls or bodies):
                 continue
@@ -226,18 +209,3 @@ class _Calls:
                 yield from ((call, way) for call in calls)
                 for body in bodies:
                     yield from self._calls(body.clauses, probing, body.arguments(way), name)
-
-
-def _bodies(clause: Clause) -> Iterator[Body]:
-    for step in clause.steps:
-        if step.denied is not None:
-            yield step.denied
-        yield from _in_terms(step.terms)
-    yield from _in_terms(clause.terms.values())
-
-
-def _in_terms(terms: Iterable[Term]) -> Iterator[Body]:
-    for term in terms:
-        if term.body is not None:
-            yield term.body
-        yield from _in_terms(term.parts)

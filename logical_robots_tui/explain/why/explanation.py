@@ -1,13 +1,18 @@
-"""The answer to "why?": a tree whose nodes say what was there, or what was missing."""
+"""What is asked for and what is answered: questions, trees that say why, sources of values."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.schema import ray_angle
-from logical_robots_tui.values import Value
+from logical_robots_tui.explain.why.probing import Called
+from logical_robots_tui.language.diagnostics import QueryError
+from logical_robots_tui.mind.compilation import check_text, compile_request
+from logical_robots_tui.schema import VALUE, ray_angle
+from logical_robots_tui.values import Value, read_value, spell
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain.why.probing import Span
@@ -25,6 +30,10 @@ class Ask:
     predicate: str = "Robot"
     given: Mapping[str, Value] = field(default_factory=dict)
     within: str = ""
+
+    @property
+    def key(self) -> str:
+        return json.dumps([self.predicate, self.within, self.given], sort_keys=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,3 +140,135 @@ class Proof:
     nodes: tuple[Node, ...]
     complete: bool
     is_cut: bool = False
+
+
+Path: TypeAlias = "tuple[str | int, ...]"
+"""The way to a part of a value: names of fields and places in lists."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A value whose source is asked for, in a predicate's first such row.
+
+    Attributes:
+        column: The column of the row; "" for the only one that is not given.
+        span: An expression of the row's rule instead of a column.
+        variable: A variable of the row's rule instead of a column.
+        value: The value of the expression or variable, which tells elements apart.
+    """
+
+    asked: Ask = field(default_factory=Ask)
+    column: str = "memory"
+    path: Path = ()
+    span: Span | None = None
+    variable: str = ""
+    value: Value = None
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """Something that was read from a robot's sensor or memory; of a ray, all of it."""
+
+    what: Literal["sensor", "memory"]
+    robot: str
+    path: Path
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A condition that chose a branch."""
+
+    span: Span
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A value and what it was made from.
+
+    Attributes:
+        name: The value as the program writes it.
+        span: The expression that made it; None if it was read.
+        rule: The rule that this expression is in.
+        read: What was read, if it was only read.
+        inputs: Distinct values that it was made from; of a constant in a fact, the keys of the
+            join that chose the fact.
+        more: How many more there are.
+        decided_by: What the conditions that chose a constant depend on.
+        is_constant: Whether the program says the value itself.
+    """
+
+    name: str
+    value: Value
+    span: Span | None = None
+    rule: Span | None = None
+    read: Read | None = None
+    conditions: tuple[Condition, ...] = ()
+    inputs: tuple[Source, ...] = ()
+    more: int = 0
+    decided_by: tuple[Source, ...] = ()
+    is_constant: bool = False
+
+
+def part_of(value: Value, path: Path) -> Value:
+    """Return a part of a value, or raise QueryError."""
+    for place, name in enumerate(path):
+        if isinstance(value, dict) and name in value:
+            value = value[str(name)]
+        elif isinstance(value, list) and isinstance(name, int) and -len(value) <= name < len(value):
+            value = value[name]
+        else:
+            here = ".".join(map(str, path[:place])) or "this value"
+            raise QueryError(f"{here} has no part {name}{_parts_of(value)}.")
+    return value
+
+
+def _parts_of(value: Value) -> str:
+    if isinstance(value, Mapping):
+        return f"; it has {', '.join(value)}" if value else "; it is empty"
+    if isinstance(value, list):
+        return f"; it is a list of {len(value)}"
+    return f"; it is {spell(value)}"
+
+
+def spell_call(asked: Ask) -> str:
+    """Return a question as a call: ``Speed(200)``, ``Kind(object: "wall")``, ``F(1) == 2``."""
+    given = dict(asked.given)
+    result = f" == {spell(given.pop(VALUE))}" if VALUE in given else ""
+    arguments = []
+    for place, (column, value) in enumerate(given.items()):
+        is_in_place = column == f"col{place}"
+        name = column.removeprefix("col") if column[3:].isdigit() else column
+        arguments.append(spell(value) if is_in_place else f"{name}: {spell(value)}")
+    return f"{asked.predicate}({', '.join(arguments)}){result}"
+
+
+def unlike_types(one: Value, other: Value) -> str:
+    """Return that two values differ in nothing but that one is a text, or ""."""
+    if isinstance(one, str) == isinstance(other, str):
+        return ""
+    text, value = (one, other) if isinstance(one, str) else (other, one)
+    with suppress(ValueError, RecursionError):
+        if read_value(str(text)) == value:
+            return f"text {spell(text)} is not {_kind(value)}{spell(value)}"
+    return ""
+
+
+def _kind(value: Value) -> str:
+    if value is None or isinstance(value, bool):
+        return ""
+    if isinstance(value, int | float):
+        return "the number "
+    return "the record " if isinstance(value, Mapping) else "the list "
+
+
+def read_call(text: str, within: str = "") -> Ask:
+    """Return the question that a predicate with values is. Blocks.
+
+    Raises:
+        ProgramError: It is something else.
+    """
+    check_text(text, None)
+    called = compile_request({"called": text}, Called)
+    return Ask(called.predicate, json.loads(called.given), within)

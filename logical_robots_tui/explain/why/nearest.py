@@ -80,8 +80,6 @@ class Nearest:
                 found += 1
                 yield each
 
-    # -- what failed ---------------------------------------------------------------------------
-
     def _stop(
         self, probing: Probing, rule: RuleParts, arguments: Mapping[str, Value]
     ) -> Stop | None:
@@ -150,8 +148,6 @@ class Nearest:
                 sign = self._span(at, at + len(operator))
                 yield from self._of_threshold(operator, sign, left, right, ways)
                 yield from self._of_threshold(_OPPOSITE[operator], sign, right, left, ways)
-
-    # -- candidates ----------------------------------------------------------------------------
 
     def _of_equation(self, left: Term, right: Term, ways: Sequence[Way]) -> Iterator[_Sized]:
         for term, other in ((left, right), (right, left)):
@@ -302,8 +298,6 @@ class Nearest:
         except FailureError:
             return []
         return list({str(row[column]): row[column] for row in rows if column in row}.values())
-
-    # -- testing a change ---------------------------------------------------------------------
 
     def _works(self, predicate: str, rule: Span, suggestion: Suggestion) -> bool:
         span, change = suggestion.span, suggestion.change

@@ -133,6 +133,11 @@ class Term:
     call: Call | None = None
     body: Body | None = None
 
+    def walk(self) -> Iterator[Term]:
+        yield self
+        for part in self.parts:
+            yield from part.walk()
+
 
 @dataclass(frozen=True, slots=True)
 class Step:
@@ -179,6 +184,15 @@ class Clause:
     @property
     def query(self) -> str:
         return self.steps[-1].query if self.steps else self.before
+
+    def all_terms(self) -> Iterator[Term]:
+        """Yield all expressions, also within others, but not those of bodies within."""
+        found = [each.term for each in self.collected if each.term is not None]
+        found[:0] = self.terms.values()
+        for step in reversed(self.steps):
+            found[:0] = (*step.terms, *step.reads, *(step.call.terms.values() if step.call else ()))
+        for term in found:
+            yield from term.walk()
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,15 +281,11 @@ class Called:
     given: str
 
 
-_WITHOUT_RULES = {
-    "Sensor": "Sensor has no rules: its rows are what the robots sense.",
-    "Memory": "Memory has no rules: its rows are what the robots remembered in the tick before.",
-}
-
-
 def _without_rules(program: Program, predicate: str) -> str:
-    if predicate in _WITHOUT_RULES:
-        return _WITHOUT_RULES[predicate]
+    if predicate == "Sensor":
+        return "Sensor has no rules: its rows are what the robots sense."
+    if predicate == "Memory":
+        return "Memory has no rules: its rows are what the robots remembered in the tick before."
     if program.predicate(predicate) is not None:
         return f"{predicate} comes with the game; the program has no rules for it."
     close = closest(predicate, (each.name for each in program.predicates))
@@ -306,12 +316,8 @@ def decompose(
         raise QueryError(_without_rules(program, predicate))
     if not (known.has_rows or known.is_function or within):
         raise QueryError(known.reason)
-    request = {
-        "text": program.text,
-        "predicate": predicate,
-        "within": within,
-        "kinds": program.kinds,
-    }
+    request = {"text": program.text, "predicate": predicate, "within": within}
+    request["kinds"] = program.kinds
     try:
         probing = compile_request(request, Probing, stop=stop(), limits=limits)
     except ProgramError as error:

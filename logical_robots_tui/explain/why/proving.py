@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import operator
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -15,10 +14,16 @@ from logical_robots_tui.explain.why.derivations import (
     is_aggregated,
 )
 from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, number_of
-from logical_robots_tui.explain.why.explanation import Ask, Explanation, Node, Proof, RuleFound
+from logical_robots_tui.explain.why.explanation import (
+    Ask,
+    Explanation,
+    Node,
+    Proof,
+    RuleFound,
+    spell_call,
+)
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
-from logical_robots_tui.explain.why.spelling import spell_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same
@@ -30,7 +35,7 @@ def explain(derivations: Derivations, asked: Ask, *, is_first: bool = True) -> E
 
     `is_first` is False for the questions that follow from another one.
     """
-    key = (_key(asked), is_first)
+    key = (asked.key, is_first)
     if key not in derivations.explained:
         derivations.explained[key] = _explain(derivations, asked, is_first=is_first)
     return derivations.explained[key]
@@ -49,13 +54,16 @@ def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explana
     proving = _Proving(derivations, probing, given, rows, row)
     rules = tuple(map(proving.rule, probing.rules))
     if row is not None and all(found.row is None for found in rules):
-        if _is_over_nothing(probing, row):
+        is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
+        if is_keyless and all(value in (None, 0) for value in row.values()):
             rules = (_over_nothing(rules[0], row, proving.label), *rules[1:])
         elif all(found.rows is not None for found in rules):
             rules = (*rules, _note(rules[0], _unexplained(probing)))
     if row is None and (is_first or probing.recursive):
-        cut = derivations.relations.cut_off(asked.predicate)
-        rules = (*rules, *(_note(rules[0], _cut_off(*each)) for each in cut))
+        for name, steps in derivations.relations.cut_off(asked.predicate):
+            said = f"The recursion of {name} was cut off after {steps} steps, so later rows are"
+            more = f"@Recursive({name}, {2 * steps}) would allow more"
+            rules = (*rules, _note(rules[0], f"{said} missing; {more}."))
     return Explanation(
         asked, derivations.robot, probing.made_from, min(len(rows), MOST_ROWS), row, rules
     )
@@ -80,11 +88,6 @@ class _Proving:
         self._telling = self._refuting.telling
         self._which = "last" if probing.name == MAIN else "first"
 
-    def _gives(self, number: int) -> str:
-        if len(self._rows) <= 1:
-            return "gives this row"
-        return f"gives {_number_of_rows(number)}; this is the {self._which}"
-
     def rule(self, rule: RuleParts) -> RuleFound:
         row = self._row
         try:
@@ -95,8 +98,10 @@ class _Proving:
                 self._derivations.prepare(self._probing)
             number = 1 if nodes is not None and len(self._rows) == 1 else self._number(rule)
             if nodes is not None:
-                heading = _heading(rule, self._gives(number), True, nodes)
-                return RuleFound(rule.span, number, row, None, heading)
+                said = "gives this row"
+                if len(self._rows) > 1:
+                    said = f"gives {_number_of_rows(number)}; this is the {self._which}"
+                return RuleFound(rule.span, number, row, None, _heading(rule, said, True, nodes))
             if number:
                 said = f"gives {_number_of_rows(number)}, but not the {self._which}"
                 return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
@@ -106,7 +111,9 @@ class _Proving:
                 children, stopped = (*children, *unlike), next(iter(unlike), None)
             said = "is about something else" if is_else else "gives no row"
             if is_left_out := row is None and not (stopped or is_else or is_aggregated(rule)):
-                said = _left_out(self._probing)
+                said = "gives this row, but it was left out, as by @Limit"
+                if self._probing.recursive:
+                    said = "would give this row in a later step"
             node = _heading(rule, said, None if is_else or is_left_out else False, children)
             return RuleFound(rule.span, 0, None, stopped, node)
         except FailureError as failure:
@@ -186,25 +193,12 @@ def _number_of_rows(number: int) -> str:
     return number_of(number, "row", is_all=number < MOST_ROWS)
 
 
-def _is_over_nothing(probing: Probing, row: Row) -> bool:
-    is_keyless = not any(clause.head for rule in probing.rules for clause in rule.clauses)
-    return is_keyless and all(value in (None, 0) for value in row.values())
-
-
 def _over_nothing(found: RuleFound, row: Row, label: Callable[[str], str]) -> RuleFound:
-    columns = tuple(
-        Node("column", label(c), "goes over nothing", None, (v,)) for c, v in row.items()
-    )
+    said = "goes over nothing"
+    columns = (Node("column", label(c), said, None, (v,)) for c, v in row.items())
     children = (*columns, *found.node.children)
     node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)
     return replace(found, rows=1, row=row, node=node)
-
-
-def _left_out(probing: Probing) -> str:
-    """Return why a predicate lacks a row that a rule of it gives."""
-    if probing.recursive:
-        return "would give this row in a later step"
-    return "gives this row, but it was left out, as by @Limit"
 
 
 def _note(like: RuleFound, text: str) -> RuleFound:
@@ -219,18 +213,11 @@ def _unexplained(probing: Probing) -> str:
     return "This row is from a recursion that was cut off."
 
 
-def _cut_off(predicate: str, steps: int) -> str:
-    return (
-        f"The recursion of {predicate} was cut off after {steps} steps, so later rows are missing; "
-        f"@Recursive({predicate}, {2 * steps}) would allow more."
-    )
-
-
 def prove(derivations: Derivations, asked: Ask, *, depth: int, nodes: int) -> Proof:
     """Prove a row, or its absence, up to `depth` predicates and `nodes` nodes."""
     explanation = explain(derivations, asked)
     unfolding = _Unfolding(derivations, nodes)
-    above = (_key(explanation.asked),)
+    above = (explanation.asked.key,)
     roots = tuple(unfolding.node(node, depth, above) for node in _premises(explanation))
     return Proof(explanation, roots, unfolding.complete, unfolding.is_cut)
 
@@ -261,11 +248,10 @@ class _Unfolding:
         return replace(node, children=children)
 
     def _called(self, asked: Ask, depth: int, above: tuple[str, ...]) -> tuple[Node, ...]:
-        key = _key(asked)
+        key = asked.key
         if key in above:
-            return (
-                Node("note", f"{spell_call(asked)} is asked above; no row follows from itself."),
-            )
+            text = f"{spell_call(asked)} is asked above; no row follows from itself."
+            return (Node("note", text),)
         if depth <= 1:
             self.complete, self.is_cut = False, True
             return ()
@@ -281,10 +267,6 @@ class _Unfolding:
         except QueryError as error:
             return (Node("note", str(error)),)
         return tuple(self.node(each, depth - 1, (*above, key)) for each in _premises(found))
-
-
-def _key(asked: Ask) -> str:
-    return json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
 
 
 def _premises(explanation: Explanation) -> tuple[Node, ...]:

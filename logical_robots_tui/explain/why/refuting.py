@@ -16,7 +16,7 @@ from logical_robots_tui.explain.why.deriving import (
     number_of,
     value_of,
 )
-from logical_robots_tui.explain.why.explanation import Ask, Node
+from logical_robots_tui.explain.why.explanation import Ask, Node, spell_call, unlike_types
 from logical_robots_tui.explain.why.probing import (
     Call,
     Clause,
@@ -26,7 +26,6 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
-from logical_robots_tui.explain.why.spelling import spell_call, unlike_types
 from logical_robots_tui.language.diagnostics import distance
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, same
@@ -117,8 +116,6 @@ class Refuting:
     def _label(self, column: str) -> str:
         return self._relations.label(self._probing.predicate, column)
 
-    # -- columns ---------------------------------------------------------------------------------
-
     def _others(self, rule: RuleParts) -> dict[str, Value]:
         """Return the constants of a head that are unlike what is wanted."""
         clause = rule.clauses[0]
@@ -126,7 +123,9 @@ class Refuting:
         return {
             column: value_of(way, place)
             for column, place in clause.head.items()
-            if column in self._wanted and place in way and not _is_asked_of_body(clause, column)
+            if column in self._wanted and place in way
+            # Others are known only together with the body.
+            if not clause.steps or clause.terms[column].kind == "literal"
             if not same(value_of(way, place), self._wanted[column])
         }
 
@@ -179,8 +178,6 @@ class Refuting:
             asked, inside = None, tuple(self.telling.reason(term, way))
         inside = inside if len(values) == 1 else ()
         return replace(found, text=text, span=term.span, asked=asked, children=inside)
-
-    # -- steps -----------------------------------------------------------------------------------
 
     def _reached(self, clause: Clause) -> _Reached:
         reached = _Reached(0, clause.before, [], 1)
@@ -242,7 +239,6 @@ class Refuting:
         )
 
     def _elsewhere(self, step: Step) -> str:
-        """Return that a step holds for other values than those wanted, or ""."""
         number = 0
         if self._wanted:
             sql = self._queries[step.query]
@@ -273,7 +269,6 @@ class Refuting:
         return asks[0], tuple(Node("value", label, values=(value,)) for label, value in labels)
 
     def _rows(self, asked: Ask) -> Sequence[Mapping[str, Value]]:
-        """Return the rows that a call is matched with, () for a function."""
         name, probing = asked.predicate, self._probing
         if asked.within or name not in probing.tables:
             return ()
@@ -292,7 +287,8 @@ class Refuting:
         rows = self._rows(asks[0])[: _MOST_COMPARED // len(asks)]
 
         def gap(ask: Ask) -> float:
-            return min((_gap(ask.given, row) for row in rows), default=0.0)
+            gaps = (sum(_unlikeness(v, row.get(c)) for c, v in ask.given.items()) for row in rows)
+            return min(gaps, default=0.0)
 
         return sorted(asks, key=gap)
 
@@ -399,17 +395,8 @@ def _is_joined(clause: Clause, column: str) -> bool:
     )
 
 
-def _is_asked_of_body(clause: Clause, column: str) -> bool:
-    """Return whether a column's value is known only together with the body."""
-    return bool(clause.steps) and clause.terms[column].kind != "literal"
-
-
-def _gap(given: Mapping[str, Value], row: Mapping[str, Value]) -> float:
-    """Return the dissimilarity of arguments and a row, at most 1 for each argument."""
-    return sum(_difference(value, row.get(column)) for column, value in given.items())
-
-
-def _difference(one: Value, other: Value) -> float:
+def _unlikeness(one: Value, other: Value) -> float:
+    """Return the dissimilarity of two values, at most 1."""
     if same(one, other):
         return 0.0
     if isinstance(one, int | float) and isinstance(other, int | float):

@@ -6,13 +6,20 @@ from sensors and memories. What only passes a value on is left out.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.explain.why.deriving import ask_of, value_of, winner
-from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.explanation import (
+    Ask,
+    Condition,
+    Path,
+    Read,
+    Source,
+    Subject,
+    part_of,
+)
 from logical_robots_tui.explain.why.probing import (
     DECIDED_BY_ONE,
     AggregateInput,
@@ -24,7 +31,6 @@ from logical_robots_tui.explain.why.probing import (
     Step,
     Term,
 )
-from logical_robots_tui.explain.why.sources import Condition, Path, Read, Source, Subject, part_of
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.failures import FailureError
 from logical_robots_tui.mind.relations import Way, alike
@@ -97,10 +103,10 @@ class _Sourcing:
                 (place,) = step.gives.values()
             if place and alike(value_of(way, place), subject.value):
                 return self._variable(frame, place, subject.path)
-        for term in _terms(clause):
+        for term in clause.all_terms():
             if term.span == subject.span and alike(value_of(way, term.column), subject.value):
                 return self._term(frame, term, subject.path)
-        for term in _terms(clause):
+        for term in clause.all_terms():
             ways = self._derivations.elements(frame.probing, term.body, way) if term.body else ()
             for inner in ways:
                 assert term.body is not None
@@ -110,12 +116,11 @@ class _Sourcing:
         return None
 
     def _first(self, asked: Ask) -> Derived:
-        key = json.dumps([asked.predicate, asked.within, asked.given], sort_keys=True)
-        if key not in self._rows:
+        if asked.key not in self._rows:
             if len(self._rows) >= _MOST_ROWS:
                 raise QueryError("This goes through too many rows to be traced.")
-            self._rows[key] = self._derivations.first(asked)
-        return self._rows[key]
+            self._rows[asked.key] = self._derivations.first(asked)
+        return self._rows[asked.key]
 
     def _in_row(
         self, asked: Ask, column: str, path: Path, caller: tuple[_Frame, Call] | None = None
@@ -142,7 +147,10 @@ class _Sourcing:
                     (clause, next(c for c in clause.collected if c.column == column), way)
                     for _, clause, way in derived.ways
                 ]
-                span = _aggregated(collected[0][1], frames[0].rule)
+                one, span = collected[0][1], frames[0].rule
+                if one.term is not None:
+                    text = f"{one.operator}= {one.term.span.text}"
+                    span = replace(one.term.span, text=text)
                 found = self._aggregate(collected, frames, derived.row[column], path, span)
             return replace(found, name=name, value=value) if caller is None else found
         finally:
@@ -151,10 +159,8 @@ class _Sourcing:
     def _term(self, frame: _Frame, term: Term, path: Path) -> Source:
         if term.kind == "variable":
             return self._variable(frame, term.column, path)
-        if term.kind == "field":
+        if term.kind in ("field", "cast"):
             return self._term(frame, term.parts[0], (*term.names, *path))
-        if term.kind == "cast":
-            return self._term(frame, term.parts[0], path)
         if term.kind == "record" and path:
             parts = dict(zip(term.names, term.parts, strict=True))
             if path[0] in parts:
@@ -168,7 +174,12 @@ class _Sourcing:
         if term.kind == "call" and term.call is not None:
             return self._called(frame, term.call, VALUE, path)
         if term.kind == "aggregate" and term.body is not None:
-            return self._collected(frame, term, term.body, path)
+            ways = self._derivations.elements(frame.probing, term.body, frame.way)
+            found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
+            frames = [_inner(frame, term.body, clause, way) for clause, _, way in found]
+            value = value_of(frame.way, term.column)
+            made = self._aggregate(found, frames, value, path, term.span)
+            return made if frames else replace(made, rule=frame.rule)
         return self._computed(frame, term, path)
 
     def _computed(self, frame: _Frame, term: Term, path: Path) -> Source:
@@ -246,7 +257,9 @@ class _Sourcing:
             return self._chosen(frame, step, found) if found.is_constant else found
         if step.kind == "element":
             items = value_of(frame.way, step.terms[0].column)
-            number = _index(items, value_of(frame.way, place))
+            value = value_of(frame.way, place)
+            each = enumerate(items if isinstance(items, list) else ())
+            number = next((number for number, item in each if alike(item, value)), 0)
             return self._term(frame, step.terms[0], (number, *path))
         others = [term for term in step.terms if term.column != place]
         if len(others) == 1:
@@ -274,25 +287,14 @@ class _Sourcing:
         if column == "robot_name":
             return Source(column, whole, frame.rule, frame.rule, is_constant=True)
         what: Literal["sensor", "memory"] = "sensor" if column == "sensor" else "memory"
-        robot = asked.given.get("robot_name") or self._owner(what, whole)
+        own, robot = self._derivations.robot, asked.given.get("robot_name")
+        if not robot:  # it is the robot's that thinks, by preference
+            names = self._derivations.relations.owners(what, whole)
+            robot = own if own in names or not names else names[0]
         if what == "sensor" and path[:1] == _RADAR:
             path = path[:2]
         read = Read(what, str(robot), path, _part(whole, path))
         return Source("", read.value, None, frame.rule, read)
-
-    def _owner(self, what: Literal["sensor", "memory"], value: Value) -> str:
-        """Return whose sensor or memory a value is, by preference the robot's that thinks."""
-        own = self._derivations.robot
-        names = self._derivations.relations.owners(what, value)
-        return own if own in names or not names else names[0]
-
-    def _collected(self, frame: _Frame, term: Term, body: Body, path: Path) -> Source:
-        ways = self._derivations.elements(frame.probing, body, frame.way)
-        found = [(clause, clause.collected[0], way) for clause, way in ways if clause.collected]
-        frames = [_inner(frame, body, clause, way) for clause, _, way in found]
-        value = value_of(frame.way, term.column)
-        made = self._aggregate(found, frames, value, path, term.span)
-        return made if frames else replace(made, rule=frame.rule)
 
     def _aggregate(
         self,
@@ -304,9 +306,8 @@ class _Sourcing:
     ) -> Source:
         if not found:
             return Source(span.text, _part(value, path), span)
-        operator = found[0][1].operator
         chosen = None
-        if operator in DECIDED_BY_ONE:
+        if found[0][1].operator in DECIDED_BY_ONE:
             queries = frames[0].probing.queries
             best = winner(self._derivations.relations, queries, found, value)
             chosen = next((n for n, each in enumerate(found) if each is best), None)
@@ -315,10 +316,8 @@ class _Sourcing:
             values = [value_of(way, one.value) for _, one, way in found]
             chosen = next((n for n, each in enumerate(values) if alike(each, wanted)), None)
             path = path[1:]
-        if chosen is not None:
-            term = found[chosen][1].term
-            if term is not None:
-                return self._term(frames[chosen], term, path)
+        if chosen is not None and (term := found[chosen][1].term) is not None:
+            return self._term(frames[chosen], term, path)
         inputs: list[Source] = []
         for (_, one, _), frame in zip(found[:_MOST_ELEMENTS], frames, strict=False):
             if one.term is not None:
@@ -328,13 +327,6 @@ class _Sourcing:
         more = max(0, len(found) - _MOST_ELEMENTS) if inputs else 0
         rule = frames[0].rule
         return Source(span.text, value, span, rule, inputs=_distinct(inputs), more=more)
-
-
-def _aggregated(collected: AggregateInput, rule: Span) -> Span:
-    if collected.term is None:
-        return rule
-    span = collected.term.span
-    return replace(span, text=f"{collected.operator}= {span.text}")
 
 
 def _binding(clause: Clause, place: str) -> Iterator[Step]:
@@ -371,21 +363,6 @@ def _rank(source: Source) -> int:
     return 3 if source.is_constant else 2
 
 
-def _terms(clause: Clause) -> Iterator[Term]:
-    for step in clause.steps:
-        yield from _walk(step.terms)
-        yield from _walk(step.reads)
-        yield from _walk(step.call.terms.values() if step.call is not None else ())
-    yield from _walk(clause.terms.values())
-    yield from _walk(each.term for each in clause.collected if each.term is not None)
-
-
-def _walk(terms: Iterable[Term]) -> Iterator[Term]:
-    for term in terms:
-        yield term
-        yield from _walk(term.parts)
-
-
 def _distinct(sources: Iterable[Source]) -> tuple[Source, ...]:
     return tuple({repr(each.read or (each.name, each.value)): each for each in sources}.values())
 
@@ -416,8 +393,3 @@ def _inner(outer: _Frame, body: Body, clause: Clause, way: Way) -> _Frame:
     for place, name in clause.given.items():
         frame.given[place] = outer, body.given[name], None
     return frame
-
-
-def _index(items: Value, value: Value) -> int:
-    places = enumerate(items if isinstance(items, list) else ())
-    return next((number for number, item in places if alike(item, value)), 0)

@@ -6,7 +6,7 @@ import math
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass
 
-from logical_robots_tui.explain.why.sources import Path, part_of
+from logical_robots_tui.explain.why.explanation import Path, part_of
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.values import Value, is_same
 
@@ -72,8 +72,6 @@ async def last_change(memories: AsyncIterator[Sequence[Value]], path: Path, tick
 
 
 class _Changes:
-    """Follows a part of a memory back, tick by tick, over its last changes."""
-
     def __init__(self, memory: Value, path: Path, tick: int) -> None:
         self.ticks: list[int] = []  # of the changes, the last one first
         self._tick, self._memory = tick, memory
@@ -108,7 +106,9 @@ class _Changes:
         return Change(tick, self._path, self._values[0], is_known, self._steps())
 
     def _compare(self, tick: int, before: Value) -> None:
-        by = _difference(self._values[-1], before)
+        pair = (self._values[-1], before)
+        numbers = [v for v in pair if isinstance(v, int | float) and not isinstance(v, bool)]
+        by = numbers[0] - numbers[1] if len(numbers) == 2 else None
         if not self.ticks:
             self._by = by
         if by is not None and self._by is not None and math.isclose(by, self._by):
@@ -127,14 +127,7 @@ class _Changes:
         return Steps(by, self.ticks[times - 1], times, self._values[times])
 
 
-def _difference(value: Value, before: Value) -> float | None:
-    if isinstance(value, int | float) and isinstance(before, int | float):
-        return None if isinstance(value, bool) or isinstance(before, bool) else value - before
-    return None
-
-
 def _place_before(memory: Value, now: Value, path: Path) -> Path | None:
-    """Return where a value was in the memory before, or None if it was not there."""
     if memory is now:
         return path
     at = next((n for n in reversed(range(len(path))) if isinstance(path[n], int)), None)
@@ -156,7 +149,6 @@ def _place_before(memory: Value, now: Value, path: Path) -> Path | None:
 
 
 def _from_the_start(memory: Value, path: Path) -> Path:
-    """Return a path whose places in lists are counted from the start."""
     found: Path = ()
     for name in path:
         value = part_of(memory, found)

@@ -1,28 +1,169 @@
-"""Answering questions about finished ticks: queries and explanations."""
+"""What is asked about finished ticks: queries, explanations, and values that a player pins."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import operator
 import threading
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias, TypeVar
 
 from logical_robots_tui import explain
-from logical_robots_tui.game.debugging.pins import Pin, Reading, read
-from logical_robots_tui.game.debugging.watching import matching_rows
+from logical_robots_tui.game.advancing import Thinker
+from logical_robots_tui.game.debugging.breakpoints import matching_rows
 from logical_robots_tui.game.frame import Frame, Superseded
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, ProgramError, QueryError, QueryPlan, Stopped, Table
+from logical_robots_tui.values import Value, spell
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.explain import Ask, Explanation, Proof
     from logical_robots_tui.explain.why.explainer import Explainer
     from logical_robots_tui.explain.why.nearest import Suggestion
-    from logical_robots_tui.mind import Mind, Program
+    from logical_robots_tui.mind import Mind, Program, Table
+
+MIND = "in the mind of"
+"""Pseudo-column for the robot in whose reasoning a row holds. No real column has this name."""
+
+ROBOT_COLUMNS = (MIND, "robot_name", "robot")
+"""Columns that name the robot of a row, the most specific first."""
+
+Path: TypeAlias = "tuple[str | int, ...]"
+"""The path into a value: field names and list indices."""
+
+
+class Pin(NamedTuple):
+    """A number of rows ("" as column), or one value in one row.
+
+    Of a question only rows for which it holds count.
+    """
+
+    predicate: str
+    column: str = ""
+    where: tuple[tuple[str, Value], ...] = ()
+    path: Path = ()
+
+    @property
+    def is_question(self) -> bool:
+        return not self.predicate.isidentifier()
+
+    @property
+    def name(self) -> str:
+        """Its name without the robot, such as ``Robot.memory.phase`` or ``Near: rows``."""
+        if self.is_question:
+            return self.predicate
+        if not self.column:
+            return f"{self.predicate}: rows"
+        return path_text(self.path, f"{self.predicate}.{self.column}")
+
+    @property
+    def words(self) -> str:
+        """Its full description, such as ``Robot.memory for Ada``."""
+        parts = (
+            one if name in ROBOT_COLUMNS else f"{name} {one}"
+            for name, value in self.where
+            for one in [value if isinstance(value, str) else spell(value, is_rounded=True)]
+        )
+        return f"{self.name} for {', '.join(parts)}" if self.where else self.name
+
+    def deeper(self, path: Path) -> Pin:
+        return self._replace(path=self.path + path)
+
+
+class Reading(NamedTuple):
+    """The value of a pin at a tick."""
+
+    value: Value = None
+    problem: str = ""
+
+    @property
+    def number(self) -> float | None:
+        """The value as a number, 0 or 1 for a Boolean; None if it is not a finite number."""
+        if not isinstance(self.value, bool | int | float):
+            return None
+        try:
+            number = float(self.value)
+        except OverflowError:
+            return None
+        return number if math.isfinite(number) else None
+
+
+def path_text(path: Path, what: str = "memory") -> str:
+    return what + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path)
+
+
+def pin_of_cell(
+    predicate: str, columns: Sequence[str], rows: Sequence[Sequence[Value]], row: int, column: str
+) -> Pin | None:
+    """Return the pin of a value in a table, which finds its row again at other ticks.
+
+    As few columns as needed identify the row. None if only the value itself distinguishes it.
+    """
+    mine = rows[row]
+    others = [each for at, each in enumerate(rows) if at != row]
+    where: list[tuple[str, Value]] = []
+    names = [name for name in ROBOT_COLUMNS if name in columns]
+    for name in (*names, *(name for name in columns if name not in ROBOT_COLUMNS)):
+        place = columns.index(name)
+        value = mine[place]
+        left = [each for each in others if _is_same(each[place], value)]
+        tells = name in ROBOT_COLUMNS or len(left) < len(others)
+        if tells and name != column and isinstance(value, bool | int | float | str):
+            where.append((name, value))
+            others = left
+    return None if others else Pin(predicate, column, tuple(where))
+
+
+def read(pin: Pin, table: Table | QueryError) -> Reading:
+    if isinstance(table, QueryError):
+        return Reading(problem=str(table))
+    for name in (*(name for name, _ in pin.where), pin.column):
+        if table.rows and name not in (*table.columns, MIND, ""):
+            return Reading(problem=f"{pin.predicate} has no column {name}.")
+    rows = list(_matching(table, pin.where))
+    if not pin.column:
+        return Reading(len(rows))
+    if len(rows) != 1:
+        return Reading(problem=f"{len(rows)} rows." if rows else "No row.")
+    return _inside(rows[0][table.columns.index(pin.column)], pin.path)
+
+
+def _matching(table: Table, where: Iterable[tuple[str, Value]]) -> Iterator[tuple[Value, ...]]:
+    tests = [
+        (table.columns.index(name) if name in table.columns else None, value)
+        for name, value in where
+    ]
+    for number, row in enumerate(table.rows):
+        viewer = table.viewers[number] if table.viewers else None
+        if all(
+            _is_same(row[place], value) if place is not None else viewer in (None, value)
+            for place, value in tests
+        ):
+            yield row
+
+
+def _is_same(value: Value, wanted: Value) -> bool:
+    """Return whether a value identifies the same row; angles may differ in the last digits."""
+    if isinstance(value, float) and isinstance(wanted, float):
+        return math.isclose(value, wanted, rel_tol=1e-6, abs_tol=1e-9)
+    return value == wanted
+
+
+def _inside(value: Value, path: Path) -> Reading:
+    for step in path:
+        if isinstance(step, str):
+            if not isinstance(value, Mapping) or step not in value:
+                return Reading(problem=f"There is no field {step}.")
+            value = value[step]
+        elif isinstance(value, Sequence) and not isinstance(value, str) and step < len(value):
+            value = value[step]
+        else:
+            return Reading(problem=f"There is no item {step}.")
+    return Reading(value)
+
 
 T = TypeVar("T")
 
@@ -171,20 +312,17 @@ def _tables(
     predicates: Iterable[str], frame: Frame, mind: Mind, stop: threading.Event
 ) -> dict[str, Table | QueryError]:
     found: dict[str, Table | QueryError] = {}
+    sensors, memories = frame.sensors, frame.memories_before
     for name in predicates:
         try:
-            found[name] = _table(name, frame, mind, stop)
+            if name.isidentifier():
+                found[name] = mind.query(name, sensors, memories, stop=stop)
+            else:
+                question = mind.program.question(name, stop=stop, limits=mind.limits)
+                table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
+                found[name] = matching_rows(question, table)
         except ProgramError as error:
             found[name] = QueryError(f"This can't be asked: {error.diagnostics[0].message}.")
         except QueryError as error:
             found[name] = error
     return found
-
-
-def _table(name: str, frame: Frame, mind: Mind, stop: threading.Event) -> Table:
-    sensors, memories = frame.sensors, frame.memories_before
-    if name.isidentifier():
-        return mind.query(name, sensors, memories, stop=stop)
-    question = mind.program.question(name, stop=stop, limits=mind.limits)
-    table = mind.ask(question, sensors, memories, stop=stop, in_order=False)
-    return matching_rows(question, table)

@@ -11,10 +11,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui.caching import CacheFolder, cache_place
-from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.debugging.watching import matching_rows
+from logical_robots_tui.game.advancing import RecordedTick, Thinker
+from logical_robots_tui.game.debugging.breakpoints import matching_rows
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError, Stopped
 from logical_robots_tui.records import record
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run
-    from logical_robots_tui.mind import Mind, Program, Question
+    from logical_robots_tui.mind import Mind, Question
 
 MAX_ENTRIES = 500
 MAX_BYTES = 10_000_000
@@ -190,7 +189,9 @@ async def search_ticks(
 
     problem, holds_here, is_outside, last = "", False, False, here
     try:
-        question = await thinker.do(partial(_compile, game, program, query))
+        question = await thinker.do(
+            lambda stop: program.question(query, stop=stop, limits=game.limits)
+        )
         together = max(1, min(_TOGETHER, _ROBOTS // len(game.level.robots)))
         for at in range(0, len(ticks), together):
             numbers = ticks[at : at + together]
@@ -213,7 +214,3 @@ async def search_ticks(
     finally:
         await thinker.close()
     return SearchResult(None, last, holds_here, problem)
-
-
-def _compile(game: Game, program: Program, query: str, stop: threading.Event) -> Question:
-    return program.question(query, stop=stop, limits=game.limits)

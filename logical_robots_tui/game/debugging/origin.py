@@ -1,4 +1,4 @@
-"""The origin of a value: what it was made from, back through rules, ticks and robots.
+"""The origin of a value, traced back through rules, ticks and robots, and in words.
 
 A value in a memory comes from the tick of its last change, which recorded memories tell. Only
 that tick is asked for its derivation; what was remembered before it has an origin of its own.
@@ -6,19 +6,19 @@ that tick is asked for its derivation; what was remembered before it has an orig
 
 from __future__ import annotations
 
+import math
 import re
 import threading
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 from logical_robots_tui import explain
-from logical_robots_tui.explain.why.explanation import Ask
-from logical_robots_tui.explain.why.sources import Path, Read, Source, Subject
+from logical_robots_tui.explain.why.explanation import Ask, Path, Read, Source, Subject
+from logical_robots_tui.game.advancing import Thinker
 from logical_robots_tui.game.debugging.changes import FEWEST_STEPS, Change, Steps, last_change
-from logical_robots_tui.game.debugging.pins import path_text
+from logical_robots_tui.game.debugging.inquiry import path_text
 from logical_robots_tui.game.frame import Frame, NoSuchTickError, Superseded
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.mind.relations import alike
 from logical_robots_tui.values import Value
@@ -32,16 +32,6 @@ _MOST_LINKS = 16
 _MOST_READS = 4  # per link that are traced
 _MOST_STEPS = 24  # that are asked for their derivation, in all
 _SLICE = 256  # ticks compared on the event loop at a time
-
-
-class Past(Protocol):
-    """The ticks in which a value is traced."""
-
-    def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
-        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
-
-    async def source(self, tick: int, robot: str, subject: Subject) -> Source:
-        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +91,7 @@ async def origin_in_run(
     report: Callable[[int], object] = lambda _tick: None,
 ) -> Origin:
     """Trace a value at a tick of a run, or raise QueryError."""
-    return await origin_of(_PastOfRun(run, report), robot, subject, tick)
+    return await _origin_of(_PastOfRun(run, report), robot, subject, tick)
 
 
 async def origin_in_game(
@@ -119,12 +109,12 @@ async def origin_in_game(
     past = _PastOfGame(game, report)
     try:
         tick = game.frame.tick if tick is None else tick
-        return await origin_of(past, robot, subject, tick)
+        return await _origin_of(past, robot, subject, tick)
     finally:
         await past.thinker.close()
 
 
-async def origin_of(past: Past, robot: str, subject: Subject, tick: int) -> Origin:
+async def _origin_of(past: _Past, robot: str, subject: Subject, tick: int) -> Origin:
     """Trace a value at a tick, or raise QueryError."""
     tracing = _Tracing(past)
     if is_memory(subject):
@@ -184,9 +174,7 @@ class _Waiting:
 
 
 class _Tracing:
-    """Makes the links of a chain, the nearest first."""
-
-    def __init__(self, past: Past) -> None:
+    def __init__(self, past: _Past) -> None:
         self._past = past
         self._links: list[Link] = []
         self._numbers: dict[str, int] = {}
@@ -292,7 +280,6 @@ class _Tracing:
 
 
 def _memories_in(source: Source) -> dict[tuple[str, Path | None], Value]:
-    """Return the parts of memories that were read for a value, by robot and path."""
     found: dict[tuple[str, Path | None], Value] = {}
     waiting, known = [source], {id(source)}
     while waiting:
@@ -305,14 +292,20 @@ def _memories_in(source: Source) -> dict[tuple[str, Path | None], Value]:
     return found
 
 
+_Past: TypeAlias = "_PastOfRun | _PastOfGame"
+"""The ticks in which a value is traced."""
+
+
 class _PastOfRun:
     def __init__(self, run: Run, report: Callable[[int], object]) -> None:
         self._run, self._report = run, report
 
     def memories(self, robot: str, tick: int) -> AsyncIterator[Sequence[Value]]:
+        """Yield a robot's memory after a tick, after the tick before, and so on, in batches."""
         return self._run.memories(robot, tick)
 
     async def source(self, tick: int, robot: str, subject: Subject) -> Source:
+        """Return the source of a value in a robot's reasoning in a tick, or raise QueryError."""
         self._report(tick)
 
         def work(frame: Frame, mind: Mind, stop: threading.Event) -> Source:
@@ -390,3 +383,83 @@ def _decided(decision: Decision | None, subject: Subject) -> dict[str, Value]:
         engines = {"left_engine": desire.left_engine, "right_engine": desire.right_engine}
         return {"desire": engines}
     return {"memory": decision.memory} if subject.column == "memory" else {}
+
+
+_SHOWN_INPUTS = 5
+_SHOWN_CONDITIONS = 3
+
+INCOMPLETE = "This is not all of it: some of the values that were read are not traced."
+
+
+def link_lines(link: Link, written: Callable[[Value], str]) -> Iterator[str]:
+    """Yield the lines below a link's value; `written` puts a value in a few words."""
+    source = link.source
+    if source is None:
+        yield _without_source(link)
+        return
+    if link.path is not None:
+        rule = f" by the rule in line {source.rule.line}" if source.rule is not None else ""
+        since = f"the same since tick {link.tick}, set then"
+        yield (since if link.until > link.tick else f"set in tick {link.tick}") + rule
+    if source.span is not None:
+        text, fact = source.span.text, source.rule
+        if fact and source.is_constant and ":-" not in fact.text and fact.holds(source.span):
+            text = fact.text
+        yield (
+            f"line {source.span.line}: {text}" if text != link.name else f"line {source.span.line}"
+        )
+    for condition in source.conditions[:_SHOWN_CONDITIONS]:
+        holds = "holds" if condition.holds else "does not hold"
+        yield f"as in line {condition.span.line} {holds}: {condition.span.text}"
+    if link.steps is not None:
+        began = f" ({link.began + 1}.)" if link.began is not None else ""
+        yield f"{_steps(link.steps, link.tick)}, from {written(link.steps.begin)}{began}"
+    verb = "from"
+    if source.read is not None:
+        verb = "copied from" if source.read.what == "memory" else "read from"
+    pairs = list(zip(link.inputs, link.before, strict=True))
+    for each, number in pairs[:_SHOWN_INPUTS]:
+        goes_on = f" ({number + 1}.)" if number is not None else ""
+        yield f"{verb} {_input(each, written)}{goes_on}"
+        verb = "from"
+    if (more := len(pairs) - len(pairs[:_SHOWN_INPUTS]) + source.more) > 0:
+        numbers = [f"{n + 1}." for _, n in pairs[_SHOWN_INPUTS:] if n is not None]
+        goes_on = f" ({', '.join(numbers)})" if numbers else ""
+        yield f"and from {more} more{goes_on}"
+
+
+def _without_source(link: Link) -> str:
+    if link.problem:
+        return f"the same since tick {link.tick}; {link.problem}"
+    if link.tick:
+        return f"the same since tick {link.tick} or longer"
+    return f"there from the start until tick {link.until}"
+
+
+def _steps(steps: Steps, tick: int) -> str:
+    since = f"since tick {steps.since}"
+    if steps.by is None:
+        return f"changes in each tick {since}"
+    way = f"counts {'up' if steps.by > 0 else 'down'} by {abs(steps.by):.10g}"
+    is_in_each_tick = steps.times == tick - steps.since + 1
+    return f"{way} {since}" if is_in_each_tick else f"{way}, {steps.times} times {since}"
+
+
+def _input(source: Source, written: Callable[[Value], str]) -> str:
+    read = source.read
+    if read is None:
+        where = source.span if source.is_constant else None
+        line = f" (line {where.line})" if where is not None else ""
+        return f"{source.name} = {written(source.value)}{line}"
+    if read.what == "sensor" and read.path[:1] == ("radar",) and len(read.path) == 2:
+        return _ray(read)
+    return f"{read.robot}'s {path_text(read.path, read.what)} = {written(read.value)}"
+
+
+def _ray(read: Read) -> str:
+    ray = read.value if isinstance(read.value, dict) else {}
+    seen, label = ray.get("object"), ray.get("label")
+    what = f"{seen}" if label in (seen, None) else f'{seen} "{label}"'
+    angle = ray.get("angle")
+    degrees = f"{math.degrees(angle):.0f}°" if isinstance(angle, int | float) else "?"
+    return f"{read.robot}'s ray {read.path[1]} at {degrees}: {what}, distance {ray.get('distance')}"

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from logical_robots_tui import explain
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
-from logical_robots_tui.game.advancing import RecordedTick
+from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.frame import Superseded
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, QueryError
 from logical_robots_tui.mind.relations import alike
 
@@ -63,13 +62,11 @@ async def compare_proofs(game: Game, divergence: Divergence) -> Comparison | Non
         found = first_difference(*proofs, mine.text, other.text)
         condition = None
         if found is not None and found.kind == "rule":
-            asked = found.asked
-            condition = condition_of(
-                found, await here.why(mine, asked), await there.why(other, asked)
-            )
+            whys = await here.why(mine, found.asked), await there.why(other, found.asked)
+            condition = condition_of(found, *whys)
     finally:
-        await here.close()
-        await there.close()
+        await here.thinker.close()
+        await there.thinker.close()
     if history.turns != turns:
         raise Superseded
     return Comparison(robot, found, condition)
@@ -80,22 +77,19 @@ class _Course:
 
     def __init__(self, robot: str, before: TickState, known: RecordedTick, limits: Limits) -> None:
         self._robot, self._before, self._known, self._limits = robot, before, known, limits
-        self._thinker = Thinker("compare")
+        self.thinker = Thinker("compare")
 
     async def proof(self, program: Program) -> Proof:
-        return await self._thinker.do(lambda stop: self._explainer(program, stop).proof())
+        return await self.thinker.do(lambda stop: self._explainer(program, stop).proof())
 
     async def why(self, program: Program, asked: Ask) -> Explanation | None:
         try:
-            return await self._thinker.do(lambda stop: self._explainer(program, stop).why(asked))
+            return await self.thinker.do(lambda stop: self._explainer(program, stop).why(asked))
         except QueryError:
             return None
 
-    async def close(self) -> None:
-        await self._thinker.close()
-
     def _explainer(self, program: Program, stop: threading.Event) -> Explainer:
-        frame, mind = self._thinker.replay(program, self._before, self._known, self._limits)
+        frame, mind = self.thinker.replay(program, self._before, self._known, self._limits)
         return explain.Explainer(mind, self._robot, frame.sensors, frame.memories_before, stop=stop)
 
 
@@ -142,8 +136,6 @@ def condition_of(
 
 
 class _Walk:
-    """Traverses two proofs in parallel."""
-
     def __init__(self, here: str, there: str, *, values: bool) -> None:
         self._here, self._there, self._values = here, there, values
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -15,7 +15,7 @@ from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.history.marks import STUCK_AFTER, Marks, Rounds, marks_of
 from logical_robots_tui.game.history.packing import Packed, TickState
 from logical_robots_tui.mind import Decision
-from logical_robots_tui.world import Level, RobotState
+from logical_robots_tui.world import Level
 from logical_robots_tui.world.walls import PackedBits
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ class Course:
         self.levels = Levels(frame.tick, level)
         self.hits: dict[int, tuple[Hit, ...]] = {}
         self._length = length
-        self._packs: list[Packed] = []
+        self.packs: list[Packed] = []
         self._loose = [TickState(frame.after, frame.memories, frame.decisions, 0.0, 0.0)]
         self._oldest = frame.tick  # that is kept, whether too old or not
         self._programs: list[tuple[int, Program]] = []
@@ -124,10 +124,6 @@ class Course:
         return oldest + 1 if oldest else 0
 
     @property
-    def packs(self) -> Iterator[Packed]:
-        return iter(self._packs)
-
-    @property
     def loose_weight(self) -> int:
         return sum(moment.weight for moment in self._loose)
 
@@ -137,34 +133,34 @@ class Course:
         self._loose.append(TickState.of(frame, before.driven + driven(frame.before, frame.after)))
         for kind, who in marks_of(frame, before.decisions):
             self.marks.note(frame.tick, kind, who)
-        if stuck := self._newly_stuck(frame.after.robots):
+        earlier, robots = self._blocked, frame.after.robots
+        self._blocked = {r.name: earlier.get(r.name, 0) + 1 for r in robots if r.blocked}
+        counts = [self._blocked.get(robot.name) for robot in robots]
+        if stuck := sum(1 << i for i, count in enumerate(counts) if count == STUCK_AFTER):
             self.marks.note(frame.tick, "stuck", stuck)
-        if circling := self._rounds.follow(frame.after.robots):
+        if circling := self._rounds.follow(robots):
             self.marks.note(frame.tick, "circling", circling)
         if self._unreliable_from is None and not frame.is_reliable:
             self._unreliable_from = frame.tick
         if self._blocked_from is None and self._blocked:
             self._blocked_from = frame.tick
         if not self._programs or self._programs[-1][1].texts != program.texts:
-            self._use(frame.tick, program)
+            if self._programs:
+                self.marks.note(frame.tick, "program")
+            self._programs.append((frame.tick, program))
+            self._rounds = Rounds()
         is_packed = False
         while together := self._ready():
             try:
-                self._packs.append(Packed(self._loose[:together]))
+                self.packs.append(Packed(self._loose[:together]))
             except MemoryError:
-                self._packs.clear()  # drop everything older as well, because there must be no gaps
+                self.packs.clear()  # drop everything older as well, because there must be no gaps
                 self._forget_before(self._loose[together].after.tick)
             del self._loose[:together]
             is_packed = True
-        while self._packs and self._begin_after_first_pack() <= self.last - self._length:
+        while self.packs and self._begin_after_first_pack() <= self.last - self._length:
             self.forget_pack()
         return is_packed
-
-    def _newly_stuck(self, robots: Sequence[RobotState]) -> int:
-        """Return the indices of robots that have just been blocked for long enough, as bits."""
-        before = self._blocked
-        self._blocked = {r.name: before.get(r.name, 0) + 1 for r in robots if r.blocked}
-        return sum(1 << i for i, r in enumerate(robots) if self._blocked.get(r.name) == STUCK_AFTER)
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue from the last tick, which is never packed, in another level."""
@@ -176,18 +172,18 @@ class Course:
         self._rounds = Rounds()
 
     def forget_pack(self) -> bool:
-        if self._packs:
+        if self.packs:
             begin = self._begin_after_first_pack()
-            del self._packs[0]
+            del self.packs[0]
             self._forget_before(begin)
-        return bool(self._packs)
+        return bool(self.packs)
 
     def moment(self, tick: int) -> TickState:
         """Return the state after a tick, from the one before `first` to `last`."""
         begin = self._loose[0].after.tick
         if tick >= begin:
             return self._loose[tick - begin]
-        pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
+        pack = self.packs[bisect_right(self.packs, tick, key=_begin_of) - 1]
         return pack.moment(tick - pack.first)
 
     def memory(self, tick: int, robot: str) -> Value:
@@ -195,7 +191,7 @@ class Course:
         begin = self._loose[0].after.tick
         if tick >= begin:
             return self._loose[tick - begin].memories[robot]
-        pack = self._packs[bisect_right(self._packs, tick, key=_begin_of) - 1]
+        pack = self.packs[bisect_right(self.packs, tick, key=_begin_of) - 1]
         return pack.memory(tick - pack.first, robot)
 
     def known(self, tick: int) -> RecordedTick:
@@ -215,9 +211,9 @@ class Course:
         copy._unreliable_from = self._unreliable_from if not self.is_reliable_up_to(tick) else None
         copy._blocked_from = self._blocked_from if self.is_blocked_up_to(tick) else None
         copy._programs = self.programs(tick)
-        begins = [*map(_begin_of, self._packs), self._loose[0].after.tick]
+        begins = [*map(_begin_of, self.packs), self._loose[0].after.tick]
         whole = bisect_right(begins, tick) - 1
-        copy._packs = self._packs[:whole]
+        copy.packs = self.packs[:whole]
         begin = begins[whole]
         copy._loose = [self.moment(at) for at in range(begin, tick + 1)]
         copy._blocked = self._blocked_until(tick)
@@ -258,7 +254,7 @@ class Course:
         return together if is_heavy else 0
 
     def _begin_after_first_pack(self) -> int:
-        rest = self._packs[1:2] or self._loose[:1]
+        rest = self.packs[1:2] or self._loose[:1]
         return rest[0].first if isinstance(rest[0], Packed) else rest[0].after.tick
 
     def _forget_before(self, tick: int) -> None:
@@ -266,12 +262,6 @@ class Course:
         self.marks.forget_before(tick)
         self.levels.forget_before(tick)
         self.hits = {at: hits for at, hits in self.hits.items() if at >= tick}
-
-    def _use(self, tick: int, program: Program) -> None:
-        if self._programs:
-            self.marks.note(tick, "program")
-        self._programs.append((tick, program))
-        self._rounds = Rounds()
 
 
 _NO_WALLS = np.zeros((0, 0), np.bool_)

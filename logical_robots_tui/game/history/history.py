@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import takewhile
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ from logical_robots_tui.game.advancing import RecordedTick, Worlds, frame_of
 from logical_robots_tui.game.frame import Frame, NoSuchTickError
 from logical_robots_tui.game.history.course import Course, Divergence, find_divergence
 from logical_robots_tui.game.history.marks import Marks
-from logical_robots_tui.game.history.packing import Packed, TickState
+from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
@@ -65,7 +64,8 @@ class History:
     @property
     def packed_bytes(self) -> int:
         """Bytes of all packs; the latest ticks are not packed."""
-        packs = sum(map(len, {id(pack): pack for pack in self._packs()}.values()))
+        both = [*self._course.packs, *(self._other.packs if self._other is not None else ())]
+        packs = sum(map(len, {id(pack): pack for pack in both}.values()))
         return packs + self._course.levels.packed_bytes
 
     @property
@@ -79,8 +79,11 @@ class History:
             self._abandon(self._course.up_to(frame.tick - 1))
         packed = self._course.add(frame, program)
         self._look_for_divergence(frame.tick)
-        if packed:
-            self._keep_within_bounds()
+        if packed:  # and may have become too much
+            if self.kept_bytes > self._most_bytes:
+                self._other = self.divergence = None
+            while self.kept_bytes > self._most_bytes and self._course.forget_pack():
+                self.dropped = self._course.first
 
     def change_level(self, frame: Frame, level: Level) -> None:
         """Continue in another level from a tick, replaced by the frame; abandons later ticks."""
@@ -110,11 +113,6 @@ class History:
         self.turns += 1
         self.divergence = self.divergence and self.divergence.reversed()
 
-    def around(self, tick: int) -> tuple[TickState, TickState]:
-        """Return the moments before and after a tick (the same for 0), or raise NoSuchTickError."""
-        self._check(tick)
-        return self._course.moment(max(tick - 1, 0)), self._course.moment(tick)
-
     def memory(self, tick: int, robot: str) -> Value:
         """Return a robot's memory after a tick, without restoring it.
 
@@ -140,11 +138,6 @@ class History:
     def is_blocked_up_to(self, tick: int) -> bool:
         return self._course.is_blocked_up_to(tick)
 
-    def known(self, tick: int) -> RecordedTick:
-        """Return a stored tick for replay, or raise NoSuchTickError."""
-        self._check(tick)
-        return self._course.known(tick)
-
     def replay(self, tick: int) -> tuple[TickState, RecordedTick]:
         """Return the moment before a tick, and the tick, or raise NoSuchTickError."""
         self._check(tick)
@@ -162,7 +155,7 @@ class History:
             lambda at: leads_here or (self._is_by(texts, at) and not self.is_changed_in(at)),
             range(tick + 1, min(tick + most, self.last) + 1),
         )
-        return [self.known(at) for at in same]
+        return [self._course.known(at) for at in same]
 
     def _is_by(self, texts: Texts, tick: int) -> bool:
         program = self.program_at(tick)
@@ -196,7 +189,7 @@ class History:
 
     def driven(self, tick: int) -> float:
         """Return the map units that all robots together have driven up to a tick."""
-        return self.around(tick)[1].driven
+        return self.replay(tick)[1].moment.driven
 
     def hits_at(self, tick: int) -> tuple[Hit, ...]:
         return self._course.hits.get(tick, ())
@@ -223,17 +216,6 @@ class History:
         self.turns += 1
         if self.divergence is not None and self.divergence.tick > new.last:
             self.divergence = None
-
-    def _packs(self) -> Iterator[Packed]:
-        yield from self._course.packs
-        if self._other is not None:
-            yield from self._other.packs
-
-    def _keep_within_bounds(self) -> None:
-        if self.kept_bytes > self._most_bytes:
-            self._other = self.divergence = None
-        while self.kept_bytes > self._most_bytes and self._course.forget_pack():
-            self.dropped = self._course.first
 
 
 class Past:

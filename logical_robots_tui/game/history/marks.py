@@ -34,7 +34,7 @@ class Mark(NamedTuple):
     """An event in a tick, with the robots or areas concerned, if any.
 
     A ``stuck`` robot was blocked for `STUCK_AFTER` ticks, a ``circling`` one repeats its way
-    (see `rounds.py`); an ``edit`` is at the end of the tick.
+    (see `Rounds`); an ``edit`` is at the end of the tick.
     """
 
     kind: MarkKind
@@ -109,13 +109,9 @@ class Marks:
     def refer_to(self, state: WorldState) -> None:
         robots = _places([robot.name for robot in state.robots], self._robots)
         areas = _places([area.name for area in state.areas], self._areas)
-        self._places: dict[MarkKind, list[int]] = {
-            "area": areas,
-            "stuck": robots,
-            "circling": robots,
-            "notice": robots,
-            "memory": robots,
-        }
+        of_robots: list[MarkKind] = ["stuck", "circling", "notice", "memory"]
+        self._places: dict[MarkKind, list[int]] = dict.fromkeys(of_robots, robots)
+        self._places["area"] = areas
 
     def at(self, tick: int) -> tuple[Mark, ...]:
         """Return the marks of one tick, the most significant first."""
@@ -123,7 +119,9 @@ class Marks:
         for kind, ticks in self._ticks.items():
             at = bisect_left(ticks, tick)
             if at < len(ticks) and ticks[at] == tick:
-                found.append(Mark(kind, self._named(kind, self._who[kind][at])))
+                who, names = self._who[kind][at], self._areas if kind == "area" else self._robots
+                which = enumerate(names if kind in self._places else ())
+                found.append(Mark(kind, tuple(name for n, name in which if who >> n & 1)))
         return tuple(found)
 
     def has(self, kind: MarkKind, first: int, last: int, robot: str | None = None) -> bool:
@@ -169,12 +167,6 @@ class Marks:
                 return ticks[at]
             at += steps
         return None
-
-    def _named(self, kind: MarkKind, who: int) -> tuple[str, ...]:
-        if kind not in self._places:
-            return ()
-        names = self._areas if kind == "area" else self._robots
-        return tuple(name for place, name in enumerate(names) if who >> place & 1)
 
 
 def _places(names: list[str], known: list[str]) -> list[int]:

@@ -26,6 +26,7 @@ _HEAVIEST_OPEN = 24_000_000  # bytes of objects in all packs that are kept open
 
 _BODY = ("x", "y", "angle", "battery_level", "left_engine", "right_engine", "blocked", "dead")
 _body_of = attrgetter(*_BODY)
+_facts_of = attrgetter("think_milliseconds", "driven", "weight")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,23 +46,17 @@ class TickState:
 
     @classmethod
     def of(cls, frame: Frame, driven: float) -> TickState:
+        before, decisions = frame.memories_before, frame.decisions
+        weight = sum(d.weight for d in decisions if d.memory is not before.get(d.robot_name))
+        weight += sum(len(notice.message) for d in decisions for notice in d.notices)
+        weight += _BODY_BYTES * len(decisions)
         milliseconds = frame.think_milliseconds
-        return cls(
-            frame.after, frame.memories, frame.decisions, milliseconds, driven, _weight_of(frame)
-        )
+        return cls(frame.after, frame.memories, decisions, milliseconds, driven, weight)
 
     @property
     def is_reliable(self) -> bool:
         """Whether the tick is the same on any machine: no time limit cut off a thought."""
         return all(decision.is_reliable for decision in self.decisions)
-
-
-def _weight_of(frame: Frame) -> int:
-    """Return the bytes of objects that are new in a tick: robot states and changed memories."""
-    before = frame.memories_before
-    memories = [d.weight for d in frame.decisions if d.memory is not before.get(d.robot_name)]
-    notices = [len(notice.message) for d in frame.decisions for notice in d.notices]
-    return sum(memories) + sum(notices) + _BODY_BYTES * len(frame.decisions)
 
 
 class Packed:
@@ -132,30 +127,22 @@ def moment_in(runs: Sequence[Any], at: int) -> TickState:
         at -= len(facts)
         begin, names, area_names, facts, areas, bodies, thoughts, values = next(rest)
     won_at, tallies, milliseconds, driven, weight, has_decided = facts[at]
-    after = WorldState(
-        begin + at,
-        tuple([RobotState(n, *body[at]) for n, body in zip(names, bodies, strict=True)]),
-        tuple(
-            [
-                AreaState(name, active, tuple(visitors))
-                for name, (active, visitors) in zip(area_names, areas[at], strict=True)
-            ]
-        ),
-        won_at,
-        tuple(map(tuple, tallies)),
-    )
-    mine = []
+    robots = [RobotState(name, *body[at]) for name, body in zip(names, bodies, strict=True)]
+    there = [
+        AreaState(name, active, tuple(visitors))
+        for name, (active, visitors) in zip(area_names, areas[at], strict=True)
+    ]
+    tallied = tuple(map(tuple, tallies))
+    after = WorldState(begin + at, tuple(robots), tuple(there), won_at, tallied)
+    memories, decisions = {}, []
     for name, thought in zip(names, thoughts, strict=True):
-        memory, desire, notices = thought[at]
-        mine.append((name, _memory(memory, values), desire, notices))
-    return TickState(
-        after,
-        {name: memory for name, memory, _, _ in mine},
-        tuple([_decision(*each) for each in mine]) if has_decided else (),
-        milliseconds,
-        driven,
-        weight,
-    )
+        places, desire, notices = thought[at]
+        memories[name] = memory = _memory(places, values)
+        if has_decided:
+            wanted = None if desire is None else Desire(*desire)
+            told = tuple([Notice(*notice) for notice in notices])
+            decisions.append(Decision(name, wanted, memory, told))
+    return TickState(after, memories, tuple(decisions), milliseconds, driven, weight)
 
 
 def memory_in(runs: Sequence[Any], at: int, robot: str) -> Value:
@@ -180,26 +167,13 @@ def _names_of(moment: TickState) -> tuple[list[str], list[str]]:
 
 
 def _run_of(moments: Sequence[TickState]) -> tuple[Any, ...]:
-    first = moments[0].after
-    values = _Values()
-    return (
-        first.tick,
-        *_names_of(moments[0]),
-        [
-            (
-                *(m.after.won_at, m.after.tallies),
-                *(m.think_milliseconds, m.driven, m.weight, bool(m.decisions)),
-            )
-            for m in moments
-        ],
-        [[(area.active, area.visitors) for area in m.after.areas] for m in moments],
-        [[_body_of(m.after.robots[i]) for m in moments] for i in range(len(first.robots))],
-        [
-            [_thought_of(m, i, robot.name, values) for m in moments]
-            for i, robot in enumerate(first.robots)
-        ],
-        values.all,
-    )
+    first, values = moments[0].after, _Values()
+    facts = [(m.after.won_at, m.after.tallies, *_facts_of(m), bool(m.decisions)) for m in moments]
+    areas = [[(area.active, area.visitors) for area in m.after.areas] for m in moments]
+    robots = [*enumerate(robot.name for robot in first.robots)]
+    bodies = [[_body_of(m.after.robots[i]) for m in moments] for i, _ in robots]
+    thoughts = [[_thought_of(m, i, name, values) for m in moments] for i, name in robots]
+    return first.tick, *_names_of(moments[0]), facts, areas, bodies, thoughts, values.all
 
 
 class _Values:
@@ -231,15 +205,6 @@ def _thought_of(moment: TickState, at: int, name: str, values: _Values) -> tuple
         values.places(decision.memory),
         None if desire is None else (desire.left_engine, desire.right_engine),
         tuple([(notice.kind, notice.message) for notice in decision.notices]),
-    )
-
-
-def _decision(name: str, memory: Value, desire: Any, notices: Any) -> Decision:
-    return Decision(
-        name,
-        None if desire is None else Desire(*desire),
-        memory,
-        tuple([Notice(*notice) for notice in notices]),
     )
 
 

@@ -12,7 +12,7 @@ import math
 import zlib
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
@@ -126,7 +126,10 @@ class Recording:
         if len(self._loose) >= _TOGETHER or sum(each.weight for each in self._loose) > _HEAVY:
             self._pieces += _pieces_of(self._loose)
             self._loose = []
-            self._drop_some()
+            total = sum(len(piece.content) for piece in self._pieces)
+            at = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
+            while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
+                total -= len(self._pieces.pop(at).content)
 
     def forget(self) -> None:
         """Discard everything after the start, also on disk."""
@@ -143,14 +146,11 @@ class Recording:
         pieces = _fitting_prefix(self._up_to(min(self._lasting, self.last)))
         count = sum(piece.count for piece in pieces)
         there = folder.read(self._key, MAX_BYTES)
-        if there is not None and _count(there) >= count:
-            return
-        index = {
-            "key": self._key,
-            "moments": count,
-            "pieces": [[len(p.content), p.digest, p.count] for p in pieces],
-        }
-        line = json.dumps(index).encode()
+        with suppress(ValueError, TypeError, KeyError):  # a damaged file holds nothing
+            if there is not None and int(_index(there)[0]["moments"]) >= count:
+                return
+        parts = [[len(p.content), p.digest, p.count] for p in pieces]
+        line = json.dumps({"key": self._key, "moments": count, "pieces": parts}).encode()
         contents = [piece.content for piece in pieces]
         folder.keep(self._key, [_digest(line).encode(), b"\n", line, b"\n", *contents])
 
@@ -160,12 +160,6 @@ class Recording:
 
     def _piece(self, tick: int) -> _Piece:
         return self._pieces[bisect_right(self._pieces, tick, key=_first_of) - 1]
-
-    def _drop_some(self) -> None:
-        total = sum(len(piece.content) for piece in self._pieces)
-        at = len(_fitting_prefix(_contiguous_prefix(self._pieces))) or 1
-        while total > MAX_HELD_BYTES and at < len(self._pieces) - 1:
-            total -= len(self._pieces.pop(at).content)
 
     def _up_to(self, last: float) -> Iterator[_Piece]:
         before = list(_contiguous_prefix(self._pieces))
@@ -198,9 +192,7 @@ class Recording:
                 raise DamagedError("not all of it")
             self._loose = []
             if self._pieces[-1].count < _TOGETHER:
-                self._loose = [
-                    self.moment(tick) for tick in range(self._pieces[-1].first, self._packed)
-                ]
+                self._loose = [self.moment(tick) for tick in self._pieces[-1].ticks]
                 del self._pieces[-1]
             if self.moment(0) != self._start:
                 raise DamagedError("another start")
@@ -234,7 +226,10 @@ class _Piece:
             raise DamagedError("the piece can't be unpacked") from error
         if not unpacking.eof or not (self.own or _may_be_opened(text)):
             raise DamagedError("the piece is too large")
-        runs = _parse(text)
+        try:
+            runs = orjson.loads(text)
+        except ValueError:
+            runs = json.loads(text)  # infinite numbers, lone surrogates
         if not self.own:
             orjson.dumps(runs)  # raises TypeError for what is nested too deeply
         return weight_of_text(text), runs
@@ -270,11 +265,7 @@ def _may_be_opened(text: str) -> bool:
     return len(text) <= _HEAVIEST and weight_of_text(text) <= _HEAVIEST
 
 
-def _parse(text: str) -> Any:
-    try:
-        return orjson.loads(text)
-    except ValueError:
-        return json.loads(text)  # infinite numbers, lone surrogates
+_WRONG = (ValueError, TypeError, LookupError, AttributeError, StopIteration, RecursionError)
 
 
 @contextmanager
@@ -284,14 +275,7 @@ def _damage_told() -> Iterator[None]:
         yield
     except DamagedError:
         raise
-    except (
-        ValueError,
-        TypeError,
-        LookupError,
-        AttributeError,
-        StopIteration,
-        RecursionError,
-    ) as error:
+    except _WRONG as error:
         raise DamagedError("these are no moments") from error
 
 
@@ -308,14 +292,6 @@ def _index(content: bytes) -> tuple[dict[str, Any], int]:
         raise DamagedError("the index is damaged")
     index: dict[str, Any] = json.loads(line)
     return index, len(pieces)
-
-
-def _count(content: bytes) -> int:
-    """Return how many moments a file claims to hold; 0 if it is damaged."""
-    try:
-        return int(_index(content)[0]["moments"])
-    except (ValueError, TypeError, KeyError):
-        return 0
 
 
 def _fitting_prefix(pieces: Iterable[_Piece]) -> list[_Piece]:

@@ -29,7 +29,7 @@ from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.explain.why.sources import Subject
+    from logical_robots_tui.explain.why.explanation import Subject
     from logical_robots_tui.game import Breakpoint, Inquiry, Path, Pin
     from logical_robots_tui.mind import Program
     from logical_robots_tui.tui.inspector.table import ValueTable
@@ -255,7 +255,7 @@ class Page(Vertical):
         """Return the value whose origin can be asked for."""
         if self.entry.scope != "robot":
             return None
-        from logical_robots_tui.explain.why.sources import Subject
+        from logical_robots_tui.explain.why.explanation import Subject
 
         return Traced(self.robot, Subject(), self._session.frame.tick)
 
@@ -299,7 +299,7 @@ def traced_value(
     `Memory` holds memories as of the tick before, `Robot` as of this tick.
     """
     from logical_robots_tui.explain import Ask
-    from logical_robots_tui.explain.why.sources import Subject
+    from logical_robots_tui.explain.why.explanation import Subject
 
     subject = Subject(path=path)
     whose = next((row[name] for name in (MIND, "robot_name") if name in row), robot)

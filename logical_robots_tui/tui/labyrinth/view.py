@@ -27,9 +27,9 @@ from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world import RobotState
-from logical_robots_tui.world.changing import Pose
 from logical_robots_tui.world.level import Level
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
+from logical_robots_tui.world.world import Pose
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame

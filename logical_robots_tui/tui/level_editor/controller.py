@@ -107,7 +107,7 @@ class LevelController(SessionListener):
 
     def _begin(self, key: str) -> None:
         from logical_robots_tui.editing.editor import LevelEditor
-        from logical_robots_tui.world.levels.drawing import coarsest_cell
+        from logical_robots_tui.world.levels.native import coarsest_cell
 
         levels, session = self.levels, self.session
         saved = levels.saved

@@ -36,8 +36,8 @@ from logical_robots_tui.world import (
     list_shipped,
     load_level,
 )
-from logical_robots_tui.world.changing import Pose
 from logical_robots_tui.world.levels.labyrinths import empty_room, labyrinth
+from logical_robots_tui.world.world import Pose
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult

@@ -115,6 +115,10 @@ class Fields(NamedTuple):
         listed = " or ".join(f'"{option}"' for option in options)
         raise self.error(key, f'"{key}" must be {listed}.')
 
+    def placed(self) -> tuple[str, float, float]:
+        """Return the name of an object, and its place in map units."""
+        return self.name("name"), self.number("x"), self.number("y")
+
     def color(self, key: str, default: str) -> str:
         """Return a colour, ``#rgb``, ``#rrggbb`` or a word; the default if missing."""
         value = self._text(key, default)
@@ -131,26 +135,20 @@ class Fields(NamedTuple):
         return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
 
     def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
-        items = self._list(key)
+        items, records = self._list(key), []
         if len(items) > MOST_OF_A_KIND:
-            raise self.error(
-                key, f"There are {len(items)} {key}; at most {MOST_OF_A_KIND} are allowed."
-            )
+            message = f"There are {len(items)} {key}; at most {MOST_OF_A_KIND} are allowed."
+            raise self.error(key, message)
         for i, item in enumerate(items):
             if not isinstance(item, dict):
                 raise self.error(f"{key}[{i}]", f"This must be a record, not {_kind(item)}.")
-        return tuple(
-            read(Fields(item, self.file, f"{key}[{i}]"))
-            for i, item in enumerate(items)
-            if isinstance(item, dict)
-        )
+            records.append(Fields(item, self.file, f"{key}[{i}]"))
+        return tuple(map(read, records))
 
     def check_size(self, key: str, width: int, height: int) -> None:
         if max(width, height) > MOST_SIDE:
-            limit = f"{MOST_SIDE} x {MOST_SIDE}"
-            raise self.error(
-                key, f"The map is {width} x {height} units; at most {limit} is allowed."
-            )
+            limit = f"at most {MOST_SIDE} x {MOST_SIDE} is allowed"
+            raise self.error(key, f"The map is {width} x {height} units; {limit}.")
 
     def _text(self, key: str, default: str | None) -> str:
         if not self.has(key) and default is not None:
@@ -199,11 +197,8 @@ def check_robot_names(top: Fields, names: tuple[str, ...]) -> None:
         raise top.error("robots", "The level has no robots.", "It needs at least one.")
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise top.error(
-                f"robots[{i}].name",
-                f'Two robots are called "{name}".',
-                "A program tells robots apart by their names, so each needs its own.",
-            )
+            hint = "A program tells robots apart by their names, so each needs its own."
+            raise top.error(f"robots[{i}].name", f'Two robots are called "{name}".', hint)
 
 
 def _show(key: str) -> str:

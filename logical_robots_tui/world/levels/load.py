@@ -59,7 +59,7 @@ def read_web(text: str, name: str, source: str) -> Level:
     check_robot_names(top, tuple(robot.name for robot in robots))
     return Level(
         name=name,
-        title=_title(name),
+        title="".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level",
         width=width,
         height=height,
         walls=walls,
@@ -94,10 +94,6 @@ def _parse(text: str, source: str) -> dict[str, object]:
     raise LevelError(message, place=place, hint=hint)
 
 
-def _title(name: str) -> str:
-    return "".join(c for c in name if c.isprintable())[:LONGEST_NAME].strip() or "Level"
-
-
 def _walls(top: Fields, width: int, height: int) -> NDArray[np.bool_]:
     digits = top.record.get("walls")
     if not isinstance(digits, str):
@@ -115,9 +111,7 @@ def _robot(fields: Fields) -> Robot:
     has_battery = fields.flag("has_battery")
     can_charge = fields.flag("can_charge")
     return Robot(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         angle=fields.number("angle", 0.0),
         color=_color(fields, ROBOT_COLOR),
         has_battery=has_battery,
@@ -129,21 +123,15 @@ def _robot(fields: Fields) -> Robot:
 
 def _beacon(fields: Fields) -> Beacon:
     station = fields.record.get("charging_station")
-    return Beacon(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
-        # The platform compares loosely: true, 1 and "1" count.
-        charging_station=station == 1 or (isinstance(station, str) and station.strip() == "1"),
-    )
+    # The platform compares loosely: true, 1 and "1" count.
+    is_one = station == 1 or (isinstance(station, str) and station.strip() == "1")
+    return Beacon(*fields.placed(), is_one)
 
 
 def _area(fields: Fields) -> Area:
     sticky = fields.record.get("sticky_switch")
     return Area(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         radius=fields.number("radius", least=0),
         color=_color(fields, AREA_COLOR),
         victory_robots=fields.names("victory_robots"),
@@ -199,12 +187,16 @@ def load_level(path_or_name: str | Path) -> Level:
         LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
             file and the line or key.
     """
-    if isinstance(path_or_name, str) and _is_name(path_or_name):
-        if (daily := _daily(path_or_name)) is not None:
-            return daily
-        path = _shipped_path(path_or_name)
-    else:
-        path = Path(path_or_name)
+    path = Path(path_or_name)
+    is_name = isinstance(path_or_name, str) and not set(path_or_name) & {"/", "\\"}
+    if is_name and not path.suffix and path_or_name not in {".", ".."}:
+        name = str(path_or_name)
+        if name.startswith("daily-"):
+            from logical_robots_tui.world.levels.labyrinths import Daily
+
+            if (daily := Daily.named(name)) is not None:
+                return daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
+        path = _shipped_path(name)
     text = read_text(path)
     is_web = is_web_file(path) or (path.suffix.lower() != NATIVE and is_of_web(text))
     return (read_web if is_web else read_native)(text.removeprefix("\ufeff"), path.stem, str(path))
@@ -223,19 +215,6 @@ def is_of_web(text: str) -> bool:
 def is_web_file(path: str | Path) -> bool:
     """Return whether a file's ending is that of the web platform's levels."""
     return Path(path).suffix.lower() == WEB
-
-
-def _is_name(text: str) -> bool:
-    return not set(text) & {"/", "\\"} and Path(text).suffix == "" and text not in {".", ".."}
-
-
-def _daily(name: str) -> Level | None:
-    if not name.startswith("daily-"):
-        return None
-    from logical_robots_tui.world.levels.labyrinths import Daily
-
-    daily = Daily.named(name)
-    return daily and daily.level(str(shipped_folder("levels") / f"{name}{NATIVE}"))
 
 
 def _shipped_path(name: str) -> Path:
@@ -266,12 +245,11 @@ def read_text(path: Path) -> str:
         message = f"The file is larger than {MOST_BYTES // 2**20} MB."
         raise LevelError(message, place=str(path), hint=_FORMATS)
     try:
-        text = content.decode("utf-8")
+        return content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         place = f"{path}, line {line}"
         raise LevelError("This file is not UTF-8 text.", place=place, hint=_FORMATS) from None
-    return text
 
 
 def _not_there(path: Path) -> LevelError:

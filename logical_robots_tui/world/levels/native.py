@@ -1,11 +1,22 @@
-"""The level format of this game: TOML with the labyrinth drawn in characters."""
+"""The level format of this game: TOML with the labyrinth drawn in characters.
+
+A row is drawn, ``#..####``, or shortened, ``1# 2. 4#``; a shortened row that begins with ``12*`` is
+repeated twelve times. One character is ``cell`` map units wide and high.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypedDict, get_args
+from functools import cache
+from itertools import chain, cycle, pairwise
+from operator import sub
+from string import whitespace
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+import numpy as np
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.paths import did_you_mean
@@ -24,8 +35,12 @@ from logical_robots_tui.world.level import (
     Team,
     Visibility,
 )
-from logical_robots_tui.world.levels.drawing import read_drawing
-from logical_robots_tui.world.levels.fields import Fields, check_robot_names
+from logical_robots_tui.world.levels.fields import MOST_SIDE, Fields, check_robot_names
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    _Bits = NDArray[np.bool_]
 
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
@@ -53,67 +68,36 @@ def read_native(text: str, name: str, source: str) -> Level:
     check_robot_names(top, tuple(robot.name for robot in robots))
     beacons = top.each("beacons", read_beacon)
     areas = top.each("areas", read_area)
-    level = Level(
-        name=name,
-        width=width,
-        height=height,
-        walls=walls,
-        robots=robots,
-        beacons=beacons,
-        areas=areas,
-        source=source,
-        **words,
-    )
-    for found in misfits(level):
+    words |= {"robots": robots, "beacons": beacons, "areas": areas}
+    level = Level(name=name, width=width, height=height, walls=walls, source=source, **words)
+    for found in chain(misfits(level), () if top.flag("lenient") else oddities(level)):
         raise top.error(found.path, found.message, found.hint)
-    if not top.flag("lenient"):
-        for found in oddities(level):
-            raise top.error(found.path, found.message, found.hint)
     return level
 
 
-class Words(TypedDict):
-    """A level file's settings, without the labyrinth and its objects."""
-
-    title: str
-    idea: str
-    briefing: str
-    hints: tuple[str, ...]
-    lesson: str
-    further: str
-    starter: str
-    solution: str
-    visibility: Visibility
-    shared_names: tuple[str, ...]
-    second_goals: tuple[SecondGoal, ...]
-    teams: tuple[Team, ...]
-    match_ticks: int
-    scores: tuple[Score, ...]
-    divided_charge: bool
-
-
-def read_words(top: Fields) -> Words:
+def read_words(top: Fields) -> dict[str, Any]:
+    """Return a level's attributes except the labyrinth and its objects, or raise LevelError."""
     match = top.table("match")
     match.refuse_unknown(("ticks",))
     if top.has("match") and not top.has("teams"):
         raise top.error("match", "A match needs teams.", "List them as [[teams]].")
-    return Words(
-        title=top.name("title"),
-        idea=top.name("idea", ""),
-        briefing=top.text("briefing", "").strip("\n"),
-        hints=top.texts("hints"),
-        lesson=top.text("lesson", "").strip("\n"),
-        further=top.text("further", "").strip("\n"),
-        starter=top.name("starter", ""),
-        solution=top.name("solution", ""),
-        visibility=_visibility(top.table("visibility")),
-        shared_names=top.names("shared_names"),
-        second_goals=tuple(_second_goals(top)),
-        teams=top.each("teams", _team),
-        match_ticks=match.whole("ticks", least=1) if top.has("match") else 0,
-        scores=top.each("scores", _score),
-        divided_charge=top.flag("divided_charge"),
-    )
+    return {
+        "title": top.name("title"),
+        "idea": top.name("idea", ""),
+        "briefing": top.text("briefing", "").strip("\n"),
+        "hints": top.texts("hints"),
+        "lesson": top.text("lesson", "").strip("\n"),
+        "further": top.text("further", "").strip("\n"),
+        "starter": top.name("starter", ""),
+        "solution": top.name("solution", ""),
+        "visibility": _visibility(top.table("visibility")),
+        "shared_names": top.names("shared_names"),
+        "second_goals": tuple(_second_goals(top)),
+        "teams": top.each("teams", _read_team),
+        "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
+        "scores": top.each("scores", _score),
+        "divided_charge": top.flag("divided_charge"),
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,20 +131,17 @@ def oddities(level: Level) -> Iterator[Oddity]:
                 yield Oddity("areas", i, "goal_for", message, did_you_mean(name, robots))
         for key, name in (("on_beacon", area.on_beacon), ("off_beacon", area.off_beacon)):
             if name and name not in beacons:
-                message = (
-                    f'Area "{area.name}" is switched by "{name}", but there is no such beacon.'
-                )
-                yield Oddity("areas", i, key, message, did_you_mean(name, beacons))
+                message = f'Area "{area.name}" is switched by "{name}"'
+                hint = did_you_mean(name, beacons)
+                yield Oddity("areas", i, key, f"{message}, but there is no such beacon.", hint)
 
 
 def misfits(level: Level) -> Iterator[Oddity]:
     names = [team.name for team in level.teams]
     for i, robot in enumerate(level.robots):
         if robot.team not in (names or [""]):
-            message, hint = (
-                f'Robot "{robot.name}" has no team.',
-                "In a level with teams each has one.",
-            )
+            message = f'Robot "{robot.name}" has no team.'
+            hint = "In a level with teams each has one."
             if robot.team:
                 message = f'Robot "{robot.name}" is in "{robot.team}", but there is no such team.'
                 hint = did_you_mean(robot.team, names) or "List the teams as [[teams]]."
@@ -205,9 +186,7 @@ def read_robot(fields: Fields) -> Robot:
     if fields.has("angle") and fields.has("heading"):
         raise fields.error("angle", '"heading" and "angle" say the same in degrees and radians.')
     return Robot(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         angle=fields.number("angle", math.radians(fields.number("heading", 0.0))),
         color=fields.color("color", ROBOT_COLOR),
         has_battery=has_battery and used,
@@ -220,20 +199,13 @@ def read_robot(fields: Fields) -> Robot:
 
 def read_beacon(fields: Fields) -> Beacon:
     fields.refuse_unknown(_BEACON_KEYS)
-    return Beacon(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
-        charging_station=fields.flag("charging_station"),
-    )
+    return Beacon(*fields.placed(), fields.flag("charging_station"))
 
 
 def read_area(fields: Fields) -> Area:
     fields.refuse_unknown(_AREA_KEYS)
     return Area(
-        name=fields.name("name"),
-        x=fields.number("x"),
-        y=fields.number("y"),
+        *fields.placed(),
         radius=fields.number("radius", least=0),
         color=fields.color("color", AREA_COLOR),
         victory_robots=fields.names("goal_for"),
@@ -244,7 +216,7 @@ def read_area(fields: Fields) -> Area:
     )
 
 
-def _team(fields: Fields) -> Team:
+def _read_team(fields: Fields) -> Team:
     fields.refuse_unknown(("name", "program"))
     return Team(fields.name("name"), fields.name("program", ""))
 
@@ -281,4 +253,187 @@ def _visibility(fields: Fields) -> Visibility:
     return Visibility(
         memory=fields.choice("memory", ("own", "seen", "all"), "own"),
         sensor=fields.choice("sensor", ("own", "all"), "own"),
+    )
+
+
+_WALL = ord("#")
+_STRANGE = re.compile(r"[^#. ]")
+_DIGIT = re.compile(r"\d")
+_SHORT = re.compile(r"(?:(\d{1,4})\*\s*)?(\d{1,4}[#.](?:\s*\d{1,4}[#.])*)", re.ASCII)
+_NO_KINDS = b"0123456789" + whitespace.encode()
+_ONLY_COUNTS = str.maketrans("#.", "  ")
+_WIDEST_DRAWN = 240  # characters; wider rows are shortened, because nobody draws them by hand
+_LONGEST_ROW = 10 * MOST_SIDE  # characters of a shortened one
+_LARGEST_CELL = 20  # map units; larger cells would be too coarse to draw anything new
+_DRAW = "Draw walls as # and free cells as . or space, one row per line, between ''' and '''."
+_SHORTEN = "Write runs of # and . such as 6# 94. 6#; 12* in front repeats the row 12 times."
+
+
+class _Row(NamedTuple):
+    """A line of a drawing, for equal rows; True in `kinds` is wall."""
+
+    line: str
+    times: int
+    counts: NDArray[np.int16] | None = None
+    kinds: _Bits | None = None
+
+    @property
+    def columns(self) -> int:
+        return len(self.line) if self.counts is None else int(self.counts.sum())
+
+    def cells(self) -> _Bits:
+        cells: _Bits
+        if self.counts is None or self.kinds is None:
+            cells = np.frombuffer(self.line.encode("ascii", "replace"), np.uint8) == _WALL
+        else:
+            cells = self.kinds.repeat(self.counts)
+        return cells
+
+
+def read_drawing(top: Fields, text: str) -> _Bits:
+    """Read ``cell`` and ``walls`` of a level file, or raise LevelError.
+
+    Returns a read-only array of shape (height, width) in map units; True is wall.
+    """
+    cell = top.whole("cell", least=1)
+    drawing = top.record.get("walls")
+    if not isinstance(drawing, str):
+        raise top.error("walls", '"walls" must be text that draws the map.', _DRAW)
+    number = drawing.removesuffix("\n").count("\n") + 1
+    if number > MOST_SIDE:
+        message = f"The map has {number} rows; at most {MOST_SIDE} are allowed."
+        raise top.error("walls", message)
+    lines = drawing.removesuffix("\n").split("\n")
+    rows = [_row(line) for line in lines]
+    columns = rows[0].columns if rows[0] else 0
+    if rows[0] and not columns:
+        raise top.error("walls", "The first row of the map is empty.", _DRAW)
+    times = [row.times if row else 1 for row in rows]
+    top.check_size("walls", columns * cell, sum(times) * cell)
+    start = find_drawing(drawing, text)
+    first_line = text.count("\n", 0, start) + 1 if start is not None else None
+    cells = np.zeros((len(rows), columns), np.bool_)
+    for i, (row, line) in enumerate(zip(rows, lines, strict=True)):
+        if problem := _problem(row, line, columns):
+            place = f"{top.file}, row {i + 1} of walls"
+            place += f" (line {first_line + i})" if first_line else ""
+            raise LevelError(problem[0], place=place, hint=problem[1])
+        assert row
+        cells[i] = row.cells()
+    walls = cells.repeat(np.multiply(times, cell), axis=0).repeat(cell, axis=1)
+    walls.flags.writeable = False
+    return walls
+
+
+def find_drawing(drawing: str, text: str) -> int | None:
+    for found in re.finditer(r"^[ \t]*walls[ \t]*=[ \t]*('''|\"\"\")\n?", text, re.MULTILINE):
+        if text.startswith(drawing + found[1], found.end()):
+            return found.end()
+    return None
+
+
+def coarsest_cell(walls: _Bits) -> int:
+    """Return the largest cell size in map units, at most 20, that draws the walls exactly."""
+    height, width = walls.shape
+    down = np.flatnonzero((walls[1:] != walls[:-1]).any(axis=1)) + 1
+    across = np.flatnonzero((walls[:, 1:] != walls[:, :-1]).any(axis=0)) + 1
+    common = int(np.gcd.reduce([height, width, *down.tolist(), *across.tolist()]))
+    return max(size for size in range(1, _LARGEST_CELL + 1) if common % size == 0)
+
+
+def expresses(walls: _Bits, cell: int) -> bool:
+    height, width = walls.shape
+    if height % cell or width % cell:
+        return False
+    cells = walls[::cell, ::cell]
+    return bool((walls == cells.repeat(cell, axis=0).repeat(cell, axis=1)).all())
+
+
+def draw_rows(walls: _Bits, cell: int, earlier: Sequence[str] = ()) -> list[str]:
+    """Return the lines that draw walls, keeping earlier ones that are still right.
+
+    `cell`, in map units per character, must express the walls.
+    """
+    cells = walls[::cell, ::cell]
+    known = [row for row in map(_row, earlier) if row]
+    shape = sum(row.times for row in known), known[0].columns if known else 0
+    alike = shape == cells.shape and all(row.columns == shape[1] for row in known)
+    if not alike or len(known) < len(earlier):
+        return list(_fresh(cells, short=cells.shape[1] > _WIDEST_DRAWN))
+    lines = []
+    start = 0
+    for row in known:
+        block = cells[start : start + row.times]
+        start += row.times
+        if (block == row.cells()).all():
+            lines.append(row.line)
+        elif row.counts is None:
+            lines.append(_redrawn(row.line, block[0]))
+        else:
+            lines += _fresh(block, short=True)
+    return lines
+
+
+def _row(line: str) -> _Row | None:
+    if not _DIGIT.search(line):
+        return _Row(line, 1)
+    if len(line) > _LONGEST_ROW:
+        return None
+    found = _SHORT.fullmatch(line.strip())
+    if not found or not int(found[1] or 1):
+        return None
+    text = found[2]
+    if text.count("#") + text.count(".") > MOST_SIDE:
+        return None
+    counts = np.fromstring(text.translate(_ONLY_COUNTS), np.int16, sep=" ")
+    kinds = np.frombuffer(text.encode("ascii").translate(None, _NO_KINDS), np.uint8) == _WALL
+    return _Row(line, int(found[1] or 1), counts, kinds)
+
+
+def _problem(row: _Row | None, line: str, columns: int) -> tuple[str, str] | None:
+    if row is None:
+        return "This shortened row can't be read.", _SHORTEN
+    if row.columns != columns:
+        message = f"This row has {row.columns} characters, the first one has {columns}."
+        return message, "All rows must have the same length."
+    strange = None if row.counts is not None else _STRANGE.search(line)
+    if strange is None:
+        return None
+    character = strange[0]
+    shown = f'"{character}"' if character.isprintable() else f"U+{ord(character):04X}"
+    message = f"Character {strange.start() + 1} is {shown}, which is neither wall nor free."
+    return message, _DRAW
+
+
+def _fresh(cells: _Bits, *, short: bool) -> Iterator[str]:
+    if not short:
+        for row in cells:
+            yield "".join("#" if wall else "." for wall in row.tolist())
+        return
+    changes = np.flatnonzero((cells[1:] != cells[:-1]).any(axis=1)) + 1
+    bounds = [0, *changes.tolist(), len(cells)]
+    for start, stop in pairwise(bounds):
+        yield (f"{stop - start}* " if stop - start > 1 else "") + _shorten(cells[start])
+
+
+def _shorten(row: _Bits) -> str:
+    bounds = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1).tolist(), len(row)]
+    walls, free = _runs()
+    kinds = (walls, free) if row[0] else (free, walls)
+    counts = map(sub, bounds[1:], bounds)
+    return " ".join(kind[count] for kind, count in zip(cycle(kinds), counts, strict=False))
+
+
+@cache
+def _runs() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    counts = range(MOST_SIDE + 1)
+    return tuple(f"{count}#" for count in counts), tuple(f"{count}." for count in counts)
+
+
+def _redrawn(line: str, row: _Bits) -> str:
+    """Return a drawn line with new walls; free cells keep their character."""
+    free = " " if " " in line and "." not in line else "."
+    return "".join(
+        "#" if wall else free if before == "#" else before
+        for before, wall in zip(line, row.tolist(), strict=True)
     )

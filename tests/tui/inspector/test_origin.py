@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.explain.why.explainer import Explainer
-from logical_robots_tui.explain.why.explanation import Ask
+from logical_robots_tui.explain.why.explanation import Ask, Read, Source, Subject
+from logical_robots_tui.explain.why.explanation import Path as Parts
 from logical_robots_tui.explain.why.probing import Span
-from logical_robots_tui.explain.why.sources import Path as Parts
-from logical_robots_tui.explain.why.sources import Read, Source, Subject
 from logical_robots_tui.game import Link, Origin, Pin
 from logical_robots_tui.tui.inspector.page import Traced, traced_pin
 from logical_robots_tui.tui.inspector.pages.origin import LinksView, lines_of

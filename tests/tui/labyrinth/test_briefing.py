@@ -77,7 +77,7 @@ async def test_a_stuck_robot_is_told_and_marked(data_dir: Path, short: Path) -> 
         await game.sees("⊘ Pip is stuck")
         first = game.tick
         ticks = range(first - 99, first + 1)
-        assert all(history.around(tick)[1].after.robots[0].blocked for tick in ticks)
+        assert all(history.replay(tick)[1].moment.after.robots[0].blocked for tick in ticks)
         game.session.go_to(first - 50)
         await game.until(lambda: game.tick == first - 50)
         await game.write(backwards.replace("memory: 1", "memory: 2"))

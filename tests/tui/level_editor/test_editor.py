@@ -17,8 +17,8 @@ from logical_robots_tui.editing.editor import GRIDS, WIDTHS, LevelEditor, Tool
 from logical_robots_tui.editing.edits import Edits
 from logical_robots_tui.editing.files import save_level
 from logical_robots_tui.world import Beacon, World, load_level
-from logical_robots_tui.world.changing import change_state
 from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.world import change_state
 from tests.editing.making import room
 
 if TYPE_CHECKING:

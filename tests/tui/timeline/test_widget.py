@@ -123,9 +123,9 @@ async def test_a_run_until_a_tick_can_be_stopped(data_dir: Path, short: Path) ->
 async def test_marks_are_gone_to_one_after_the_other(data_dir: Path, short: Path) -> None:
     async with playing(data_dir, short) as game:
         await game.press("space")
-        await game.until(lambda: game.session.won_at is not None)
+        await game.sees("Again")
         won_at = game.tick
-        await game.press("left_parenthesis", "right_curly_bracket")
+        await game.press("escape", "left_parenthesis", "right_curly_bracket")
         await game.until(lambda: game.tick == won_at and "★ won" in line(game))
         game.main.labyrinth.view.selected = "Pip"
         await game.press("left_curly_bracket")

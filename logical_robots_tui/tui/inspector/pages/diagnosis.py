@@ -10,7 +10,7 @@ from textual.worker import Worker
 
 from logical_robots_tui.explain.diagnosis.telling import Finding
 from logical_robots_tui.game import Frame, Superseded
-from logical_robots_tui.game.diagnosis.diagnosing import Diagnosis, diagnose, extent
+from logical_robots_tui.game.diagnosing import Diagnosis, diagnose, extent
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.inspector.page import Page, PageEntry, Placed

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from logical_robots_tui.game import Frame, Link, Origin, origin_in_game, subject_name
-from logical_robots_tui.game.debugging.origin import is_memory
-from logical_robots_tui.game.debugging.origin_words import INCOMPLETE, link_lines
+from logical_robots_tui.game.debugging.origin import INCOMPLETE, is_memory, link_lines
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import CursorView

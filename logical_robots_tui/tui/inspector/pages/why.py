@@ -12,8 +12,7 @@ from textual.content import Content
 from textual.widgets.input import Selection
 
 from logical_robots_tui.explain import Ask, Explanation, Node, Proof
-from logical_robots_tui.explain.why.sources import Subject
-from logical_robots_tui.explain.why.spelling import spell_call
+from logical_robots_tui.explain.why.explanation import Subject, spell_call
 from logical_robots_tui.game import Frame, Inquiry, Superseded, read_part
 from logical_robots_tui.mind import Program, ProgramError, QueryError
 from logical_robots_tui.schema import VALUE

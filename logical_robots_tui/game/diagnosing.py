@@ -1,33 +1,38 @@
-"""Diagnosis of a run: observes every rule and condition tick by tick and reports anomalies."""
+"""Diagnosis of a run: asks probes tick by tick, also in a process, and reports anomalies."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
 import json
+import os
+import pickle
+import sys
 import threading
 from collections import deque
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from logical_robots_tui.clock import CLOCK
-from logical_robots_tui.explain.diagnosis.counting import Tally
-from logical_robots_tui.explain.diagnosis.sites import Checkup, check_up
+from logical_robots_tui.explain.diagnosis.sites import Checkup, Tally, check_up
 from logical_robots_tui.explain.diagnosis.telling import Finding
-from logical_robots_tui.game.advancing import RecordedTick
-from logical_robots_tui.game.diagnosis.findings import Observations, Stored, findings_of, observe
-from logical_robots_tui.game.diagnosis.scanning import Answer, Scanner, Tick, scan, ticks_at_once
+from logical_robots_tui.game.advancing import RecordedTick, Thinker
+from logical_robots_tui.game.findings import Observations, Stored, findings_of, observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedError
-from logical_robots_tui.game.thinker import Thinker
 from logical_robots_tui.mind import Limits, Program, QueryError, cache
+from logical_robots_tui.processes.helper import Helper, begin
 
 if TYPE_CHECKING:
+    from logical_robots_tui.explain.diagnosis.sites import Rows
     from logical_robots_tui.game.game import Game
     from logical_robots_tui.game.history.packing import TickState
     from logical_robots_tui.game.run import Run
+    from logical_robots_tui.world import Level
 
 _FEWEST = 20  # ticks that are examined
 _QUESTIONS = 12_000  # most probes of all robots when only some ticks are examined
@@ -64,16 +69,55 @@ class Diagnosis:
     given_up: int = 0
 
 
-Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[Answer] | None]]
+PROCESSOR_SECONDS = 3600
+"""The longest scan."""
+
+_ROWS = 60  # of sensors, that are examined with one query
+
+Tick: TypeAlias = "tuple[TickState, RecordedTick]"
+"""The moment before a tick, and the tick."""
+
+
+class _Answer(NamedTuple):
+    """The rows of a probe at a tick, in each view; None if it failed."""
+
+    tick: int
+    probe: str
+    views: Sequence[Rows] | None
+
+
+def _ticks_at_once(robots: int) -> int:
+    """Return how many ticks are examined with one query."""
+    return max(1, _ROWS // max(1, robots))
+
+
+def scan(
+    thinker: Thinker,
+    program: Program,
+    limits: Limits,
+    probes: Sequence[str],
+    ticks: Sequence[Tick],
+    stop: threading.Event | None = None,
+) -> Iterator[_Answer]:
+    """Yield what probes answer at some ticks; call it in the thinker's thread."""
+    for _, alike in groupby(ticks, key=lambda each: id(each[1].level)):
+        same = list(alike)
+        most = _ticks_at_once(len(same[0][1].level.robots))
+        for at in range(0, len(same), most):
+            replayed = [thinker.replay(program, *each, limits) for each in same[at : at + most]]
+            frames = [frame for frame, _ in replayed]
+            seen = [(frame.sensors, frame.memories_before) for frame in frames]
+            for name, number, views in replayed[-1][1].each_at(probes, seen, stop=stop):
+                yield _Answer(frames[number].tick, name, views)
+
+
+Ask: TypeAlias = Callable[[Sequence[str], Sequence[int]], Awaitable[list[_Answer] | None]]
 Report: TypeAlias = Callable[[int, int], None]
 Show: TypeAlias = Callable[[Diagnosis], None]
 
 
 async def diagnose(
-    game: Game,
-    *,
-    report: Report = lambda _done, _all: None,
-    show: Show = lambda _found: None,
+    game: Game, *, report: Report = lambda _done, _all: None, show: Show = lambda _found: None
 ) -> Diagnosis:
     """Diagnose the current program over a game's history; cancelling the call stops it.
 
@@ -187,7 +231,6 @@ class _Diagnosing:
         await self._thinker.close()
 
     def offer(self, last: int) -> None:
-        """Let the ticks up to one be examined."""
         for tick in range(self._reached + 1, last + 1):
             (self._others if tick % self._step else self._some).append(tick)
         self._reached = max(self._reached, last)
@@ -197,9 +240,9 @@ class _Diagnosing:
         """Examine ticks of a run in another process, until cancelled."""
         with contextlib.suppress(QueryError):  # `diagnose` raises it
             tally = await self._prepared()
-            scanner = Scanner(tally.checkup.program, run.level, run.limits)
+            scanner = _Scanner(tally.checkup.program, run.level, run.limits)
 
-            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer] | None:
+            async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_Answer] | None:
                 stored = await run.replay(ticks)
                 return await scanner.scan(probes, stored) if stored else None
 
@@ -223,8 +266,11 @@ class _Diagnosing:
             # Others were dropped in the meantime.
             return [history.replay(tick) for tick in ticks if tick >= history.first]
 
-        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[Answer]:
-            return await self._scan(tally.checkup, probes, stored(ticks))
+        async def ask(probes: Sequence[str], ticks: Sequence[int]) -> list[_Answer]:
+            program, limits, known = tally.checkup.program, self._limits, stored(ticks)
+            return await self._thinker.do(
+                lambda stop: [*scan(self._thinker, program, limits, probes, known, stop)]
+            )
 
         def found(*, is_final: bool = False) -> Diagnosis:
             is_complete = is_final and self._second_step <= 1
@@ -260,7 +306,6 @@ class _Diagnosing:
         return found(is_final=True)
 
     async def _prepared(self) -> Tally:
-        """Return the counts, after the program was prepared."""
         if self._preparing is None:
             work = self._thinker.do(
                 lambda stop: check_up(self._program, stop=stop, limits=self._limits)
@@ -274,7 +319,7 @@ class _Diagnosing:
     async def _work(self, tally: Tally, ask: Ask, robots: int, *, is_helping: bool = False) -> None:
         """Count the rows of all probes that are not settled, some ticks at a time."""
         names = {probe.name: number for number, probe in enumerate(tally.checkup.probes)}
-        most = ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
+        most = _ticks_at_once(robots) * (_MORE_AT_ONCE if is_helping else 1)
         while is_helping or self._pending or self._waiting:
             probes = tally.doubtful_probes()
             ticks = self._take(len(probes) * robots, most, is_helping=is_helping)
@@ -322,13 +367,6 @@ class _Diagnosing:
         queue = self._some or self._others
         return [queue.popleft() for _ in range(min(most, len(queue)))]
 
-    async def _scan(
-        self, checkup: Checkup, probes: Sequence[str], ticks: Sequence[Tick]
-    ) -> list[Answer]:
-        return await self._thinker.do(
-            lambda stop: [*scan(self._thinker, checkup.program, self._limits, probes, ticks, stop)]
-        )
-
     async def _look_closely(self, tally: Tally, ticks: Sequence[Tick], robot: str) -> None:
         """Count the rows of all probes, also of values, in the mind of a robot."""
         probes = enumerate(tally.checkup.probes)
@@ -361,3 +399,67 @@ def _to_explain(observed: Observations) -> list[tuple[str, list[int]]]:
         step = max(1, (last - stretch.first) // _SAMPLES)
         wanted[stretch.robot, stretch.first] = list(range(stretch.first, last + 1, step))
     return [(robot, ticks) for (robot, _), ticks in wanted.items()]
+
+
+class _Scanner:
+    """A process that scans ticks of a level; a failure leaves them to others."""
+
+    def __init__(self, program: Program, level: Level, limits: Limits) -> None:
+        self._start = pickle.dumps((program, level, limits))
+        self._process: Helper | None = None
+        self._guard = threading.Lock()
+        self.is_over = False
+
+    async def scan(self, probes: Sequence[str], ticks: Sequence[Tick]) -> list[_Answer] | None:
+        """Return what probes answer at some ticks of the level, or None if the process failed."""
+        request = pickle.dumps((probes, [(before, known.moment) for before, known in ticks]))
+        return await asyncio.to_thread(self._exchange, request)
+
+    def close(self) -> None:
+        with self._guard:
+            self.is_over = True
+            if self._process is not None:
+                self._process.end()
+
+    def _exchange(self, request: bytes) -> list[_Answer] | None:
+        try:
+            with self._guard:
+                if self.is_over:
+                    return None
+                if self._process is None:
+                    self._process = Helper(__name__)
+                    _write(self._process, self._start)
+                process = self._process
+            _write(process, request)
+            assert process.stdout is not None
+            return [_Answer(*each) for each in json.loads(process.stdout.readline())]
+        except (OSError, ValueError, TypeError):
+            self.is_over = True
+            return None
+
+
+def _write(process: Helper, content: bytes) -> None:
+    assert process.stdin is not None
+    left = memoryview(len(content).to_bytes(8, "big") + content)
+    while left:
+        left = left[os.write(process.stdin.fileno(), left) :]
+
+
+def main() -> None:
+    begin(PROCESSOR_SECONDS)
+    program, level, limits = _read()
+    thinker = Thinker("scan")
+    with suppress(EOFError):
+        while True:
+            probes, moments = _read()
+            ticks = [(before, RecordedTick(level, moment)) for before, moment in moments]
+            answers = scan(thinker, program, limits, probes, ticks)
+            sys.stdout.write(json.dumps([*answers]) + "\n")
+            sys.stdout.flush()
+
+
+def _read() -> Any:
+    size = int.from_bytes(sys.stdin.buffer.read(8), "big")
+    if not size:
+        raise EOFError
+    return pickle.loads(sys.stdin.buffer.read(size))  # noqa: S301 - from the command that started this

@@ -6,27 +6,19 @@ separate part of the body, so that its value is computed once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from logical_robots_tui.explain.clauses.bodies import (
+from logical_robots_tui.explain.bodies import (
     AUXILIARY,
     Names,
     Scope,
-    TooManyError,
-    alternatives,
-    chain_root,
-    chains,
     in_order,
-    kind_of,
     make_rule,
-    names_of,
     outer_aggregates,
     part_kind,
-    parts_of,
     span_of,
-    values_in,
 )
 from logical_robots_tui.explain.why.probing import (
     AggregateInput,
@@ -36,24 +28,34 @@ from logical_robots_tui.explain.why.probing import (
     Span,
     Step,
     Term,
+    TermKind,
 )
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
+    COMPARISONS,
+    JUNCTIONS,
     REST,
     Aggregate,
     Aggregation,
     Argument,
     Atom,
+    Choice,
     Conjunction,
+    Disjunction,
     Expression,
+    FieldAccess,
+    Literal,
     Membership,
     Node,
     Number,
+    PredicateName,
     Proposition,
+    Record,
     Rule,
     Tree,
     Variable,
     arguments,
+    children,
     conjuncts,
     equation_sides,
     is_aggregate,
@@ -61,6 +63,7 @@ from logical_robots_tui.language.tree import (
     rebuild,
     variable_of,
     variables,
+    walk,
 )
 from logical_robots_tui.language.tree import Call as Function
 from logical_robots_tui.mind.relations import GIVEN
@@ -92,24 +95,17 @@ class Builder:
         depth: int = 0,
     ) -> tuple[Clause, ...]:
         """Return a body's clauses; `collected` holds the aggregations, `head` the other columns."""
+        try:
+            found = _alternatives(body)
+        except _TooManyError:
+            found = [(list(body), [])]
         return tuple(
             _ClauseBuilder(self, parts, head, collected, given, depth).clause(taken)
-            for parts, taken in self._choices(body)
+            for parts, taken in found
         )
 
     def span(self, tree: Tree) -> Span:
         return span_of(tree, self._source)
-
-    def _choices(
-        self, body: Sequence[Proposition]
-    ) -> Iterator[tuple[list[Proposition], tuple[Span, ...]]]:
-        """Yield the body for each choice of alternatives, or unchanged if there are too many."""
-        try:
-            found = alternatives(body)
-        except TooManyError:
-            found = [(list(body), [])]
-        for parts, taken in found:
-            yield parts, tuple(map(self.span, taken))
 
 
 class _ClauseBuilder:
@@ -135,11 +131,8 @@ class _ClauseBuilder:
             column: (str(aggregation.operator), self._without_calls(aggregation.argument))
             for column, aggregation in collected.items()
         }
-        everything: list[Node] = [
-            *self._body,
-            *self._head.values(),
-            *(argument for _, argument in self._collected.values()),
-        ]
+        collected_values = (argument for _, argument in self._collected.values())
+        everything: list[Node] = [*self._body, *self._head.values(), *collected_values]
         mentioned = variables(everything)
         self._begin: list[Proposition] = []
         self._given = given
@@ -151,7 +144,7 @@ class _ClauseBuilder:
         self._known = known
         self._all = everything
 
-    def clause(self, taken: tuple[Span, ...]) -> Clause:
+    def clause(self, taken: Sequence[Proposition]) -> Clause:
         ordered, left = in_order(self._body, self._scope, self._known)
         if left:
             together = left[0] if len(left) == 1 else Conjunction(tuple(left))
@@ -177,7 +170,7 @@ class _ClauseBuilder:
             query = self._query(body, after, always | next_wanted)
             finished.append(replace(step, query=query))
         return Clause(
-            taken,
+            tuple(map(self._builder.span, taken)),
             start,
             tuple(finished),
             {column: place for column, place in head.items() if place},
@@ -185,8 +178,6 @@ class _ClauseBuilder:
             collected,
             {self._column(variable): name for name, variable in self._given.items()},
         )
-
-    # -- calls -----------------------------------------------------------------------------------
 
     def _without_calls(self, node: N) -> N:
         """Return a part without the calls in its expressions, which become parts before it."""
@@ -205,8 +196,6 @@ class _ClauseBuilder:
 
         return change(node)  # type: ignore[return-value]  # a kind for its kind
 
-    # -- steps -----------------------------------------------------------------------------------
-
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
         new = sorted(name for name in after - known if not name.startswith(AUXILIARY))
         gives = {name: self._column(Variable(name)) for name in new}
@@ -214,7 +203,7 @@ class _ClauseBuilder:
         span = self._builder.span(part)
         if isinstance(part, Atom) and kind == "call":
             called, reads = self._call(part), self._reads(part)
-            function = self._calls.get(variable_of(next(values_in(part, VALUE), None)))
+            function = self._calls.get(variable_of(next(_values_in(part, VALUE), None)))
             if function is not None:
                 return Step("function", self._builder.span(function), "", gives, call=called)
             return Step(kind, span, "", gives, call=called, reads=reads)
@@ -250,18 +239,16 @@ class _ClauseBuilder:
         found: dict[str, Expression] = {}
         columns = INPUTS.get(atom.name, ())
         for column in (*columns, REST) if columns else ():
-            for value in values_in(atom, column):
+            for value in _values_in(atom, column):
                 root = variable_of(value)
-                mine = [each for each in chains(self._all) if chain_root(each) == root]
+                mine = [each for each in _chains(self._all) if _chain_root(each) == root]
                 found |= {self._builder.span(each).text: each for each in mine}
                 if column == "memory" and root and not mine:
                     found[root] = value
         return tuple(map(self._term, found.values()))
 
-    # -- expressions -----------------------------------------------------------------------------
-
     def _term(self, node: Expression) -> Term:
-        kind = kind_of(node)
+        kind = _kind_of(node)
         span = self._builder.span(node)
         if kind == "literal":
             return Term("literal", span, self._column(node))
@@ -270,15 +257,15 @@ class _ClauseBuilder:
         if isinstance(node, Aggregate):
             body = self._inner(node) if self._depth < _DEEPEST else None
             return Term("aggregate", span, self._column(node), body=body)
-        parts = tuple(map(self._term, parts_of(node)))
-        return Term(kind, span, self._column(node), parts, names_of(node))
+        parts = tuple(map(self._term, _parts_of(node)))
+        return Term(kind, span, self._column(node), parts, _names_of(node))
 
     def _called_term(self, name: str, column: str) -> Term:
         """Return the term of a call whose value is a variable."""
         atom = next(
             part
             for part in self._body
-            if isinstance(part, Atom) and name in map(variable_of, values_in(part, VALUE))
+            if isinstance(part, Atom) and name in map(variable_of, _values_in(part, VALUE))
         )
         called = self._call(atom)
         parts = tuple(each for each in called.terms.values() if each.kind != "field")
@@ -303,8 +290,6 @@ class _ClauseBuilder:
             return AggregateInput(column, operator, value, by, self._term(left))
         return AggregateInput(column, operator, self._column(argument), "", self._term(argument))
 
-    # -- queries ---------------------------------------------------------------------------------
-
     def _column(self, node: Expression) -> str:
         if node not in self._columns and len(self._columns) >= _MOST_COLUMNS:
             return ""
@@ -314,12 +299,125 @@ class _ClauseBuilder:
 
     def _query(self, body: Sequence[Proposition], known: frozenset[str], wanted: set[str]) -> str:
         columns: dict[str, Expression] = {"one": Number("1")}
-        columns |= {
-            column: node
-            for node, column in self._columns.items()
-            if column in wanted and self._scope.mentioned(node) <= known
-        }
+        there = ((column, node) for node, column in self._columns.items() if column in wanted)
+        columns |= {c: node for c, node in there if self._scope.mentioned(node) <= known}
         probes = self._builder.probes
         name = f"{PROBE}{len(probes)}"
         probes[name] = make_rule(name, columns, body)
         return name
+
+
+_MOST_CLAUSES = 32
+
+
+def _alternatives(body: Iterable[Proposition]) -> list[tuple[list[Proposition], list[Proposition]]]:
+    """Return each choice of alternatives: the parts of the body, and what was chosen.
+
+    Raises:
+        _TooManyError: There are too many to show.
+    """
+    found: list[tuple[list[Proposition], list[Proposition]]] = [([], [])]
+    for part in body:
+        options: list[tuple[list[Proposition], list[Proposition]]] = [([part], [])]
+        if isinstance(part, Disjunction):
+            options = [
+                (parts, [branch, *taken])
+                for branch in part.alternatives
+                for parts, taken in _alternatives(conjuncts(branch))
+            ]
+        if len(found) * len(options) > _MOST_CLAUSES:
+            raise _TooManyError
+        found = [
+            ([*parts, *more], [*taken, *chosen])
+            for parts, taken in found
+            for more, chosen in options
+        ]
+    return found
+
+
+class _TooManyError(Exception):
+    """A body has too many choices of alternatives."""
+
+
+def _values_in(node: Node, column: str) -> Iterator[Expression]:
+    """Yield the expressions that a call has for a column."""
+    for argument in node.arguments if isinstance(node, Atom | Function) else ():
+        if argument.column == column and argument.expression:
+            yield argument.expression
+
+
+def _kind_of(node: Node) -> TermKind:
+    match node:
+        case Literal() | PredicateName():
+            return "literal"
+        case Variable():
+            return "variable"
+        case Aggregate():
+            return "aggregate"
+        case Choice():
+            return "if"
+        case FieldAccess():
+            return "field"
+        case Record() if all(isinstance(each.field, str) for each in node.arguments):
+            return "record"
+        case Function(name="Coalesce"):
+            return "coalesce"
+        case Function(name="TryCast"):
+            return "cast"
+        case Function(name=name) if name in COMPARISONS | JUNCTIONS | {"!"}:
+            return "truth"
+    return "value"
+
+
+def _parts_of(node: Expression) -> list[Expression]:
+    match _kind_of(node), node:
+        case "if", Choice():
+            pairs = [part for each in node.branches for part in (each.condition, each.value)]
+            return [*pairs, node.otherwise]
+        case (("coalesce" | "truth"), Function()):
+            return [*operands(node.arguments)]
+        case "cast", Function():
+            return [*operands(node.arguments)[:1]]
+        case "field", _:
+            while isinstance(node, FieldAccess):
+                node = node.record
+            return [node]
+        case "record", Record():
+            return [*operands(node.arguments)]
+        case "value", _:
+            inner = filter(_needs_explanation, walk(children(node), _needs_explanation))
+            last = {each: each for each in inner if isinstance(each, Expression)}
+            return [*last.values()]
+    return []
+
+
+def _names_of(node: Expression) -> tuple[str, ...]:
+    """Return the field names of a record, or the path that is read from one."""
+    if isinstance(node, Record) and _kind_of(node) == "record":
+        return tuple(str(each.field) for each in node.arguments)
+    names: list[str] = []
+    while isinstance(node, FieldAccess):
+        names.append(str(node.field))
+        node = node.record
+    return tuple(reversed(names))
+
+
+def _chains(tree: Tree) -> Iterator[FieldAccess]:
+    """Yield the field accesses in a tree: ``sensor.radar``, ``memory.plan.at``."""
+    found = walk(tree, _chain_root)
+    return (node for node in found if isinstance(node, FieldAccess) and _chain_root(node))
+
+
+def _chain_root(node: Node) -> str:
+    if not isinstance(node, FieldAccess):
+        return ""
+    while isinstance(node, FieldAccess):
+        node = node.record
+    return variable_of(node)
+
+
+def _needs_explanation(node: Node) -> bool:
+    """Return whether a part of a calculation or list needs its own explanation."""
+    if isinstance(node, Choice | Aggregate | Variable | FieldAccess):
+        return True
+    return isinstance(node, Function) and _kind_of(node) in ("coalesce", "cast", "truth")

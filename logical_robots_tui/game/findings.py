@@ -11,9 +11,8 @@ from itertools import zip_longest
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from logical_robots_tui.explain.diagnosis.counting import Tally
-from logical_robots_tui.explain.diagnosis.sites import Checkup
-from logical_robots_tui.explain.diagnosis.telling import Finding, rule_findings, shorten
+from logical_robots_tui.explain.diagnosis.sites import Checkup, Tally
+from logical_robots_tui.explain.diagnosis.telling import Finding, Severity, rule_findings, shorten
 from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.game.history.marks import last_rounds
 from logical_robots_tui.language.diagnostics import closest
@@ -100,7 +99,6 @@ class Stored(Protocol):
     @property
     def turns(self) -> int: ...
 
-    def around(self, tick: int, /) -> tuple[TickState, TickState]: ...
     def replay(self, tick: int, /) -> tuple[TickState, RecordedTick]: ...
     def level_at(self, tick: int, /) -> Level: ...
     def is_reliable_up_to(self, tick: int, /) -> bool: ...
@@ -112,9 +110,9 @@ async def observe(history: Stored, first: int, last: int) -> Observations:
     level = history.level_at(last)
     found.is_on_way = bool(level.scores)  # to stand still may earn points
     at_home = {name: area.name for area in level.areas for name in area.victory_robots}
-    before: dict[str, Value] = dict(history.around(first)[0].memories)
+    before: dict[str, Value] = dict(history.replay(first)[0].memories)
     for tick in range(first, last + 1):
-        moment = history.around(tick)[1]
+        moment = history.replay(tick)[1].moment
         found.won_at = moment.after.won_at
         for robot in moment.after.robots:
             paths.setdefault(robot.name, []).append(robot)
@@ -128,7 +126,7 @@ async def observe(history: Stored, first: int, last: int) -> Observations:
             before = dict(moment.memories)
         if not tick % _AT_ONCE:
             await asyncio.sleep(0)
-    visitors = {area.name: area.visitors for area in history.around(last)[1].after.areas}
+    visitors = {area.name: area.visitors for area in moment.after.areas}
     kinds: Counter[str] = Counter()
     for name, path in paths.items():
         is_home = name in visitors.get(at_home.get(name, ""), ())
@@ -340,8 +338,9 @@ def _of_memory(
             message = f"memory.{name} is read, but no memory ever had a field {name}."
             made = [rule.memory for rule in checkup.rules if rule.memory is not None]
             others = (writes[close].span,) if close in writes else tuple(made)
+            first = observed.first
             yield Finding(
-                "memory never written", "warning", field.span, observed.first, message, hint, others
+                "memory never written", "warning", field.span, first, message, hint, others
             )
     for name, field in writes.items():
         if name not in reads and not checkup.reads_all:
@@ -372,11 +371,8 @@ def _of_texts(checkup: Checkup, observed: Observations, level: Level) -> Iterato
         close = closest(field.name, names | _SEEN, 0.6) or next(
             (n for n in names if n.lower() == field.name.lower()), ""
         )
-        hint = (
-            f'Did you mean "{close}"?'
-            if close
-            else "Robots, beacons and solid areas have other names here."
-        )
+        hint = "Robots, beacons and solid areas have other names here."
+        hint = f'Did you mean "{close}"?' if close else hint
         message = f'Nothing in this level is called "{field.name}".'
         yield Finding("unknown text", "warning", field.span, observed.first, message, hint)
 
@@ -396,7 +392,7 @@ def _of_movement(
     observed: Observations, closer: Mapping[tuple[str, int], Tally]
 ) -> Iterator[Finding]:
     reported: set[tuple[str, Span | None]] = set()
-    for stretch in sorted(observed.stretches, key=lambda each: _ORDER.index(each.kind)):
+    for stretch in sorted(observed.stretches, key=lambda each: [*_MOVEMENTS].index(each.kind)):
         if observed.won_at is not None and stretch.kind != "blocked":
             continue
         leaves = _leaves(closer[stretch.robot, stretch.first], stretch.robot)
@@ -406,16 +402,13 @@ def _of_movement(
         reported.add((stretch.kind, span))
         is_fixed = stretch.kind == "still" and not observed.is_over  # perhaps where it should be
         is_doubtful = observed.won_at is None and stretch.kind != "unfinished" and not is_fixed
-        yield Finding(
-            stretch.kind,
-            "warning" if is_doubtful else "note",
-            span,
-            stretch.first,
-            _how_far(stretch, span),
-            _HINTS[stretch.kind],
-            others,
-            stretch.robot,
-        )
+        severity: Severity = "warning" if is_doubtful else "note"
+        how, hint = _MOVEMENTS[stretch.kind]
+        how += f" {stretch.period} ticks" if stretch.kind == "circle" else ""
+        doing = f", mostly with `{shorten(span.text)}`" if span is not None else ""
+        ticks = f"from tick {stretch.first} to {stretch.last}"
+        said, begin = f"{stretch.robot} {how} {ticks}{doing}.", stretch.first
+        yield Finding(stretch.kind, severity, span, begin, said, hint, others, stretch.robot)
 
 
 def _of_unchanged(checkup: Checkup, observed: Observations) -> Iterator[Finding]:
@@ -437,26 +430,16 @@ def _of_unchanged(checkup: Checkup, observed: Observations) -> Iterator[Finding]
             yield Finding("unchanged", "note", span, tick, message, hint, others, robot)
 
 
-_ORDER = ("circle", "blocked", "still", "unfinished")
-
-_HINTS = {
-    "blocked": "It pushes against a wall; does it turn soon enough, and to the right side?",
-    "still": "Nothing makes it move on; which condition should?",
-    "circle": "It repeats the same movement; what should end that?",
-    "unfinished": "Should it do that here, and with these values?",
+_MOVEMENTS = {
+    "circle": ("goes round in a circle of", "It repeats the same movement; what should end that?"),
+    "blocked": (
+        "was blocked",
+        "It pushes against a wall; does it turn soon enough, and to the right side?",
+    ),
+    "still": ("stood still", "Nothing makes it move on; which condition should?"),
+    "unfinished": ("was still on its way", "Should it do that here, and with these values?"),
 }
-
-
-def _how_far(stretch: Stretch, span: Span | None) -> str:
-    ticks = f"from tick {stretch.first} to {stretch.last}"
-    how = {
-        "blocked": f"was blocked {ticks}",
-        "still": f"stood still {ticks}",
-        "unfinished": f"was still on its way {ticks}",
-        "circle": f"goes round in a circle of {stretch.period} ticks {ticks}",
-    }[stretch.kind]
-    doing = f", mostly with `{shorten(span.text)}`" if span is not None else ""
-    return f"{stretch.robot} {how}{doing}."
+"""What is said of each kind of stretch, the most significant first, and the hint."""
 
 
 def _leaves(tally: Tally, robot: str) -> list[list[Span]]:

@@ -1,4 +1,4 @@
-"""Bodies of rules: their parts in the order in which they can be evaluated, terms, and places."""
+"""Bodies of rules: their parts, in the order in which they can be evaluated, and their places."""
 
 from __future__ import annotations
 
@@ -7,40 +7,26 @@ from collections.abc import Collection, Container, Iterable, Iterator, Mapping, 
 from typing import TypeAlias
 
 from logical_robots_tui.explain.why import probing
-from logical_robots_tui.explain.why.probing import Span, TermKind
+from logical_robots_tui.explain.why.probing import Span
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import is_built_in
 from logical_robots_tui.language.source_text import Prepared, with_whole_brackets
 from logical_robots_tui.language.tree import (
-    COMPARISONS,
-    JUNCTIONS,
     REST,
     Aggregate,
     Aggregation,
-    Argument,
     Atom,
-    Boolean,
-    Call,
-    Choice,
     Conjunction,
     Disjunction,
-    Equation,
     Expression,
-    FieldAccess,
     Head,
-    Literal,
     Membership,
-    Node,
-    Number,
-    PredicateName,
     Proposition,
     Record,
     Rule,
     Tree,
     Variable,
     arguments,
-    call,
-    children,
     conjuncts,
     equation_sides,
     is_aggregate,
@@ -58,7 +44,6 @@ AUXILIARY = "why_"
 """The prefix of variables that hold the values of calls."""
 
 _OPENS = {"(": ")", "[": "]", "{": "}"}
-_FALSE = Boolean("false")
 
 
 def make_rule(
@@ -66,7 +51,6 @@ def make_rule(
     columns: Mapping[str, Expression] | Mapping[int | str, Expression],
     body: Sequence[Proposition],
 ) -> Rule:
-    """Make a rule."""
     return Rule(Head(name, arguments(columns)), Conjunction(tuple(body)) if body else None)
 
 
@@ -85,53 +69,6 @@ def span_of_text(start: int, stop: int, text: str) -> Span:
         is_close = words[-1:] in _OPENS or more[:1] in _OPENS.values()
         words += more if is_close or not (words and more) else f" {more}"
     return Span(start, stop, text.count("\n", 0, start) + 1, words)
-
-
-def as_expression(part: Proposition) -> Expression:
-    pair = equation_sides(part)
-    if pair is not None:
-        return call("==", left=pair[0], right=pair[1])
-    assert isinstance(part, Atom)
-    return Call(part.name, part.arguments, span=part.span)
-
-
-def as_part(condition: Expression, *, holds: bool) -> Proposition:
-    """Return a part that holds where an expression is true, or where it is false or null."""
-    known = call("Coalesce", condition, _FALSE)
-    if holds:
-        return Atom("!=", arguments({"left": known, "right": _FALSE}))
-    return Equation(known, _FALSE)
-
-
-def comparison_of(condition: Expression) -> tuple[str, Expression, Expression] | None:
-    if not isinstance(condition, Call) or condition.name not in COMPARISONS:
-        return None
-    sides = operands(condition.arguments)
-    return (condition.name, sides[0], sides[1]) if len(sides) == 2 else None
-
-
-def count_rule(
-    name: str,
-    columns: Mapping[str, Expression],
-    differences: Mapping[int, Expression],
-    body: Sequence[Proposition],
-) -> Rule:
-    """Make a rule that counts the ways in which a body holds, grouped by columns.
-
-    Args:
-        name: The predicate that it defines.
-        columns: The columns to group by.
-        differences: Numbers whose least and greatest value is wanted.
-        body: The body.
-    """
-    aggregated = [
-        Argument(f"{letter}{place}", Aggregation(operator, value))
-        for place, value in differences.items()
-        for letter, operator in (("l", "Min"), ("h", "Max"))
-    ]
-    number = Argument("n", Aggregation("+", Number("1")))
-    head = Head(name, (*arguments(columns), *aggregated, number))
-    return Rule(head, Conjunction(tuple(body)) if body else None, is_distinct=True)
 
 
 def parameters(rule: Rule) -> list[tuple[str, str]] | None:
@@ -157,34 +94,6 @@ def part_kind(part: Proposition, own: Container[str]) -> PartKind:
     if name == "IsNull" and any(each.is_denial for each in outer_aggregates(part)):
         return "denial"
     return "call" if name in INPUTS or name in own else "condition"
-
-
-def binding(part: Proposition, known: Container[str]) -> tuple[str, Expression] | None:
-    """Return the variable that an equation binds, with its value, or None."""
-    sides = equation_sides(part)
-    for pattern, value in (sides, sides[::-1]) if sides else ():
-        name = variable_of(pattern)
-        if name and name not in known and all(each in known for each in variables(value)):
-            return name, value
-    return None
-
-
-def outer_calls(node: Tree, own: Container[str]) -> Iterator[Call | Atom]:
-    """Yield the calls of the program's own predicates in a tree, outside aggregates."""
-    for each in walk(node, is_aggregate):
-        if isinstance(each, Call | Atom) and each.name in own:
-            yield each
-
-
-class _EveryColumn:
-    """Contains every column name."""
-
-    def __contains__(self, column: object) -> bool:
-        return True
-
-
-EVERY_COLUMN = _EveryColumn()
-"""The columns of a function whose required columns are unknown."""
 
 
 class Scope:
@@ -291,9 +200,6 @@ def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:
     return (node for node in walk(tree, is_aggregate) if isinstance(node, Aggregate))
 
 
-MOST_CLAUSES = 32
-
-
 class Names:
     """The predicates that rules may call.
 
@@ -328,116 +234,3 @@ def head_of(rule: Rule) -> tuple[dict[str, Expression], dict[str, Aggregation]]:
         elif each.field != REST:
             plain[each.column] = each.value
     return plain, others
-
-
-def alternatives(body: Iterable[Proposition]) -> list[tuple[list[Proposition], list[Proposition]]]:
-    """Return each choice of alternatives: the parts of the body, and what was chosen.
-
-    Raises:
-        TooManyError: There are too many to show.
-    """
-    found: list[tuple[list[Proposition], list[Proposition]]] = [([], [])]
-    for part in body:
-        options: list[tuple[list[Proposition], list[Proposition]]] = [([part], [])]
-        if isinstance(part, Disjunction):
-            options = [
-                (parts, [branch, *taken])
-                for branch in part.alternatives
-                for parts, taken in alternatives(conjuncts(branch))
-            ]
-        if len(found) * len(options) > MOST_CLAUSES:
-            raise TooManyError
-        found = [
-            ([*parts, *more], [*taken, *chosen])
-            for parts, taken in found
-            for more, chosen in options
-        ]
-    return found
-
-
-class TooManyError(Exception):
-    """A body has too many choices of alternatives."""
-
-
-def values_in(node: Node, column: str) -> Iterator[Expression]:
-    """Yield the expressions that a call has for a column."""
-    for argument in node.arguments if isinstance(node, Atom | Call) else ():
-        if argument.column == column and argument.expression:
-            yield argument.expression
-
-
-def kind_of(node: Node) -> TermKind:
-    match node:
-        case Literal() | PredicateName():
-            return "literal"
-        case Variable():
-            return "variable"
-        case Aggregate():
-            return "aggregate"
-        case Choice():
-            return "if"
-        case FieldAccess():
-            return "field"
-        case Record() if all(isinstance(each.field, str) for each in node.arguments):
-            return "record"
-        case Call(name="Coalesce"):
-            return "coalesce"
-        case Call(name="TryCast"):
-            return "cast"
-        case Call(name=name) if name in COMPARISONS | JUNCTIONS | {"!"}:
-            return "truth"
-    return "value"
-
-
-def parts_of(node: Expression) -> list[Expression]:
-    match kind_of(node), node:
-        case "if", Choice():
-            pairs = [part for each in node.branches for part in (each.condition, each.value)]
-            return [*pairs, node.otherwise]
-        case (("coalesce" | "truth"), Call()):
-            return [*operands(node.arguments)]
-        case "cast", Call():
-            return [*operands(node.arguments)[:1]]
-        case "field", _:
-            while isinstance(node, FieldAccess):
-                node = node.record
-            return [node]
-        case "record", Record():
-            return [*operands(node.arguments)]
-        case "value", _:
-            inner = filter(_needs_explanation, walk(children(node), _needs_explanation))
-            last = {each: each for each in inner if isinstance(each, Expression)}
-            return [*last.values()]
-    return []
-
-
-def names_of(node: Expression) -> tuple[str, ...]:
-    """Return the field names of a record, or the path that is read from one."""
-    if isinstance(node, Record) and kind_of(node) == "record":
-        return tuple(str(each.field) for each in node.arguments)
-    names: list[str] = []
-    while isinstance(node, FieldAccess):
-        names.append(str(node.field))
-        node = node.record
-    return tuple(reversed(names))
-
-
-def chains(tree: Tree) -> Iterator[FieldAccess]:
-    """Yield the field accesses in a tree: ``sensor.radar``, ``memory.plan.at``."""
-    found = walk(tree, chain_root)
-    return (node for node in found if isinstance(node, FieldAccess) and chain_root(node))
-
-
-def chain_root(node: Node) -> str:
-    if not isinstance(node, FieldAccess):
-        return ""
-    while isinstance(node, FieldAccess):
-        node = node.record
-    return variable_of(node)
-
-
-def _needs_explanation(node: Node) -> bool:
-    """Return whether a part of a calculation or list needs its own explanation."""
-    if isinstance(node, Choice | Aggregate | Variable | FieldAccess):
-        return True
-    return isinstance(node, Call) and kind_of(node) in ("coalesce", "cast", "truth")

@@ -12,7 +12,7 @@ from collections.abc import Collection, Container, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from logical_robots_tui.explain.clauses.bodies import (
+from logical_robots_tui.explain.bodies import (
     Names,
     Scope,
     head_of,
@@ -20,7 +20,7 @@ from logical_robots_tui.explain.clauses.bodies import (
     make_rule,
     outer_aggregates,
 )
-from logical_robots_tui.explain.clauses.normal_form import Builder
+from logical_robots_tui.explain.normal_form import Builder
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
 from logical_robots_tui.language.definitions import names_used
 from logical_robots_tui.language.functors import Expanded, expand, rename
@@ -41,7 +41,7 @@ from logical_robots_tui.language.tree import (
     variables,
     walk,
 )
-from logical_robots_tui.language.types import Kind, Plain, Tables, is_nested, load_kind
+from logical_robots_tui.language.types import Plain, Tables, is_nested, load_kind
 from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
 from logical_robots_tui.mind.compiling.worker import is_prepared_soon
 from logical_robots_tui.mind.relations import GIVEN, with_given, with_remarks
@@ -73,7 +73,9 @@ class Decomposition:
         self._expanded = expanded = expand(program)
         name = expanded.name_of(predicate, within)
         self._functions = functions = _functions(expanded, kinds)
-        circle = _circle(name, expanded)
+        reach = expanded.reach(name)
+        # The predicates that are mutually recursive with this one, itself included, or none.
+        circle = {each for each in reach & expanded.rules.keys() if name in expanded.reach(each)}
         self._tables = {
             each: f"{LOWER if each in circle else ROWS}{each}"
             for each in expanded.rules
@@ -97,12 +99,8 @@ class Decomposition:
             for each in read
             if each in of_copies or each in kinds
         }
-        later = tuple(
-            (clause.before, *(step.query for step in clause.steps[:-1]))
-            for rule in parts
-            for clause in rule.clauses
-            if len(clause.steps) > _FEW_STEPS
-        )
+        long = (c for rule in parts for c in rule.clauses if len(c.steps) > _FEW_STEPS)
+        later = tuple((c.before, *(step.query for step in c.steps[:-1])) for c in long)
         self.probing = Probing(
             predicate,
             within,
@@ -133,24 +131,19 @@ class Decomposition:
         renamed = [rename(each, self._tables) for each in asked]
         compiled = compile_statements(renamed, self._source, self._known)
         return {
-            query: _with_remarks(sql, compiled.kinds[query])
+            query: with_remarks(
+                sql,
+                [c for c, kind in compiled.kinds[query].items() if kind is Plain.TRUTH],
+                [c for c, kind in compiled.kinds[query].items() if is_nested(kind)],
+            )
             for query, sql in compiled.statements(probes).items()
-            if is_prepared_soon(database, *_final_form(sql))
+            for number in [1 + max(map(int, _GIVEN_COLUMN.findall(sql)), default=-1)]
+            if is_prepared_soon(database, with_given(sql, number), number)
         }
-
-
-def _with_remarks(sql: str, kinds: Mapping[str, Kind]) -> str:
-    truths = [column for column, kind in kinds.items() if kind is Plain.TRUTH]
-    return with_remarks(sql, truths, [c for c, kind in kinds.items() if is_nested(kind)])
 
 
 def _columns(rules: list[Rule]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(c for rule in rules for part in head_of(rule) for c in part))
-
-
-def _final_form(sql: str) -> tuple[str, int]:
-    number = 1 + max((int(found) for found in _GIVEN_COLUMN.findall(sql)), default=-1)
-    return with_given(sql, number), number
 
 
 def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
@@ -171,13 +164,10 @@ def _rule(rule: Rule, given: tuple[str, ...], builder: Builder) -> RuleParts:
 def _all(name: str, columns: tuple[str, ...], given: tuple[str, ...]) -> Rule:
     values = {column: Variable(f"why_{i}") for i, column in enumerate(columns)}
     taken = {f"g{i}": values[column] for i, column in enumerate(given)}
-    named = {_field(column): value for column, value in values.items()}
+    fields = {c: int(c[3:]) for c in columns if c.startswith("col") and c[3:].isdigit()}
+    named = {fields.get(column, column): value for column, value in values.items()}
     body = [Atom(GIVEN, arguments(taken)), Atom(name, arguments(named))]
     return make_rule(_ALL, {f"c{i}": value for i, value in enumerate(values.values())}, body)
-
-
-def _field(column: str) -> str | int:
-    return int(column[3:]) if column.startswith("col") and column[3:].isdigit() else column
 
 
 def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]:
@@ -189,9 +179,6 @@ def _read(name: str, expanded: Expanded, functions: Collection[str]) -> set[str]
                 found.add(other)
                 waiting += [other] if other in functions else []
     return found
-
-
-# -- which are functions -------------------------------------------------------------------------
 
 
 def _functions(expanded: Expanded, with_rows: Container[str]) -> dict[str, tuple[str, ...]]:
@@ -236,17 +223,6 @@ def _open(rule: Rule, given: Sequence[str], functions: Mapping[str, tuple[str, .
     return lacking or ({*head} - {*given} if left else set())
 
 
-# -- recursion -----------------------------------------------------------------------------------
-
-
-def _circle(name: str, expanded: Expanded) -> set[str]:
-    """Return the predicates mutually recursive with one, itself included, or none."""
-    reach = expanded.reach(name)
-    if name not in reach:
-        return set()
-    return {each for each in reach if each in expanded.rules and name in expanded.reach(each)}
-
-
 def _is_founded(
     circle: set[str], expanded: Expanded, functions: Mapping[str, Collection[str]]
 ) -> bool:
@@ -263,9 +239,6 @@ def _is_founded(
             if any(each.operator not in DECIDED_BY_ONE for each in head_of(rule)[1].values()):
                 return False
     return True
-
-
-# -- SQL -----------------------------------------------------------------------------------------
 
 
 def _sources(

@@ -1,1 +1,0 @@
-"""Diagnosis: scanning a run for likely mistakes."""
