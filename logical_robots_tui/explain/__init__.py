@@ -18,11 +18,5 @@ __all__ = ["Ask", "Explainer", "Explanation", "Node", "Proof"]
 
 __getattr__ = lazy_exports(
     __name__,
-    {
-        "Ask": "why.explanation",
-        "Explainer": "why.explainer",
-        "Explanation": "why.explanation",
-        "Node": "why.explanation",
-        "Proof": "why.explanation",
-    },
+    {"why.explainer": "Explainer", "why.explanation": "Ask Explanation Node Proof"},
 )

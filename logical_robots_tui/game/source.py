@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.language.inference.names import Names, unknown_names
+from logical_robots_tui.language.diagnostics import Names, unknown_names
 from logical_robots_tui.mind import Diagnostic, ProgramError
 from logical_robots_tui.paths import (
     ARENAS,

@@ -6,19 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from logica.compiler import universe
 
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import diagnostic_for
-from logical_robots_tui.language.tree import (
-    Annotation,
-    Boolean,
-    Expression,
-    List,
-    Name,
-    Number,
-    PredicateName,
-    Statement,
-    Text,
-)
 
 MOST_STEPS = 1_000
 """The most steps of a recursion."""
@@ -31,12 +21,12 @@ IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
 """Annotations that have no effect here and don't change results elsewhere."""
 
 
-def check_annotations(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def check_annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     ours = _ANNOTATIONS | {"@Visible"}
     for each in program:
-        if not isinstance(each, Annotation):
+        if not isinstance(each, tree.Annotation):
             continue
-        name = each.name if each.span is None else Name(each.name, each.span.start)
+        name = each.name if each.span is None else tree.Name(each.name, each.span.start)
         if name in _CHOSEN_BY_THE_GAME:
             yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
         elif name == "@Engine":
@@ -65,28 +55,28 @@ MODES = ("diamond", "horizontal", "iterative", "vertical")
 _OPTIONS = '@Recursive(P, 50, stop: Found, satellites: [Q], mode: "iterative");'
 
 
-def _recursion(annotation: Annotation, text: str) -> Iterator[Diagnostic]:
+def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
     """Report options that are unknown or have a value of another kind, and too many steps."""
     for argument in annotation.arguments[1:]:
         value = argument.value
         match argument.field:
             case int():
-                steps = float(value.value) if isinstance(value, Number) else 0
+                steps = float(value.value) if isinstance(value, tree.Number) else 0
                 if steps > MOST_STEPS:
                     message = f"a recursion takes at most {MOST_STEPS:,} steps here"
                     hint = "Each step runs in every thought; let it come to an end sooner."
                     yield diagnostic_for(text, annotation.name, message, hint, "warning")
                 continue
             case "stop":
-                is_right = isinstance(value, PredicateName)
+                is_right = isinstance(value, tree.PredicateName)
             case "satellites":
-                is_right = isinstance(value, List) and all(
-                    isinstance(each, PredicateName) for each in value.elements
+                is_right = isinstance(value, tree.List) and all(
+                    isinstance(each, tree.PredicateName) for each in value.elements
                 )
             case "mode":
-                is_right = isinstance(value, Text) and value.value in MODES
+                is_right = isinstance(value, tree.Text) and value.value in MODES
             case "iterative":
-                is_right = isinstance(value, Boolean)
+                is_right = isinstance(value, tree.Boolean)
             case _:
                 message = f"@Recursive has no option {argument.field}"
                 yield diagnostic_for(text, annotation.name, message, f"Such as {_OPTIONS}")
@@ -97,22 +87,22 @@ def _recursion(annotation: Annotation, text: str) -> Iterator[Diagnostic]:
             yield diagnostic_for(text, annotation.name, message, hint or f"Such as {_OPTIONS}")
 
 
-_ARGUMENTS: dict[str, tuple[type[Expression], str, str]] = {
-    "@Limit": (Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
+_ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
+    "@Limit": (tree.Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
     "@OrderBy": (
-        Text,
+        tree.Text,
         "@OrderBy needs a predicate and its columns in quotes",
         'Such as @OrderBy(P, "col0 DESC");',
     ),
     "@Recursive": (
-        Number,
+        tree.Number,
         "@Recursive needs a predicate and a number of steps",
         "Such as @Recursive(P, 50);",
     ),
 }
 
 
-def _fits(annotation: Annotation, kind: type[Expression]) -> bool:
+def _fits(annotation: tree.Annotation, kind: type[tree.Expression]) -> bool:
     rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
     is_enough = bool(rest) or annotation.name == "@Recursive"
     has_subject = bool(annotation.subject)

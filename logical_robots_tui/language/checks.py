@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, TypeGuard
 
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import Parsed
 from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
@@ -20,9 +21,9 @@ from logical_robots_tui.language.definitions import (
     prelude,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, closest, distance
-from logical_robots_tui.language.inference.names import Mention
-from logical_robots_tui.language.inference.tracing import Inference
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, distance
+from logical_robots_tui.language.expansion import TYPES, written_type
+from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.signatures import (
     Signature,
     collisions,
@@ -31,26 +32,6 @@ from logical_robots_tui.language.signatures import (
     wrong_calls,
 )
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-from logical_robots_tui.language.spelling import TYPES, written_type
-from logical_robots_tui.language.tree import (
-    CONDITIONS,
-    REST,
-    Annotation,
-    Argument,
-    Atom,
-    Expression,
-    Functor,
-    Node,
-    PredicateName,
-    Record,
-    Rule,
-    Statement,
-    Text,
-    Variable,
-    span_of,
-    text_of,
-    walk,
-)
 from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, MAIN, VALUE
 
@@ -123,7 +104,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
 _FLAG = "FlagValue"  # the value set by @DefineFlag
 
 
-def _redefinitions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _redefinitions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for name in definitions(program):
         if name in INPUTS:
             message = f"{name} is supplied by the game and can't be defined"
@@ -131,14 +112,14 @@ def _redefinitions(program: Sequence[Statement], text: str) -> Iterator[Diagnost
 
 
 def _names(
-    program: Sequence[Statement], text: str, doubtful: frozenset[str], runs: Runs
+    program: Sequence[tree.Statement], text: str, doubtful: frozenset[str], runs: Runs
 ) -> Iterator[Diagnostic]:
-    own = {*(each.name for each in program if isinstance(each, Rule)), *definitions(program)}
+    own = {*(each.name for each in program if isinstance(each, tree.Rule)), *definitions(program)}
     known = {*own, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
     left_open = parameters(program) - {lacking(program).get(MAIN)}
     seen = set()
-    subjects = {each.subject for each in program if isinstance(each, Annotation)}
-    values = {node.name for node in walk(program) if isinstance(node, PredicateName)}
+    subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
+    values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
     values -= {*(each.name for each in calls(program)), *subjects}
     for name in names_used(program):
         if name in seen or name in known or name in left_open:
@@ -168,10 +149,10 @@ NO_VALUE = "is named without its arguments, so it has no value"
 """What is wrong with a predicate that stands where a value is wanted."""
 
 
-def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     known = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
-    for node in walk(each for each in program if isinstance(each, Rule)):
-        if not isinstance(node, PredicateName):
+    for node in tree.walk(each for each in program if isinstance(each, tree.Rule)):
+        if not isinstance(node, tree.PredicateName):
             continue
         name = node.name
         if name in known or (is_built_in(name) and name.upper() not in TYPES):
@@ -179,12 +160,12 @@ def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diag
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
 
-def _values_as_conditions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    values = built_in_names() - CONDITIONS - _PREDICATES - definitions(program).keys()
-    for node in walk(each for each in program if isinstance(each, Rule)):
-        if not isinstance(node, Atom) or node.name not in values:
+def _values_as_conditions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    values = built_in_names() - tree.CONDITIONS - _PREDICATES - definitions(program).keys()
+    for node in tree.walk(each for each in program if isinstance(each, tree.Rule)):
+        if not isinstance(node, tree.Atom) or node.name not in values:
             continue
-        span = node.span or span_of(node.arguments)
+        span = node.span or tree.span_of(node.arguments)
         if span is not None:
             message = f"{node.name} gives a value; it is not a condition"
             hint = "Compare the value with something, or name it: x = ..."
@@ -196,7 +177,7 @@ _PREDICATES = frozenset({"Constraint", "Like"})
 """Built-in functions that are conditions as well."""
 
 
-def _types(program: Sequence[Statement]) -> Iterator[str]:
+def _types(program: Sequence[tree.Statement]) -> Iterator[str]:
     for call in calls(program):
         if call.name in ("Cast", "TryCast", "~"):
             for name in names_used(call.arguments[1:]):
@@ -233,12 +214,12 @@ _SHORTEST = 4  # letters in a word that can be recognised as misspelt
 _LONG = 7  # letters in a word that may have two errors
 
 
-def typos(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for rule in program:
-        if isinstance(rule, Annotation | Functor):
+        if isinstance(rule, tree.Annotation | tree.Functor):
             continue
-        variables = [node.name for node in walk(rule) if isinstance(node, Variable)]
-        shorthand = {node.field for node in walk(rule) if _is_shorthand(node)}
+        variables = [node.name for node in tree.walk(rule) if isinstance(node, tree.Variable)]
+        shorthand = {node.field for node in tree.walk(rule) if _is_shorthand(node)}
         counts = Counter(map(str, variables))
         for at, name in enumerate(variables):
             if counts[name] > 1 or name in shorthand:
@@ -252,9 +233,9 @@ def typos(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
                 yield diagnostic_for(text, name, message, hint, "warning")
 
 
-def _is_shorthand(node: Node) -> TypeGuard[Argument]:
+def _is_shorthand(node: tree.Node) -> TypeGuard[tree.Argument]:
     """Return whether this is `name:`, which names a column and its variable at once."""
-    if not isinstance(node, Argument) or not isinstance(node.value, Variable):
+    if not isinstance(node, tree.Argument) or not isinstance(node.value, tree.Variable):
         return False
     return node.value.name == node.field
 
@@ -285,7 +266,7 @@ _EXAMPLE = (
 )
 
 
-def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     found = definitions(program).get(MAIN, [])
     if not found:
         message = "there is no Robot predicate"
@@ -296,7 +277,7 @@ def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnost
             yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
     for rule in rules_of(found):
         columns = [each.field for each in rule.head.columns]
-        if REST in columns:
+        if tree.REST in columns:
             continue
         others = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
         for column in _COLUMNS:
@@ -304,18 +285,20 @@ def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnost
                 yield _missing(rule.name, column, others, text)
 
 
-def engines(program: Sequence[Statement], inference: Inference, text: str) -> Iterator[Diagnostic]:
+def engines(
+    program: Sequence[tree.Statement], inference: Inference, text: str
+) -> Iterator[Diagnostic]:
     literals = [
         [each.field for each in node.arguments if isinstance(each.field, str)]
-        for node in walk(program)
-        if isinstance(node, Record)
+        for node in tree.walk(program)
+        if isinstance(node, tree.Record)
     ]
     desires = [
         shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, RecordOf)
     ]
     problems: dict[tuple[int, int], Diagnostic] = {}
     for names in literals:
-        if set(names) & set(_ENGINES) and REST not in names:
+        if set(names) & set(_ENGINES) and tree.REST not in names:
             problems |= _by_place(_misspelt(names, text))
     for desire in desires:
         names = list(desire)
@@ -365,35 +348,35 @@ _ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IG
 
 
 def verbatim(
-    program: Sequence[Statement], known: Mapping[str, Signature], text: str
+    program: Sequence[tree.Statement], known: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
     for call in calls(program):
         if call.name in ("Cast", "TryCast"):
             for argument in call.arguments[1:2]:
                 if argument.expression and (found := _wrong_type(argument.expression, call.name)):
                     yield diagnostic_for(text, call.name, *found)
-    is_within_a_text = any("${" in n.value for n in walk(program) if isinstance(n, Text))
+    is_within_a_text = any("${" in n.value for n in tree.walk(program) if isinstance(n, tree.Text))
     for each in program:
-        if isinstance(each, Functor) and any(map(_is_cast, walk(each))):
+        if isinstance(each, tree.Functor) and any(map(_is_cast, tree.walk(each))):
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
-        if not isinstance(each, Annotation):
+        if not isinstance(each, tree.Annotation):
             continue
         if each.name == "@DefineFlag" and is_within_a_text:
             for value in each.values[:1]:
-                if _PLAIN.fullmatch(text_of(value) or "") is None:
+                if _PLAIN.fullmatch(tree.text_of(value) or "") is None:
                     message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
                     yield diagnostic_for(text, each.name, message, hint)
         if each.name == "@OrderBy":
             for value in each.values:
-                ordered = text_of(value)  # other types are reported elsewhere
+                ordered = tree.text_of(value)  # other types are reported elsewhere
                 signature = known.get(each.subject)
                 if ordered is not None and (wrong := _wrong_column(ordered, signature)):
                     hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
                     yield diagnostic_for(text, each.name, wrong, hint)
 
 
-def _wrong_type(wanted: Expression, cast: str) -> tuple[str, str] | None:
+def _wrong_type(wanted: tree.Expression, cast: str) -> tuple[str, str] | None:
     """Return a message and a hint about what should be a type, or in `TryCast` an example."""
     try:
         written_type(wanted)
@@ -401,7 +384,7 @@ def _wrong_type(wanted: Expression, cast: str) -> tuple[str, str] | None:
         if error.args[0] in _TIMES:
             return "robots have no dates and times", "Use sensor.clock, which is a number."
         if cast == "Cast":
-            name = text_of(wanted)
+            name = tree.text_of(wanted)
             shown = "this" if name is None else name[:40]
             return f"{shown} is not a type that Cast knows", _TYPES_HINT
     return None
@@ -424,7 +407,7 @@ def _columns_of(signature: Signature) -> set[str]:
     return {*numbered, *signature.named, *([VALUE] if signature.has_value else [])}
 
 
-def _is_cast(node: Node) -> bool:
-    if isinstance(node, Functor):
+def _is_cast(node: tree.Node) -> bool:
+    if isinstance(node, tree.Functor):
         return node.base == "Cast"
-    return isinstance(node, PredicateName) and node.name == "Cast"
+    return isinstance(node, tree.PredicateName) and node.name == "Cast"

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
     arity,
     calls,
@@ -18,24 +19,12 @@ from logical_robots_tui.language.definitions import (
 )
 from logical_robots_tui.language.diagnostics import closest
 from logical_robots_tui.language.source_text import diagnostic_for
-from logical_robots_tui.language.tree import (
-    REST,
-    Argument,
-    Call,
-    Functor,
-    Rule,
-    children,
-    variable_of,
-    variables,
-    walk,
-)
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.tree import Atom, Statement
 
     Runs = Callable[[str], bool]
 
@@ -55,7 +44,7 @@ class Signature:
         return f"({shown})" + (" = value" if self.has_value else "")
 
 
-def signatures(program: Sequence[Statement]) -> dict[str, Signature]:
+def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
     found = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
     for name, own in {**definitions(prelude()), **definitions(program)}.items():
         candidates = {_signature(each) for each in own}
@@ -65,7 +54,7 @@ def signatures(program: Sequence[Statement]) -> dict[str, Signature]:
     return found
 
 
-def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def collisions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for name, (first, *others) in definitions(program).items():
         if name.isidentifier() and (problem := _hides_built_in(name, first, program)):
             yield diagnostic_for(text, name, problem, "Give your predicate another name.")
@@ -78,14 +67,14 @@ def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
 
 
 def wrong_calls(
-    program: Sequence[Statement], known: Mapping[str, Signature], text: str, runs: Runs
+    program: Sequence[tree.Statement], known: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
     own = definitions(program)
     parameters = {name for each in program for name in substitutions(each)}
     used = {MAIN, *reach(own[MAIN], own)} if MAIN in own else {*own}
     for rule in rules_of(program):
         for call in calls(rule):
-            name, for_value = call.name, isinstance(call, Call)
+            name, for_value = call.name, isinstance(call, tree.Call)
             if name in known and not (for_value and is_built_in(name)):
                 is_given = name in parameters
                 yield from _wrong_call(call, known[name], text, is_given_elsewhere=is_given)
@@ -101,22 +90,22 @@ def wrong_calls(
                 yield from _wrong_built_in(call, text)
 
 
-def duplicates(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    for node in walk(program):
+def duplicates(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    for node in tree.walk(program):
         seen = set()
-        for each in children(node):
-            name = each.field if isinstance(each, Argument) else 0
-            if isinstance(name, str) and name in seen and name != REST:
+        for each in tree.children(node):
+            name = each.field if isinstance(each, tree.Argument) else 0
+            if isinstance(name, str) and name in seen and name != tree.REST:
                 hint = "Remove one, or join the conditions with ','."
                 yield diagnostic_for(text, name, f"{name} is given twice here", hint)
             seen.add(name)
 
 
-def _signature(rule: Rule | Functor) -> Signature | None:
-    if isinstance(rule, Functor):
+def _signature(rule: tree.Rule | tree.Functor) -> Signature | None:
+    if isinstance(rule, tree.Functor):
         return None
     columns = [each.field for each in rule.head.columns]
-    if REST in columns:
+    if tree.REST in columns:
         return None
     positional = sum(isinstance(c, int) for c in columns)
     while f"col{positional}" in columns:  # an aggregated one needs a name
@@ -127,18 +116,20 @@ def _signature(rule: Rule | Functor) -> Signature | None:
     return Signature(positional, named - {VALUE}, VALUE in named, required)
 
 
-def _in_value(rule: Rule) -> frozenset[int]:
+def _in_value(rule: tree.Rule) -> frozenset[int]:
     value = rule.head.column(VALUE)
-    mentioned = variables(value, inside=True) if value else ()
+    mentioned = tree.variables(value, inside=True) if value else ()
     return frozenset(
         each.field
         for each in rule.head.columns
-        if isinstance(each.field, int) and variable_of(each.expression) in mentioned
+        if isinstance(each.field, int) and tree.variable_of(each.expression) in mentioned
     )
 
 
-def _difference(first: Rule | Functor, other: Rule | Functor) -> tuple[str, str] | None:
-    if isinstance(first, Functor) or isinstance(other, Functor):
+def _difference(
+    first: tree.Rule | tree.Functor, other: tree.Rule | tree.Functor
+) -> tuple[str, str] | None:
+    if isinstance(first, tree.Functor) or isinstance(other, tree.Functor):
         return "{0} is already defined in line {1}", "Give one of them another name."
     one, two = _signature(first), _signature(other)
     if one is None or two is None:
@@ -158,22 +149,24 @@ def _difference(first: Rule | Functor, other: Rule | Functor) -> tuple[str, str]
     return None
 
 
-def _hides_built_in(name: str, first: Rule | Functor, program: Sequence[Statement]) -> str:
+def _hides_built_in(
+    name: str, first: tree.Rule | tree.Functor, program: Sequence[tree.Statement]
+) -> str:
     if not is_built_in(name):
         return ""
-    used = any(isinstance(call, Call) and call.name == name for call in calls(program))
-    if used or (isinstance(first, Rule) and first.head.column(VALUE)):
+    used = any(isinstance(call, tree.Call) and call.name == name for call in calls(program))
+    if used or (isinstance(first, tree.Rule) and first.head.column(VALUE)):
         return f"{name} is built in; this definition would be ignored"
     return ""
 
 
 def _wrong_call(
-    call: Call | Atom, signature: Signature, text: str, *, is_given_elsewhere: bool
+    call: tree.Call | tree.Atom, signature: Signature, text: str, *, is_given_elsewhere: bool
 ) -> Iterator[Diagnostic]:
     name = call.name
     given = [each.field for each in call.arguments]
     positional = sum(isinstance(field, int) for field in given)
-    allowed = {*signature.named, REST, VALUE, *(f"col{i}" for i in range(signature.count))}
+    allowed = {*signature.named, tree.REST, VALUE, *(f"col{i}" for i in range(signature.count))}
     if positional > signature.count:
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
         yield diagnostic_for(text, name, _too_many(name, positional, signature), hint)
@@ -182,17 +175,17 @@ def _wrong_call(
             close = closest(field, signature.named, 0.6)
             hint = f"Did you mean {close}?" if close else _shape(signature)
             yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
-    if isinstance(call, Call) and not signature.has_value and not is_given_elsewhere:
+    if isinstance(call, tree.Call) and not signature.has_value and not is_given_elsewhere:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is not a function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
 
 
-def _left_out(call: Call | Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
+def _left_out(call: tree.Call | tree.Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
     """Report a call without arguments that the value needs; leaving out others is allowed."""
     given = {each.field for each in call.arguments}
     missing = any(not {place, f"col{place}"} & given for place in signature.required)
-    if missing and REST not in given:
+    if missing and tree.REST not in given:
         here = sum(isinstance(field, int) for field in given)
         message = f"{call.name} takes {_arguments(signature.count)}, here {_are(here)}"
         yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
@@ -215,7 +208,7 @@ def _shape(signature: Signature) -> str:
     return hint if len(hint) <= 120 else ""
 
 
-def _wrong_built_in(call: Call | Atom, text: str) -> Iterator[Diagnostic]:
+def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnostic]:
     name = call.name
     given = [each.field for each in call.arguments]
     least, most = arity(name)

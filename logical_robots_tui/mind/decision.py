@@ -6,18 +6,15 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import Asking, FailureError
 from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, Limits, weight_of
-from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+from logical_robots_tui.mind.sqlite.budget import Within
+from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind.asking import Asking
-
 
 NoticeKind: TypeAlias = Literal[
     "no row",
@@ -173,38 +170,34 @@ def blame(
     if failure.slow:
         kind: NoticeKind = "late" if failure.late else "failed"
         return Notice(kind, f"The thought about {whose} failed: {failure}.")
+
+    def failure_of(predicate: str, seen: View) -> FailureError | None:
+        try:
+            asking.rows(asking.asked(predicate), moment, seen, within)
+        except FailureError as found:
+            return found
+        return None
+
     culprit, reason = "Robot", str(failure)
     for predicate in needed:
-        try:
-            asking.rows(predicate, moment, view, within)
-        except FailureError as found:
+        if found := failure_of(predicate, view):
             if not found.slow:
                 culprit, reason = predicate, str(found)
             break
-    alone = [
-        only.viewers[0]
-        for only in moment.one_by_one(view)
-        if _fails(culprit, asking, moment, only, within)
-    ]
+    alone = [one.viewers[0] for one in moment.one_by_one(view) if failure_of(culprit, one)]
     if 0 < len(alone) <= 3:
         whose = " and ".join(alone)
     return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
 
 
-def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: Within) -> bool:
-    try:
-        asking.rows(predicate, moment, view, within)
-    except FailureError:
-        return True
-    return False
-
-
 def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
     """Yield a notice for each recursion that still changed at its last step."""
     for predicate, steps in asking.still_grew(moment, view, within):
+        known = asking.program.predicate(predicate)
+        place = f"Line {known.line}: " if known and known.line else ""
         yield Notice(
             "recursion",
-            f"{asking.place_of(predicate)}the recursion of {predicate} was still growing after "
+            f"{place}the recursion of {predicate} was still growing after "
             f"{steps} steps; later rows are missing. Add a condition that ends it, or allow more "
             f"steps with @Recursive({predicate}, N).",
         )

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.inference.names import Mention
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, ProgramError
 
 if TYPE_CHECKING:
     import threading

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import secrets
 import sqlite3
 from collections.abc import Callable, Iterable, Sequence
@@ -10,16 +11,45 @@ from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charge
-from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT, Layout
-from logical_robots_tui.mind.sqlite.moment import LONG, Within
+from logical_robots_tui.mind.sqlite import registry
+from logical_robots_tui.mind.sqlite.budget import (
+    LONG,
+    MAX_ITEMS,
+    STEPS_AT_ONCE,
+    Within,
+    Work,
+    charge,
+)
+from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT, Layout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
 
 Scalar: TypeAlias = int | float | str | None
 """A value as stored in a table."""
+
+_NAMED_QUERY = re.compile(r"t_\d+_\w+|the_last_step|WhyGiven")
+"""Names of the named queries of a statement."""
+
+_BUILT_IN = """
+    abs acos acosh asin asinh atan atan2 atanh avg ceil ceiling char coalesce concat concat_ws
+    cos cosh count cume_dist degrees dense_rank exp first_value floor format group_concat if
+    ifnull iif instr json json_array json_array_length json_each json_extract json_group_array
+    json_group_object json_object json_quote json_type json_valid lag last_value lead length
+    like likelihood likely ln log log10 log2 lower ltrim max median min mod nth_value ntile
+    nullif percent_rank percentile pi pow power printf quote radians rank replace round
+    row_number rtrim sign sin sinh sqrt string_agg substr substring sum tan tanh total trim
+    trunc typeof unicode unlikely upper
+"""
+
+BUILT_IN = frozenset(_BUILT_IN.split())
+"""SQLite's own functions that may be called.
+
+Excluded are functions that reach beyond the query (``load_extension``, ``readfile``), reveal the
+machine (``random``, ``date``, ``sqlite_version``), or only create large values (``randomblob``,
+``zeroblob``, ``hex``). Functions that can take very long in a single call are replaced by our
+own.
+"""
 
 _ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_RECURSIVE})
 
@@ -278,7 +308,7 @@ class Database:
             return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_READ and first is not None:
             # A named query is only mentioned here when its rows are counted.
-            counted = second == "" and NAMED_QUERY.fullmatch(first) is not None
+            counted = second == "" and _NAMED_QUERY.fullmatch(first) is not None
             if counted or first.lower() in self._readable:
                 return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:

@@ -7,12 +7,11 @@ thoughts of all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.filling import spell_item
 from logical_robots_tui.mind.sqlite.layouts import (
     ITEM_FIELDS,
     ITEMS,
@@ -20,8 +19,9 @@ from logical_robots_tui.mind.sqlite.layouts import (
     MEMORY_FIELDS,
     RAYS,
     WHOLE_RAY,
+    spell_item,
 )
-from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.schema import RAY, SELF, SENSOR
 
 SENSOR_FIELDS = {
@@ -147,12 +147,11 @@ def _radar_of(table: exp.Expr) -> str | None:
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
         return None
     arguments = table.this.expressions
-    if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_extract":
+    if len(arguments) != 1 or sql.extract_path(arguments[0]) != "$.radar":
         return None
     column = arguments[0].expressions[0]
-    if not isinstance(column, exp.Column) or sql.extract_path(arguments[0]) != "$.radar":
-        return None
-    return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
+    is_sensor = isinstance(column, exp.Column) and column.name == "sensor"
+    return column.table if is_sensor and _is_table(column, "sensor") else None
 
 
 def _of_one_kind(select: exp.Select, ray: str) -> str:
@@ -180,7 +179,6 @@ def is_input(table: exp.Expr) -> bool:
 
 
 _TABLES = frozenset({"ray", *(table.lower() for table in KINDS)})
-_WHOLE = "value"
 
 
 def fetch_whole_rays(tree: exp.Expr) -> None:
@@ -190,17 +188,13 @@ def fetch_whole_rays(tree: exp.Expr) -> None:
     a column of a group comes from the row that has the least value, so SQLite can ask for that ray
     alone.
     """
-    for column, select in list(_whole_rays(tree)):
-        if _is_beside_aggregate(column, select):
+    for column in list(tree.find_all(exp.Column)):
+        found = sql.source(column) if column.name.lower() == "value" else None
+        if found is None or sql.table_name(found[1]) not in _TABLES:
+            continue
+        if _is_beside_aggregate(column, found[0]):
             number = exp.column("id", column.table)
             column.replace(exp.Anonymous(this=WHOLE_RAY, expressions=[number]))
-
-
-def _whole_rays(tree: exp.Expr) -> Iterator[tuple[exp.Column, exp.Select]]:
-    for column in tree.find_all(exp.Column):
-        found = sql.source(column) if column.name.lower() == _WHOLE else None
-        if found is not None and sql.table_name(found[1]) in _TABLES:
-            yield column, found[0]
 
 
 def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
@@ -227,14 +221,10 @@ class MemoryColumns:
     @classmethod
     def closed(cls, read: Mapping[str, Sequence[str]]) -> MemoryColumns:
         """Return the columns that are read already, with no room for more."""
-        fields, items = {}, {}
-        for name in read.get("Memory", ()):
-            column, _, known = name.partition("=")
-            if known:
-                fields[known] = column
-        for name in read.get("Item", ()):
-            column, _, known = name.partition("=")
-            items[known.rpartition(".")[2]] = column
+        pairs = (name.split("=") for name in read.get("Memory", ()) if "=" in name)
+        fields = {known: column for column, known in pairs}
+        pairs = (name.split("=") for name in read.get("Item", ()))
+        items = {known.rpartition(".")[2]: column for column, known in pairs}
         # No field has a number for its name.
         fields |= {str(at): c for at, c in enumerate(MEMORY_FIELDS) if c not in fields.values()}
         items |= {str(at): c for at, c in enumerate(ITEM_FIELDS) if c not in items.values()}
@@ -243,7 +233,8 @@ class MemoryColumns:
 
 def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
     for column in list(tree.find_all(exp.Column)):
-        guarded = _field_of_memory(column)
+        is_memory = column.name.lower() == "memory" and _is_table(column, "memory")
+        guarded = guarded_field(column) if is_memory else None
         if guarded is None:
             continue
         case, field = guarded
@@ -252,22 +243,13 @@ def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) ->
                 continue
             known[field] = MEMORY_FIELDS[len(known)]
         taken = exp.column(known[field], column.table)
-        case.replace(json.remark(taken, case, is_result=True))
+        case.replace(sql.remark(taken, case, is_result=True))
 
 
 def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
     """Return names of columns of ``Memory``, those of fields with the field."""
     by_column = {column: field for field, column in fields.items()}
     return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
-
-
-def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
-    if column.name.lower() != "memory":
-        return None
-    found = sql.source(column)
-    if found is None or sql.table_name(found[1]) != "memory":
-        return None
-    return guarded_field(column)
 
 
 def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
@@ -306,9 +288,11 @@ def items_as_rows(
     read: set[str] = set()
     for table in list(tree.find_all(exp.Table)):
         select, items = table.find_ancestor(exp.Select), _list_of(table)
-        if select is None or items is None or not _joins_before(select, table, items.table):
+        if select is None or items is None:
             continue
-        alias = table.alias_or_name
+        names, alias = list(sql.sources(select)), table.alias_or_name
+        if items.table in names and names.index(items.table) > names.index(alias):
+            continue
         uses = list(sql.columns_of(select, alias))
         keys = {sql.extract_path(use.parent).removeprefix("$.") for use in uses}
         new = sorted(key for key in keys if key not in known)
@@ -322,7 +306,7 @@ def items_as_rows(
             assert call is not None
             column = known[sql.extract_path(call).removeprefix("$.")]
             taken = exp.column(column, alias)
-            call.replace(json.remark(taken, call, is_result=True))
+            call.replace(sql.remark(taken, call, is_result=True))
         place = MEMORY_FIELDS.index(items.name)
         read |= {spell_item(known[key], place, by_column[items.name], key) for key in keys}
         _read_items(select, table, items.table, place)
@@ -334,13 +318,7 @@ def _list_of(table: exp.Table) -> exp.Column | None:
     column = arguments[0] if len(arguments) == 1 else None
     if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
         return None
-    found = sql.source(column)
-    return column if found is not None and sql.table_name(found[1]) == "memory" else None
-
-
-def _joins_before(select: exp.Select, table: exp.Table, memory: str) -> bool:
-    names = list(sql.sources(select))
-    return memory not in names or names.index(memory) < names.index(table.alias_or_name)
+    return column if _is_table(column, "memory") else None
 
 
 def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -> None:

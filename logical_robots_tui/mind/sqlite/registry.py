@@ -1,4 +1,4 @@
-"""The SQL functions that compiled programs call and SQLite lacks. Null in, null out.
+"""The SQL functions and aggregates that programs call and SQLite lacks. Null in, null out.
 
 Lists and records are JSON text inside SQLite. Functions have no side effects.
 """
@@ -11,35 +11,192 @@ import math
 import sqlite3
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
+from logical_robots_tui.mind.limits import weight_of_scalar
+from logical_robots_tui.mind.sqlite import casting, texts
 from logical_robots_tui.mind.sqlite.budget import (
     MAX_RANGE,
+    Aggregate,
     ChargedAggregate,
+    Room,
     Work,
     charge,
     check_items,
     check_text,
 )
-from logical_robots_tui.mind.sqlite.functions import texts
-from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
-from logical_robots_tui.mind.sqlite.functions.casting import (
+from logical_robots_tui.mind.sqlite.casting import (
     Scalar,
-    compare,
     element,
-    in_json,
     in_order,
     list_in,
+    order,
     order_of_scalar,
-    real_as_json,
-    to_text,
-    try_cast,
-    try_cast_like,
-    value_as_json,
-    whole,
 )
-from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
 from logical_robots_tui.mind.sqlite.stored import to_json
+
+# -- aggregates ----------------------------------------------------------------------------------
+
+_PAIR = 200  # bytes of a pair and its sort key
+
+
+class _Collecting:
+    """An aggregate that collects values; null if there are none, as in DuckDB."""
+
+    compares: ClassVar[bool] = False
+
+    def __init__(self) -> None:
+        self.room = Room()
+
+
+class _Distinct(_Collecting):
+    """`Set`: each value once, in ascending order, without null."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.unique: dict[str, Any] = {}
+
+    def step(self, value: Scalar) -> int:
+        item = element(value)
+        key = to_json(item)
+        if item is None or key in self.unique:
+            return 0
+        self.unique[key] = item
+        return 2 * self.room.take(key)  # as an item and as a key
+
+    def finalize(self) -> str | None:
+        return to_json(in_order(self.unique.values())) if self.unique else None
+
+
+class _Concat(_Collecting):
+    """`++=`: one list of the elements of all lists, or one text of all texts."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.items: list[Any] = []
+        self.texts: list[str] = []
+        self.is_empty = True
+
+    def step(self, value: Scalar) -> int:
+        if value is None:
+            return 0
+        self.is_empty = False
+        if isinstance(value, str) and not isinstance(element(value), list):
+            self.texts.append(value)
+            return self.room.take(value)
+        items = list_in(value)
+        size = self.room.take(value, len(items))
+        self.items.extend(items)
+        return size
+
+    def finalize(self) -> str | None:
+        if self.is_empty:
+            return None
+        return "".join(self.texts) if self.texts else to_json(self.items)
+
+
+class _Pairs(_Collecting):
+    """An aggregate over pairs; equal values keep their order, nulls are ignored."""
+
+    def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
+        super().__init__()
+        self.key, self.descending = key, descending
+        self.pairs: list[tuple[Any, Scalar]] = []
+        self.count: float | None = None
+
+    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
+        self.count = count
+        if value is None:
+            return 0
+        size = self.room.take(value) + self.room.take(argument, 0)
+        self.pairs.append((self.key(value), argument))
+        return size + _PAIR
+
+    def finalize(self) -> str | None:
+        self.pairs.sort(key=lambda pair: pair[0], reverse=self.descending)
+        count = None if self.count is None else max(0, int(self.count))
+        return to_json([element(a) for _, a in self.pairs[:count]]) if self.pairs else None
+
+
+class _Array(_Pairs):
+    """`Array{position -> value}`: the values in the order of their positions, null last."""
+
+    def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
+        size = self.room.take(argument) + self.room.take(value, 0)
+        self.pairs.append(((argument is None, order(argument)), value))
+        return size + _PAIR
+
+
+class _Best:
+    """The argument of the least or greatest value; the first of equal ones, ignoring nulls."""
+
+    compares: ClassVar[bool] = True
+
+    def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
+        self.key, self.descending = key, descending
+        self.best: tuple[int, Any] | None = None
+        self.argument: Scalar = None
+        self.size = 0
+
+    def step(self, argument: Scalar, value: Scalar) -> int:
+        if value is None:
+            return 0
+        found = self.key(value)
+        if self.best is not None and not (
+            found > self.best if self.descending else found < self.best
+        ):
+            return 0
+        self.best, self.argument, before = found, argument, self.size
+        self.size = weight_of_scalar(value) + weight_of_scalar(argument)
+        return self.size - before
+
+    def finalize(self) -> Scalar:
+        return self.argument
+
+
+class _BestNested(_Best):
+    """The least or greatest of records or lists, ignoring null."""
+
+    def step(self, value: Scalar) -> int:  # type: ignore[override]  # it is the argument, too
+        return super().step(value, value)
+
+
+class _AnyValue:
+    compares: ClassVar[bool] = False
+
+    def __init__(self) -> None:
+        self.found: Scalar = None
+
+    def step(self, value: Scalar) -> int:
+        if self.found is not None or value is None:
+            return 0
+        self.found = value
+        return weight_of_scalar(value)
+
+    def finalize(self) -> Scalar:
+        return self.found
+
+
+AGGREGATES: dict[str, tuple[int, Callable[[], Aggregate]]] = {
+    "list_of_distinct": (1, _Distinct),
+    "concat_lists": (1, _Concat),
+    "array_by": (2, _Array),
+    "arg_min": (2, _Best),
+    "arg_max": (2, partial(_Best, descending=True)),
+    "arg_min_k": (3, _Pairs),
+    "arg_max_k": (3, partial(_Pairs, descending=True)),
+    "arg_min_of_nested": (2, partial(_Best, order_of_scalar)),
+    "arg_max_of_nested": (2, partial(_Best, order_of_scalar, descending=True)),
+    "arg_min_k_of_nested": (3, partial(_Pairs, order_of_scalar)),
+    "arg_max_k_of_nested": (3, partial(_Pairs, order_of_scalar, descending=True)),
+    "least_nested": (1, partial(_BestNested, order_of_scalar)),
+    "greatest_nested": (1, partial(_BestNested, order_of_scalar, descending=True)),
+    "any_value": (1, _AnyValue),
+}
+"""Numbers of arguments, and what makes the aggregate, by SQL name."""
+
+
+# -- functions -----------------------------------------------------------------------------------
 
 _MOST_COMPARED = 16  # arguments of Least and Greatest
 
@@ -67,17 +224,10 @@ def _modulo(left: float, right: float) -> float | None:
 
 def _concatenate(left: Scalar, right: Scalar) -> str:
     """Return two lists as one, or anything else as a text."""
-    if _islist_in(left) and _islist_in(right):
+    is_list = isinstance(left, str) and left[:1] == "[" and isinstance(element(left), list)
+    if is_list and isinstance(element(right), list):
         return _concat(left, right)
     return _text(left) + _text(right)
-
-
-def _islist_in(value: Scalar) -> bool:
-    return isinstance(value, str) and value[:1] == "[" and isinstance(element(value), list)
-
-
-def _unique(items: Scalar) -> str:
-    return to_json(in_order({to_json(i): i for i in list_in(items)}.values()))
 
 
 def _join(items: Scalar, separator: str) -> str | None:
@@ -121,13 +271,9 @@ def _hash(value: Scalar) -> int:
     return int.from_bytes(digest, "big") >> 1
 
 
-def _assemble(pairs: Scalar) -> str:
-    return to_json({str(p["arg"]): p["value"] for p in list_in(pairs)})
-
-
 def _has(items: Scalar, wanted: Scalar) -> int:
     value = element(wanted)
-    return int(any(not in_json(item, value) for item in list_in(items)))
+    return int(any(not casting.in_json(item, value) for item in list_in(items)))
 
 
 def _disassemble(record: Scalar) -> str:
@@ -156,11 +302,14 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "sort_list": (1, lambda items: to_json(in_order(list_in(items)))),
     "number_range": (1, _range),
     "natural_hash": (1, _hash),
-    "real_as_json": (1, real_as_json),
+    "real_as_json": (1, casting.real_as_json),
     "record_as_json": (1, lambda record: to_json(element(record))),
-    "assemble_record": (1, _assemble),
+    "assemble_record": (
+        1,
+        lambda pairs: to_json({str(p["arg"]): p["value"] for p in list_in(pairs)}),
+    ),
     "disassemble_record": (1, _disassemble),
-    "compare_values": (2, compare),
+    "compare_values": (2, casting.compare),
     "concatenate": (2, _concatenate),
     "decimal_to_text": (2, texts.decimal_to_text),
     "divide": (2, _divide),
@@ -177,15 +326,18 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "lower_text": (1, texts.lower),
     "round_to": (2, texts.round_to),
     "starts_with": (2, lambda text, start: int(text.startswith(start))),
-    "to_text": (1, to_text),
-    "to_whole": (1, lambda value: whole(value) or 0),
+    "to_text": (1, casting.to_text),
+    "to_whole": (1, lambda value: casting.whole(value) or 0),
     "truth_to_text": (1, lambda truth: "true" if truth else "false"),
-    "try_cast": (2, try_cast),
-    "try_cast_like": (2, try_cast_like),
+    "try_cast": (2, casting.try_cast),
+    "try_cast_like": (2, casting.try_cast_like),
     "unicode_of": (1, lambda text: ord(text[0]) if text else -1),
-    "unique_list": (1, _unique),
+    "unique_list": (
+        1,
+        lambda items: to_json(in_order({to_json(i): i for i in list_in(items)}.values())),
+    ),
     "upper_text": (1, texts.upper),
-    "value_as_json": (1, value_as_json),
+    "value_as_json": (1, casting.value_as_json),
 }
 
 _NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
@@ -247,7 +399,7 @@ _EXTRA: dict[str, Callable[..., int]] = {
 """Further steps of calls whose work is more than proportional to what they take and return."""
 
 NAMES = frozenset(
-    {"unique_number", *_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *AGGREGATES, *REPLACED}
+    {"unique_number", *_FUNCTIONS, *_NULL_MEANS_ABSENT, *_MATHS, *AGGREGATES, *texts.REPLACED}
 )
 """Names of all functions of this module, in lower case as SQLite's authorizer reports them."""
 
@@ -272,7 +424,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
     for name, (arity, function) in functions.items():
         create(name, arity, function)
     connection.create_function("unique_number", 0, work.next_number)
-    for name, (arities, function) in REPLACED.items():
+    for name, (arities, function) in texts.REPLACED.items():
         for arity in arities:
             create(name, arity, function)
     for name, function in _NULL_MEANS_ABSENT.items():

@@ -1,8 +1,4 @@
-"""Fields that do not exist and types that do not fit, found by tracing kinds through the rules.
-
-A variable's kind is known if it comes from `Sensor`, a literal, a built-in function, or a column or
-argument that has the same kind everywhere. What is read from a memory is not.
-"""
+"""Fields that do not exist and types that do not fit, found by tracing kinds through the rules."""
 
 from __future__ import annotations
 
@@ -13,24 +9,7 @@ from typing import Literal, TypeAlias
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import operator_name
 from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
-from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.inference.functions import (
-    ALIKE,
-    ARITHMETIC,
-    COMPARISONS,
-    FUNCTIONS,
-    LONGEST,
-    is_numeral,
-    repair,
-    result_of,
-)
-from logical_robots_tui.language.inference.names import (
-    OBJECT,
-    ROBOT_NAME,
-    SENSED,
-    Mention,
-    object_hint,
-)
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, object_hint
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import (
     REST,
@@ -42,6 +21,14 @@ from logical_robots_tui.language.tree import (
     Statement,
 )
 from logical_robots_tui.language.types import (
+    ALIKE,
+    ARITHMETIC,
+    COMPARISONS,
+    FUNCTIONS,
+    LONGEST,
+    OBJECT,
+    ROBOT_NAME,
+    SENSED,
     Kind,
     ListOf,
     Plain,
@@ -52,8 +39,11 @@ from logical_robots_tui.language.types import (
     describe,
     family,
     is_nested,
+    is_numeral,
     is_text,
     meet,
+    repair,
+    result_of,
 )
 from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 
