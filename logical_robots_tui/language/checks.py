@@ -1,15 +1,16 @@
-"""Mistakes that compile silently and fail later, and things that are not allowed."""
+"""Mistakes that compile silently and fail later, annotations, and things that are not allowed."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, TypeGuard
+from typing import NamedTuple
+
+from logica.compiler import universe
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import Parsed
-from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
     built_in_names,
     calls,
@@ -25,6 +26,7 @@ from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest
 from logical_robots_tui.language.expansion import TYPES, written_type
 from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.signatures import (
+    Runs,
     Signature,
     collisions,
     duplicates,
@@ -35,22 +37,11 @@ from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_fo
 from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, MAIN, VALUE
 
-if TYPE_CHECKING:
-    from logical_robots_tui.language.signatures import Runs
-
 _OUTSIDE = frozenset(
-    [
-        "Clingo",
-        "Intelligence",
-        "PrintToConsole",
-        "ReadFile",
-        "ReadJson",
-        "RunClingo",
-        "RunClingoFile",
-        "RunClingoFileTemplate",
-        "RunClingoTemplate",
-        "WriteFile",
-    ]
+    {
+        *("Clingo", "Intelligence", "PrintToConsole", "ReadFile", "ReadJson", "RunClingo"),
+        *("RunClingoFile", "RunClingoFileTemplate", "RunClingoTemplate", "WriteFile"),
+    }
 )
 """What the package offers to programs that are trusted with the machine."""
 
@@ -81,7 +72,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
     mentions = inference.mentions
     problems = [
         *parsed.problems,
-        *check_annotations(program, text),
+        *_annotations(program, text),
         *_redefinitions(program, text),
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
@@ -100,6 +91,108 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
     in_order = sorted(unique.values(), key=lambda p: (p.line, p.column, p.severity))
     return Checked(in_order, mentions)
 
+
+# -- annotations ---------------------------------------------------------------------------------
+
+MOST_STEPS = 1_000
+"""The most steps of a recursion."""
+
+_CHOSEN_BY_THE_GAME = ("@AttachDatabase", "@Dataset")
+_ANNOTATIONS = frozenset(
+    {"@DefineFlag", "@Ground", "@Limit", "@NoInject", "@NoWith", "@OrderBy", "@Recursive", "@With"}
+)
+IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
+"""Annotations that have no effect here and don't change results elsewhere."""
+
+
+def _annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    ours = _ANNOTATIONS | {"@Visible"}
+    for each in program:
+        if not isinstance(each, tree.Annotation):
+            continue
+        name = each.name if each.span is None else tree.Name(each.name, each.span.start)
+        if name in _CHOSEN_BY_THE_GAME:
+            yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
+        elif name == "@Engine":
+            message = "@Engine has no effect: the game chooses the engine"
+            yield diagnostic_for(text, name, message, "Remove this line.", "warning")
+        elif name not in ours | IGNORED:
+            close = closest(name[1:], {o[1:] for o in ours})
+            if name in universe.Annotations.ANNOTATING_PREDICATES:
+                message, hint = f"{name} is for other engines", "Remove this line."
+            elif close:
+                message, hint = f"there is no annotation {name}", f"Did you mean @{close}?"
+            else:
+                message = f"there is no annotation {name} for robots"
+                hint = f"There are {', '.join(sorted(ours))}."
+            yield diagnostic_for(text, name, message, hint)
+        elif name in _ARGUMENTS and not _fits(each, _ARGUMENTS[name][0]):
+            _, message, hint = _ARGUMENTS[name]
+            yield diagnostic_for(text, name, message, hint)
+        elif name == "@Recursive":
+            yield from _recursion(each, text)
+
+
+MODES = ("diamond", "horizontal", "iterative", "vertical")
+"""Ways to iterate a recursion, which give the same rows if it comes to an end."""
+
+_OPTIONS = '@Recursive(P, 50, stop: Found, satellites: [Q], mode: "iterative");'
+
+
+def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
+    """Report options that are unknown or have a value of another kind, and too many steps."""
+    for argument in annotation.arguments[1:]:
+        value = argument.value
+        match argument.field:
+            case int():
+                steps = float(value.value) if isinstance(value, tree.Number) else 0
+                if steps > MOST_STEPS:
+                    message = f"a recursion takes at most {MOST_STEPS:,} steps here"
+                    hint = "Each step runs in every thought; let it come to an end sooner."
+                    yield diagnostic_for(text, annotation.name, message, hint, "warning")
+                continue
+            case "stop":
+                is_right = isinstance(value, tree.PredicateName)
+            case "satellites":
+                is_right = isinstance(value, tree.List) and all(
+                    isinstance(each, tree.PredicateName) for each in value.elements
+                )
+            case "mode":
+                is_right = isinstance(value, tree.Text) and value.value in MODES
+            case "iterative":
+                is_right = isinstance(value, tree.Boolean)
+            case _:
+                message = f"@Recursive has no option {argument.field}"
+                yield diagnostic_for(text, annotation.name, message, f"Such as {_OPTIONS}")
+                continue
+        if not is_right:
+            message = f"@Recursive can't use this value of {argument.field}"
+            hint = f"It is one of {', '.join(MODES)}." if argument.field == "mode" else ""
+            yield diagnostic_for(text, annotation.name, message, hint or f"Such as {_OPTIONS}")
+
+
+_ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
+    "@Limit": (tree.Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
+    "@OrderBy": (
+        tree.Text,
+        "@OrderBy needs a predicate and its columns in quotes",
+        'Such as @OrderBy(P, "col0 DESC");',
+    ),
+    "@Recursive": (
+        tree.Number,
+        "@Recursive needs a predicate and a number of steps",
+        "Such as @Recursive(P, 50);",
+    ),
+}
+
+
+def _fits(annotation: tree.Annotation, kind: type[tree.Expression]) -> bool:
+    rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
+    is_enough = bool(annotation.subject) and (bool(rest) or annotation.name == "@Recursive")
+    return is_enough and all(isinstance(value, kind) for value in rest)
+
+
+# -- names ---------------------------------------------------------------------------------------
 
 _FLAG = "FlagValue"  # the value set by @DefineFlag
 
@@ -151,10 +244,8 @@ NO_VALUE = "is named without its arguments, so it has no value"
 
 def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     known = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
-    for node in tree.walk(each for each in program if isinstance(each, tree.Rule)):
-        if not isinstance(node, tree.PredicateName):
-            continue
-        name = node.name
+    for node in tree.walk(rules_of(program)):
+        name = node.name if isinstance(node, tree.PredicateName) else ""
         if name in known or (is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} {NO_VALUE}"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
@@ -162,7 +253,7 @@ def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator
 
 def _values_as_conditions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     values = built_in_names() - tree.CONDITIONS - _PREDICATES - definitions(program).keys()
-    for node in tree.walk(each for each in program if isinstance(each, tree.Rule)):
+    for node in tree.walk(rules_of(program)):
         if not isinstance(node, tree.Atom) or node.name not in values:
             continue
         span = node.span or tree.span_of(node.arguments)
@@ -215,11 +306,12 @@ _LONG = 7  # letters in a word that may have two errors
 
 
 def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for rule in program:
-        if isinstance(rule, tree.Annotation | tree.Functor):
-            continue
-        variables = [node.name for node in tree.walk(rule) if isinstance(node, tree.Variable)]
-        shorthand = {node.field for node in tree.walk(rule) if _is_shorthand(node)}
+    for rule in rules_of(program):
+        nodes = [*tree.walk(rule)]
+        variables = [node.name for node in nodes if isinstance(node, tree.Variable)]
+        # In `name:` a column and its variable are named at once.
+        columns = (node for node in nodes if isinstance(node, tree.Argument))
+        shorthand = {each.field for each in columns if tree.variable_of(each.value) == each.field}
         counts = Counter(map(str, variables))
         for at, name in enumerate(variables):
             if counts[name] > 1 or name in shorthand:
@@ -233,27 +325,16 @@ def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
                 yield diagnostic_for(text, name, message, hint, "warning")
 
 
-def _is_shorthand(node: tree.Node) -> TypeGuard[tree.Argument]:
-    """Return whether this is `name:`, which names a column and its variable at once."""
-    if not isinstance(node, tree.Argument) or not isinstance(node.value, tree.Variable):
-        return False
-    return node.value.name == node.field
-
-
 def _looks_like(name: str, other: str) -> bool:
     left, right = name.split("_"), other.split("_")
-    if len(left) != len(right):
+    different = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
+    if len(left) != len(right) or len(different) != 1:
         return False
-    different = [(a, b) for a, b in zip(left, right, strict=True) if a != b]
-    if len(different) != 1:
+    ((one, two),) = different
+    shorter = min(len(one), len(two))
+    if shorter < _SHORTEST or one.rstrip("s") == two.rstrip("s") or re.search(r"\d", one + two):
         return False
-    one, two = different[0]
-    if min(len(one), len(two)) < _SHORTEST or one.rstrip("s") == two.rstrip("s"):
-        return False
-    if any(c.isdigit() for c in one + two):
-        return False
-    allowed = 2 if min(len(one), len(two)) >= _LONG else 1
-    return distance(one, two) <= allowed and one[0] == two[0]
+    return one[0] == two[0] and distance(one, two) <= (2 if shorter >= _LONG else 1)
 
 
 # -- the rule for Robot -------------------------------------------------------------------------
@@ -288,20 +369,14 @@ def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Dia
 def engines(
     program: Sequence[tree.Statement], inference: Inference, text: str
 ) -> Iterator[Diagnostic]:
-    literals = [
-        [each.field for each in node.arguments if isinstance(each.field, str)]
-        for node in tree.walk(program)
-        if isinstance(node, tree.Record)
-    ]
-    desires = [
-        shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, RecordOf)
-    ]
     problems: dict[tuple[int, int], Diagnostic] = {}
-    for names in literals:
+    for node in tree.walk(program):
+        given = node.arguments if isinstance(node, tree.Record) else ()
+        names = [each.field for each in given if isinstance(each.field, str)]
         if set(names) & set(_ENGINES) and tree.REST not in names:
             problems |= _by_place(_misspelt(names, text))
-    for desire in desires:
-        names = list(desire)
+    for shape in inference.column(MAIN, "desire"):
+        names = [*shape.names] if isinstance(shape, RecordOf) else []
         if found := _by_place(_misspelt(names, text, 0.5)):
             problems |= found
         elif names:
@@ -357,7 +432,8 @@ def verbatim(
                     yield diagnostic_for(text, call.name, *found)
     is_within_a_text = any("${" in n.value for n in tree.walk(program) if isinstance(n, tree.Text))
     for each in program:
-        if isinstance(each, tree.Functor) and any(map(_is_cast, tree.walk(each))):
+        given = [node.name for node in tree.walk(each) if isinstance(node, tree.PredicateName)]
+        if isinstance(each, tree.Functor) and "Cast" in (each.base, *given):
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
         if not isinstance(each, tree.Annotation):
             continue
@@ -397,17 +473,8 @@ def _wrong_column(columns: str, signature: Signature | None) -> str:
         found = _ORDER_COLUMNS.fullmatch(part)
         if found is None:
             return "@OrderBy takes names of columns"
-        if signature is not None and found[1] not in _columns_of(signature):
-            return f"there is no column {found[1]} to order by"
+        if signature is not None:
+            numbered = {f"col{number}" for number in range(signature.count)}
+            if found[1] not in {*numbered, *signature.named, *[VALUE] * signature.has_value}:
+                return f"there is no column {found[1]} to order by"
     return ""
-
-
-def _columns_of(signature: Signature) -> set[str]:
-    numbered = {f"col{number}" for number in range(signature.count)}
-    return {*numbered, *signature.named, *([VALUE] if signature.has_value else [])}
-
-
-def _is_cast(node: tree.Node) -> bool:
-    if isinstance(node, tree.Functor):
-        return node.base == "Cast"
-    return isinstance(node, tree.PredicateName) and node.name == "Cast"

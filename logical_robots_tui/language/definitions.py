@@ -54,7 +54,6 @@ _AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it mak
 
 @functools.cache
 def prelude() -> tuple[tree.Rule, ...]:
-    """Return the rules of the prelude."""
     return tuple(each for each in parse_trusted(_PRELUDE) if isinstance(each, tree.Rule))
 
 
@@ -68,7 +67,6 @@ def definitions(program: Iterable[tree.Statement]) -> dict[str, list[tree.Rule |
 
 
 def rules_of(program: Iterable[tree.Statement]) -> list[tree.Rule]:
-    """Return the rules among statements."""
     return [each for each in program if isinstance(each, tree.Rule)]
 
 
@@ -95,7 +93,6 @@ def column_labels(
 
 
 def calls(part: tree.Tree) -> Iterator[tree.Call | tree.Atom]:
-    """Yield all calls in a tree."""
     return (node for node in tree.walk(part) if isinstance(node, tree.Call | tree.Atom))
 
 
@@ -147,7 +144,6 @@ def lacking(program: Sequence[tree.Statement]) -> dict[str, str]:
 
 
 def substitutions(statement: tree.Statement) -> tuple[str, ...]:
-    """Return the names that a statement substitutes."""
     return statement.parameters if isinstance(statement, tree.Functor) else ()
 
 
@@ -176,17 +172,13 @@ def is_built_in(name: str) -> bool:
 @functools.cache
 def arity(name: str) -> tuple[int, float]:
     """Return the fewest and most arguments of a built-in function."""
+    count = {"If": 3, "Cast": 2}.get(name, 0)
     if name in _QL.ANALYTIC_FUNCTIONS:
         count = 4 if name.startswith("Window") else 3
-        return count, count
-    if name == "If":
-        return 3, 3
-    if name == "Cast":
-        return 2, 2
-    if name in _QL.BUILT_IN_FUNCTIONS:
-        return (2, 2) if name in _TWO_ARGUMENTS else (1, 1)
+    elif not count and name in _QL.BUILT_IN_FUNCTIONS:
+        count = 2 if name in _TWO_ARGUMENTS else 1
     least, most = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
-    return least, most
+    return (count, count) if count else (least, most)
 
 
 # -- constants -----------------------------------------------------------------------------------
@@ -207,7 +199,8 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         old, *more = found.get(name, [None])
         if others or more or not is_constant(old) or not isinstance(new, tree.Rule):
             hint = f"A constant is one rule without a body: {name}() = {value};"
-            raise _not_constant(f"{name} is not a constant of the program", hint)
+            message = f"{name} is not a constant of the program"
+            raise ProgramError((Diagnostic(1, 1, message, hint),))
         assert isinstance(old, tree.Rule)
         assert old.value is not None
         assert old.value.span is not None
@@ -217,9 +210,8 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         lines = text.count("\n", start, stop)
         text = text[:start] + value + "\n" * lines + text[stop:]
     if _statements_of(text) != wanted:
-        raise _not_constant(
-            "the constants can't be written into the program", "Try simpler values."
-        )
+        message = "the constants can't be written into the program"
+        raise ProgramError((Diagnostic(1, 1, message, "Try simpler values."),))
     return text
 
 
@@ -235,7 +227,3 @@ def _statements_of(text: str) -> list[tree.Statement]:
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
     return parsed.statements
-
-
-def _not_constant(message: str, hint: str) -> ProgramError:
-    return ProgramError((Diagnostic(1, 1, message, hint),))

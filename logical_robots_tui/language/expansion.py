@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import definitions, prelude, reach, substitutions
@@ -14,11 +14,7 @@ from logical_robots_tui.language.diagnostics import ProgramError
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.schema import INPUTS, VALUE
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from typing import TypeVar
-
-    N = TypeVar("N", bound=tree.Node)
+N = TypeVar("N", bound=tree.Node)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +53,12 @@ def expand(program: Iterable[tree.Statement]) -> Expanded:
             rules[name] = [each for each in own if isinstance(each, tree.Rule)]
     expanded = Expanded(rules, [each for each in program if isinstance(each, tree.Annotation)])
     while functors:
-        ready = [n for n, functor in functors.items() if _is_ready(functor, functors, expanded)]
+        ready = []
+        for name, functor in functors.items():
+            given = (each.value for each in functor.arguments)
+            used = {functor.base, *(v.name for v in given if isinstance(v, tree.PredicateName))}
+            if not used.union(*map(expanded.reach, used)) & functors.keys():
+                ready.append(name)
         for name in ready or list(functors):
             _make(functors.pop(name), expanded)
     return expanded
@@ -82,16 +83,6 @@ def expand_functors(program: list[tree.Statement]) -> list[tree.Statement]:
     return [*expanded.annotations, *copies, *rules]
 
 
-def _is_ready(
-    functor: tree.Functor, waiting: Mapping[str, tree.Functor], expanded: Expanded
-) -> bool:
-    needed = {functor.base, *expanded.reach(functor.base)}
-    for argument in functor.arguments:
-        if isinstance(argument.value, tree.PredicateName):
-            needed |= {argument.value.name, *expanded.reach(argument.value.name)}
-    return not needed & waiting.keys()
-
-
 def _make(functor: tree.Functor, expanded: Expanded) -> None:
     name, base = functor.name, functor.base
     given = {}
@@ -105,7 +96,9 @@ def _make(functor: tree.Functor, expanded: Expanded) -> None:
             expanded.rules[constant] = [tree.Rule(tree.Head(constant, columns))]
     expanded.bases[name] = expanded.bases.get(base, base)
     if not given and base in expanded.reach(base) and expanded.rules.get(base):
-        expanded.rules[name] = [_same_rows(name, expanded.rules[base][0].head)]
+        fields = [each.field for each in expanded.rules[base][0].head.columns]
+        same = tree.arguments({each: tree.Variable(f"c{n}") for n, each in enumerate(fields)})
+        expanded.rules[name] = [tree.Rule(tree.Head(name, same), tree.Atom(base, same))]
         return
     used = {base, *expanded.reach(base)}
     touched = {p for p in used - given.keys() if expanded.reach(p) & given.keys()} | {base}
@@ -120,14 +113,6 @@ def _make(functor: tree.Functor, expanded: Expanded) -> None:
             first = expanded.origins.get(original, (original, ""))[0]
             expanded.names[first, name] = copy
             expanded.origins[copy] = first, name
-
-
-def _same_rows(name: str, head: tree.Head) -> tree.Rule:
-    """Return a rule that gives a predicate the rows of another."""
-    columns = tree.arguments(
-        {each.field: tree.Variable(f"c{n}") for n, each in enumerate(head.columns)}
-    )
-    return tree.Rule(tree.Head(name, columns), tree.Atom(head.name, columns))
 
 
 def rename(node: N, names: Mapping[str, str]) -> N:
@@ -180,7 +165,10 @@ def spell_out(program: Iterable[tree.Statement], text: str) -> list[tree.Stateme
     def change(node: tree.Node) -> tree.Node:
         node = tree.rebuild(node, change)
         if isinstance(node, tree.Call) and node.name == "ToString" and len(node.arguments) == 1:
-            return replace(node, name="TruthToString") if _is_truth(node.arguments[0]) else node
+            value = node.arguments[0].value
+            is_call = isinstance(value, tree.Call) and value.name in tree.TRUTHS
+            is_truth = is_call or isinstance(value, tree.Boolean)
+            return replace(node, name="TruthToString") if is_truth else node
         if isinstance(node, tree.Call) and node.name in ("Cast", "TryCast"):
             if len(node.arguments) != 2:
                 message = f"{node.name} needs a value and an example of the result"
@@ -226,13 +214,6 @@ def _with_samples(node: tree.Expression) -> tree.Expression:
         return tree.rebuild(inner, change)
 
     return change(node)  # type: ignore[return-value]  # an expression for an expression
-
-
-def _is_truth(argument: tree.Argument) -> bool:
-    value = argument.value
-    return isinstance(value, tree.Boolean) or (
-        isinstance(value, tree.Call) and value.name in tree.TRUTHS
-    )
 
 
 def written_type(node: tree.Expression) -> Any:

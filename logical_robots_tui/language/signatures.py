@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
@@ -17,16 +17,12 @@ from logical_robots_tui.language.definitions import (
     rules_of,
     substitutions,
 )
-from logical_robots_tui.language.diagnostics import closest
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import diagnostic_for
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-
-    Runs = Callable[[str], bool]
+Runs = Callable[[str], bool]
+"""Whether a built-in function works in SQLite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,20 +45,24 @@ def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
     for name, own in {**definitions(prelude()), **definitions(program)}.items():
         candidates = {_signature(each) for each in own}
         signature = candidates.pop()
-        if signature is not None and not candidates:
+        if signature and not candidates:
             found[name] = signature
     return found
 
 
 def collisions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for name, (first, *others) in definitions(program).items():
-        if name.isidentifier() and (problem := _hides_built_in(name, first, program)):
-            yield diagnostic_for(text, name, problem, "Give your predicate another name.")
+        is_function = isinstance(first, tree.Rule) and first.head.column(VALUE)
+        if name.isidentifier() and is_built_in(name):
+            used = (isinstance(call, tree.Call) and call.name == name for call in calls(program))
+            if is_function or any(used):
+                message = f"{name} is built in; this definition would be ignored"
+                yield diagnostic_for(text, name, message, "Give your predicate another name.")
         for other in others:
-            if difference := _difference(first, other):
-                line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
+            line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
+            if difference := _difference(first, other, line):
                 message, hint = difference
-                yield diagnostic_for(text, other.name, message.format(name, line), hint)
+                yield diagnostic_for(text, other.name, f"{name} {message}", hint)
                 break
 
 
@@ -127,37 +127,25 @@ def _in_value(rule: tree.Rule) -> frozenset[int]:
 
 
 def _difference(
-    first: tree.Rule | tree.Functor, other: tree.Rule | tree.Functor
+    first: tree.Rule | tree.Functor, other: tree.Rule | tree.Functor, line: int
 ) -> tuple[str, str] | None:
     if isinstance(first, tree.Functor) or isinstance(other, tree.Functor):
-        return "{0} is already defined in line {1}", "Give one of them another name."
+        return f"is already defined in line {line}", "Give one of them another name."
     one, two = _signature(first), _signature(other)
     if one is None or two is None:
         return None
     if one.has_value != two.has_value:
         what = "a function" if one.has_value else "without a value"
-        return "{0} is " + what + " in line {1}, but not here", "Give one of them another name."
+        return f"is {what} in line {line}, but not here", "Give one of them another name."
     if (one.count, one.named) != (two.count, two.named):
-        columns = str(one).replace("{", "{{")
-        hint = f"All rules of a predicate have the same columns; there it has {columns}."
+        hint = f"All rules of a predicate have the same columns; there it has {one}."
         if len(hint) > 120:
             hint = "All rules of a predicate have the same columns."
-        return "{0} has different columns in line {1}", hint
+        return f"has different columns in line {line}", hint
     if first.is_distinct != other.is_distinct:
-        where = "in line {1}, but not here" if first.is_distinct else "here only"
-        return "{0} is distinct " + where, "Write distinct in all of its heads, or in none."
+        where = f"in line {line}, but not here" if first.is_distinct else "here only"
+        return f"is distinct {where}", "Write distinct in all of its heads, or in none."
     return None
-
-
-def _hides_built_in(
-    name: str, first: tree.Rule | tree.Functor, program: Sequence[tree.Statement]
-) -> str:
-    if not is_built_in(name):
-        return ""
-    used = any(isinstance(call, tree.Call) and call.name == name for call in calls(program))
-    if used or (isinstance(first, tree.Rule) and first.head.column(VALUE)):
-        return f"{name} is built in; this definition would be ignored"
-    return ""
 
 
 def _wrong_call(
@@ -169,7 +157,10 @@ def _wrong_call(
     allowed = {*signature.named, tree.REST, VALUE, *(f"col{i}" for i in range(signature.count))}
     if positional > signature.count:
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
-        yield diagnostic_for(text, name, _too_many(name, positional, signature), hint)
+        message = f"{name} takes {_arguments(signature.count)}, here {_are(positional)}"
+        if not signature.count and signature.named:
+            message = f"the columns of {name} have names"
+        yield diagnostic_for(text, name, message, hint)
     for field in given:
         if isinstance(field, str) and field not in allowed:
             close = closest(field, signature.named, 0.6)
@@ -189,12 +180,6 @@ def _left_out(call: tree.Call | tree.Atom, signature: Signature, text: str) -> I
         here = sum(isinstance(field, int) for field in given)
         message = f"{call.name} takes {_arguments(signature.count)}, here {_are(here)}"
         yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
-
-
-def _too_many(name: str, given: int, signature: Signature) -> str:
-    if not signature.count and signature.named:
-        return f"the columns of {name} have names"
-    return f"{name} takes {_arguments(signature.count)}, here {_are(given)}"
 
 
 def _shape(signature: Signature) -> str:

@@ -6,6 +6,7 @@ is said here (`tests/mind/differential/test_web.py`).
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
@@ -26,8 +27,13 @@ _remark_at = partial(diagnostic_at, severity="warning")
 def web_remarks(program: Sequence[tree.Statement], source: Prepared) -> list[Diagnostic]:
     """Return what the web platform would refuse or understand otherwise, in text order."""
     text = source.original
+    message = "the web platform has no @Visible: there all robots see everything"
     found = [
-        *_own_annotations(program, text),
+        *(
+            _remark(text, each.name, message, "Leave it out there.")
+            for each in program
+            if isinstance(each, tree.Annotation) and each.name == "@Visible"
+        ),
         *_recursions(program, text),
         *_field_names(program, text),
         *_formats(program, text),
@@ -37,13 +43,6 @@ def web_remarks(program: Sequence[tree.Statement], source: Prepared) -> list[Dia
     ]
     unique = {(each.line, each.column, each.message): each for each in found}
     return sorted(unique.values(), key=lambda each: (each.line, each.column))
-
-
-def _own_annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
-    for each in program:
-        if isinstance(each, tree.Annotation) and each.name == "@Visible":
-            message = "the web platform has no @Visible: there all robots see everything"
-            yield _remark(text, each.name, message, "Leave it out there.")
 
 
 # -- recursion ------------------------------------------------------------------------------------
@@ -127,11 +126,7 @@ def _formats(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnosti
 # -- whole numbers --------------------------------------------------------------------------------
 
 _MOST = 2**31 - 1
-_CALCULATIONS = {
-    "+": lambda left, right: left + right,
-    "-": lambda left, right: left - right,
-    "*": lambda left, right: left * right,
-}
+_CALCULATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul}
 
 
 class _Wholes:
@@ -146,22 +141,22 @@ class _Wholes:
         for name, each in definitions(program).items():
             rules = rules_of(each)
             if len(rules) == len(each) and not any(rule.body for rule in rules):
-                for field in {column.field for rule in rules for column in rule.head.columns}:
-                    self._columns[name, field] = self._column(rules, field)
+                columns = [column for rule in rules for column in rule.head.columns]
+                for field in {column.field for column in columns}:
+                    given = [column.expression for column in columns if column.field == field]
+                    bounds = [None if each is None else self._bounds(each, {}) for each in given]
+                    self._columns[name, field] = _union(bounds)
 
     def overflows(self) -> Iterator[Diagnostic]:
         for rule in rules_of(self._program):
             scope = self._scope(rule)
             for node in tree.walk(rule):
-                if isinstance(node, tree.Call) and node.span and self._overflows(node, scope):
+                bounds = self._calculated(node, scope) if isinstance(node, tree.Call) else None
+                if bounds is not None and not _fits(bounds) and node.span:
                     start, stop = node.span
                     message = "this may exceed 32 bits, where the web platform fails"
                     hint = "Write one of the numbers with a point, such as 1000.0."
                     yield _remark_at(self._text, start, stop - start, message, hint)
-
-    def _column(self, rules: Sequence[tree.Rule], field: int | str) -> tuple[int, int] | None:
-        given = [c.expression for r in rules for c in r.head.columns if c.field == field]
-        return _union([None if each is None else self._bounds(each, {}) for each in given])
 
     def _scope(self, rule: tree.Rule) -> dict[str, tuple[int, int]]:
         scope: dict[str, tuple[int, int]] = {}
@@ -178,10 +173,6 @@ class _Wholes:
                 if isinstance(variable, tree.Variable) and bounds is not None:
                     scope.setdefault(variable.name, bounds)
         return scope
-
-    def _overflows(self, node: tree.Call, scope: Mapping[str, tuple[int, int]]) -> bool:
-        found = self._calculated(node, scope)
-        return found is not None and not _fits(found)
 
     def _calculated(
         self, node: tree.Call, scope: Mapping[str, tuple[int, int]]
@@ -200,7 +191,9 @@ class _Wholes:
         found: tuple[int, int] | None = None
         match node:
             case tree.Number():
-                found = _exact(node.value)
+                digits, is_short = node.value, len(node.value) <= len(f"-{_MOST}")
+                if is_short and digits.lstrip("-").isdecimal():
+                    found = (int(digits), int(digits))
             case tree.Variable():
                 found = scope.get(node.name)
             case tree.Choice():
@@ -215,11 +208,6 @@ class _Wholes:
 
 def _fits(bounds: tuple[int, int]) -> bool:
     return bounds[0] >= -_MOST - 1 and bounds[1] <= _MOST
-
-
-def _exact(digits: str) -> tuple[int, int] | None:
-    is_short = len(digits) <= len(f"-{_MOST}")
-    return (int(digits),) * 2 if is_short and digits.lstrip("-").isdecimal() else None
 
 
 def _union(bounds: Sequence[tuple[int, int] | None]) -> tuple[int, int] | None:

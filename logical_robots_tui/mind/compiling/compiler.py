@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 from sqlglot import exp
 
-from logical_robots_tui.language import error_messages, package_patches
+from logical_robots_tui.language import error_messages, package_patches, tree
 from logical_robots_tui.language.adapter import Raw, parse, to_package
-from logical_robots_tui.language.annotations import IGNORED
-from logical_robots_tui.language.checks import check
+from logical_robots_tui.language.checks import IGNORED, check
 from logical_robots_tui.language.definitions import (
     column_labels,
     definitions,
@@ -31,34 +30,13 @@ from logical_robots_tui.language.definitions import (
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.expansion import expand_functors, expand_rows, spell_out
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for, prepare
-from logical_robots_tui.language.tree import (
-    Annotation,
-    Atom,
-    Call,
-    Disjunction,
-    Functor,
-    Rule,
-    Statement,
-    Tree,
-    Variable,
-    operands,
-    text_of,
-    variable_of,
-    variables,
-    walk,
-)
+from logical_robots_tui.language.tree import Annotation, Functor, Rule, Statement
 from logical_robots_tui.language.types import Kind, Plain, Tables, dump_kind
 from logical_robots_tui.language.web import web_remarks
+from logical_robots_tui.mind.compiling import fixpoint
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
 from logical_robots_tui.mind.compiling.duckdb_types import as_on_duckdb
-from logical_robots_tui.mind.compiling.fixpoint import (
-    DEPTH,
-    Fixpoint,
-    fixpoints,
-    grows,
-    growth_check,
-    with_fixpoints,
-)
+from logical_robots_tui.mind.compiling.fixpoint import Fixpoint, fixpoints
 from logical_robots_tui.mind.program import Predicate, Program
 from logical_robots_tui.mind.tuning import MOST_TUNED
 from logical_robots_tui.schema import INPUTS, MAIN
@@ -175,22 +153,27 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
         checks = {
-            name: (steps, growth_check(statements[name], name, steps))
+            name: (steps, fixpoint.growth_check(statements[name], name, steps))
             for name, steps in self.steps.items()
             if name in statements
         }
-        for fixpoint in self.fixpoints:
-            if any(name in statements for name in fixpoint.names):
-                checks[fixpoint.names[0]] = (fixpoint.depth, grows(fixpoint, self._steps()))
+        for each in self.fixpoints:
+            if any(name in statements for name in each.names):
+                checks[each.names[0]] = (
+                    each.depth,
+                    fixpoint.grows(each, self._steps()),
+                )
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
         """Return a predicate's SQL with DuckDB's types; raise the package's exceptions."""
         iterated = next((each for each in self.fixpoints if name in each.names), None)
         sql = iterated.all_rows(name) if iterated else super().FormattedPredicateSql(name)
-        text, tree, self.kinds[name] = as_on_duckdb(with_fixpoints(sql, self._steps()), self.tables)
-        if tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
-            self.trees[text] = tree
+        text, read, self.kinds[name] = as_on_duckdb(
+            fixpoint.with_fixpoints(sql, self._steps()), self.tables
+        )
+        if read is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
+            self.trees[text] = read
         return text
 
     def truths(self, name: str) -> tuple[str, ...]:
@@ -219,15 +202,15 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         for options in depths.values():
             options.pop("stop", None)
             if options.get("1") == -1:
-                options["1"] = DEPTH
+                options["1"] = fixpoint.DEPTH
         unfolding = functors.Functors(rules)
-        recursive, _ = unfolding.RecursiveAnalysis(depths, False, DEPTH)
+        recursive, _ = unfolding.RecursiveAnalysis(depths, False, fixpoint.DEPTH)
         for name in recursive:
             options = depths.setdefault(name, {})
             options["iterative"] = False
-            options["1"] = min(options.get("1", DEPTH), _DEEPEST_RECURSION)
+            options["1"] = min(options.get("1", fixpoint.DEPTH), _DEEPEST_RECURSION)
             self.steps[name] = options["1"]
-        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, DEPTH))
+        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, fixpoint.DEPTH))
 
 
 def _endless(error: BaseException, program: Sequence[Statement], text: str) -> Diagnostic | None:
@@ -263,7 +246,7 @@ def _compile_predicates(
             is_function = (
                 name != MAIN
                 and error_messages.is_function(error)
-                and variables(heads, inside=True).issuperset(lacking_ones)
+                and tree.variables(heads, inside=True).issuperset(lacking_ones)
             )
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
@@ -288,7 +271,7 @@ def _take_visibility(
             if each.name not in IGNORED:
                 rest.append(each)
             continue
-        wanted = "".join(text_of(value) or "" for value in each.values[:1])
+        wanted = "".join(tree.text_of(value) or "" for value in each.values[:1])
         if wanted in _VISIBILITY.get(each.subject, ()):
             visibility[each.subject.lower()] = wanted
         else:
@@ -345,20 +328,22 @@ def explain(error: BaseException, source: Prepared, program: Sequence[Statement]
         return found
     name = found.excerpt if found.excerpt in names else names[0]
     own = definitions(program)
-    called = [n for n in walk(rule) if isinstance(n, Atom | Call) and n.name in own]
-    if name not in variables(rule, inside=True):
+    called = [n for n in tree.walk(rule) if isinstance(n, tree.Atom | tree.Call) and n.name in own]
+    if name not in tree.variables(rule, inside=True):
         for each in called:
             heads = [other.head for other in rules_of(own[each.name])]
-            if name in variables(heads, inside=True) and each.span:
+            if name in tree.variables(heads, inside=True) and each.span:
                 message = f"{each.name} needs a value for {name}"
                 hint, length = "Add the missing argument.", len(each.name)
                 return diagnostic_at(source.original, each.span.start, length, message, hint)
-    elif isinstance(rule.body, Disjunction):
+    elif isinstance(rule.body, tree.Disjunction):
         hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
         at = next(n.span.start for n in _uses_of(name, rule) if n.span)
         message = f"nothing says what {name} is in one of the alternatives"
         return diagnostic_at(source.original, at, len(name), message, hint)
-    takers = [e.name for e in called for v in operands(e.arguments) if variable_of(v) == name]
+    takers = [
+        e.name for e in called for v in tree.operands(e.arguments) if tree.variable_of(v) == name
+    ]
     is_given_only = len(takers) == sum(1 for _ in _uses_of(name, rule.body or ()))
     if len({*takers}) == 1 and is_given_only and not found.hint.startswith("Did you mean"):
         taker = takers[0]
@@ -367,8 +352,8 @@ def explain(error: BaseException, source: Prepared, program: Sequence[Statement]
     return found
 
 
-def _uses_of(name: str, part: Tree) -> Iterator[Variable]:
-    return (n for n in walk(part) if isinstance(n, Variable) and n.name == name)
+def _uses_of(name: str, part: tree.Tree) -> Iterator[tree.Variable]:
+    return (n for n in tree.walk(part) if isinstance(n, tree.Variable) and n.name == name)
 
 
 dialects.DIALECTS["sqlite"] = RobotDialect

@@ -7,19 +7,8 @@ from dataclasses import replace
 
 from sqlglot import exp
 
-from logical_robots_tui.language.types import (
-    Decimal,
-    Kind,
-    ListOf,
-    Plain,
-    RecordOf,
-    common,
-    is_known,
-    is_nested,
-    is_number,
-    is_whole,
-    spell,
-)
+from logical_robots_tui.language import types
+from logical_robots_tui.language.types import Decimal, Kind, ListOf, Plain, RecordOf, common
 from logical_robots_tui.mind.tuning import sql
 
 
@@ -31,7 +20,7 @@ def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
     """Coerce an expression in place to the common type, also inside written records and lists."""
     if isinstance(value, exp.Paren | exp.Alias):
         conform(value.this, kind, wanted)
-    elif is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
+    elif types.is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
         is_written = isinstance(value, exp.Literal)
         value.replace(exp.Literal.number(f"{value.name}.0") if is_written else cast(value, "REAL"))
     elif isinstance(value, exp.Case):
@@ -46,10 +35,15 @@ def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
         if isinstance(kind, ListOf) and isinstance(wanted, ListOf):
             for element in list(value.expressions):
                 conform(element, kind.element, wanted.element)
-    elif is_nested(kind) and kind != wanted and is_nested(wanted) and is_known(wanted):
+    elif (
+        types.is_nested(kind)
+        and kind != wanted
+        and types.is_nested(wanted)
+        and types.is_known(wanted)
+    ):
         is_real = _as_cast(wanted, in_order=False) == wanted  # as all numbers of `try_cast`
         if is_real:
-            value.replace(call("try_cast", value.copy(), exp.Literal.string(spell(wanted))))
+            value.replace(call("try_cast", value.copy(), exp.Literal.string(types.spell(wanted))))
 
 
 def _conform_fields(record: exp.Expr, kind: Kind, wanted: RecordOf) -> None:
@@ -131,7 +125,7 @@ def _as_json(value: exp.Expr, kind: Kind) -> None:
         value.replace(call("JSON", call("real_as_json", value.copy())))
     elif isinstance(kind, Decimal) and not kind.scale and kind.whole > _EXACT_DIGITS:
         value.replace(cast(value, "INTEGER"))
-    elif is_nested(kind) and not _is_json(value):
+    elif types.is_nested(kind) and not _is_json(value):
         value.replace(call("JSON", value.copy()))
     elif kind is Plain.ANY:
         value.replace(call("JSON", call("value_as_json", value.copy())))
@@ -161,13 +155,13 @@ def _any_value(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
 
 
 def _extreme(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if len(kinds) == 1 and is_nested(kinds[0]):
+    if len(kinds) == 1 and types.is_nested(kinds[0]):
         made.set("this", "least_nested" if made.name.lower() == "min" else "greatest_nested")
     return found
 
 
 def _best(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if len(kinds) > 1 and is_nested(kinds[1]):
+    if len(kinds) > 1 and types.is_nested(kinds[1]):
         made.set("this", f"{made.name.lower()}_of_nested")
     return found
 
@@ -207,13 +201,13 @@ def _round(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
             return Plain.REAL if isinstance(kinds[0], Decimal) else found
     elif isinstance(kinds[0], Decimal):
         return replace(kinds[0], scale=min(kinds[0].scale, int(digits.name)))
-    if is_whole(found):
+    if types.is_whole(found):
         made.replace(cast(made, "INTEGER"))
     return found
 
 
 def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if found is Plain.REAL and is_whole(kinds[0]):
+    if found is Plain.REAL and types.is_whole(kinds[0]):
         made.replace(cast(made, "REAL"))
         return found
     return _round(made, kinds, found)
@@ -229,9 +223,9 @@ def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kin
     """Replace an example by its type if that is known; otherwise SQLite examines the value."""
     wanted = _as_cast(kinds[1])
     spell_truth(made.expressions[0], kinds[0], wanted)
-    if is_known(wanted):
+    if types.is_known(wanted):
         made.set("this", "try_cast")
-        made.set("expressions", [made.expressions[0], exp.Literal.string(spell(wanted))])
+        made.set("expressions", [made.expressions[0], exp.Literal.string(types.spell(wanted))])
     return wanted
 
 
@@ -249,7 +243,7 @@ def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
         fields = [(name, _as_cast(of, in_order=in_order)) for name, of in kind.fields]
         by_name = sorted(fields, key=lambda field: field[0])
         return RecordOf(tuple(by_name if in_order else fields))
-    return Plain.REAL if is_number(kind) else kind
+    return Plain.REAL if types.is_number(kind) else kind
 
 
 def _size(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:

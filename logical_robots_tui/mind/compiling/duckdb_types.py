@@ -8,21 +8,8 @@ from typing import TypeAlias
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
-from logical_robots_tui.language.types import (
-    MOST_DIGITS,
-    SENSOR,
-    Decimal,
-    Kind,
-    ListOf,
-    Plain,
-    Tables,
-    common,
-    digits,
-    is_nested,
-    is_number,
-    is_whole,
-    parse_spelling,
-)
+from logical_robots_tui.language import types
+from logical_robots_tui.language.types import SENSOR, Decimal, Kind, ListOf, Plain, Tables, common
 from logical_robots_tui.mind.compiling import duckdb_changes as changes
 from logical_robots_tui.mind.compiling.duckdb_changes import conform
 from logical_robots_tui.mind.tuning import sql
@@ -83,7 +70,7 @@ def _result_of(name: str, kinds: Sequence[Kind]) -> Kind:
 
 
 def _sum(kinds: Sequence[Kind]) -> Kind:
-    return common(kinds) if all(map(is_number, kinds)) else Plain.ANY
+    return common(kinds) if all(map(types.is_number, kinds)) else Plain.ANY
 
 
 def _product(left: Kind, right: Kind) -> Kind:
@@ -91,22 +78,22 @@ def _product(left: Kind, right: Kind) -> Kind:
     if not isinstance(found, Decimal):
         return found
     scale = sum(k.scale for k in (left, right) if isinstance(k, Decimal))
-    most = digits(left) + digits(right)
-    if max(digits(left), digits(right)) <= _SHORT_DIGITS < most:
+    most = types.digits(left) + types.digits(right)
+    if max(types.digits(left), types.digits(right)) <= _SHORT_DIGITS < most:
         most = _SHORT_DIGITS
-    return Decimal(scale, min(most, MOST_DIGITS) - scale)
+    return Decimal(scale, min(most, types.MOST_DIGITS) - scale)
 
 
 def _total(kinds: Sequence[Kind]) -> Kind:
     kind = _sum(kinds[:1])
     if isinstance(kind, Decimal):
-        return Decimal(kind.scale, MOST_DIGITS - kind.scale)
-    return Plain.LARGE if is_whole(kind) else kind
+        return Decimal(kind.scale, types.MOST_DIGITS - kind.scale)
+    return Plain.LARGE if types.is_whole(kind) else kind
 
 
 def _round(kinds: Sequence[Kind]) -> Kind:
     kind = kinds[0]
-    return Decimal(0, digits(kind)) if isinstance(kind, Decimal) else _sum(kinds[:1])
+    return Decimal(0, types.digits(kind)) if isinstance(kind, Decimal) else _sum(kinds[:1])
 
 
 def _concat(kinds: Sequence[Kind]) -> Kind:
@@ -119,7 +106,7 @@ _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
     # DuckDB's floor or ceiling of a whole number is real.
     **dict.fromkeys(
         ("ceil", "ceiling", "floor", "trunc"),
-        lambda kinds: Plain.REAL if is_whole(kinds[0]) else _round(kinds),
+        lambda kinds: Plain.REAL if types.is_whole(kinds[0]) else _round(kinds),
     ),
     **dict.fromkeys(_LISTING, lambda kinds: ListOf(kinds[0])),
     "array_by": lambda kinds: ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY,
@@ -268,7 +255,9 @@ class _Reader:
         if isinstance(node, exp.Neg):
             return _sum([self.kind(node.this)])
         if isinstance(node, _COMPARING):
-            if any([is_nested(self.kind(node.this)), is_nested(self.kind(node.expression))]):
+            if any(
+                [types.is_nested(self.kind(node.this)), types.is_nested(self.kind(node.expression))]
+            ):
                 # Field by field and element by element.
                 order = changes.call("compare_values", node.this.copy(), node.expression.copy())
                 node.set("this", order)
@@ -334,7 +323,7 @@ class _Reader:
             listed = sql.sources(query.this)
             self.query(query.this)
             calls = [t.this for t in listed.values() if sql.call_name(t.this) == "json_each"]
-            if is_nested(looked_for) and calls:
+            if types.is_nested(looked_for) and calls:
                 listed_values = calls[0].expressions[0].copy()
                 node.replace(changes.call("list_has", listed_values, node.this.copy()))
         for item in list(node.expressions):
@@ -354,7 +343,7 @@ class _Reader:
         if name == "json_extract":
             return changes.extract(call, kinds)
         if name == "try_cast":
-            wanted = parse_spelling(arguments[1].name)
+            wanted = types.parse_spelling(arguments[1].name)
             if wanted is Plain.WHOLE and isinstance(kinds[0], Decimal):
                 arguments[0].replace(changes.call("ROUND", arguments[0].copy()))
             changes.spell_truth(arguments[0], kinds[0], wanted)

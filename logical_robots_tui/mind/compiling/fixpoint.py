@@ -26,7 +26,7 @@ from typing import Any
 from sqlglot import exp
 
 from logical_robots_tui.language import tree
-from logical_robots_tui.language.annotations import MOST_STEPS
+from logical_robots_tui.language.checks import MOST_STEPS
 from logical_robots_tui.language.definitions import functor_names, names_used
 from logical_robots_tui.language.expansion import rename
 from logical_robots_tui.mind.program import STEPS

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.adapter import (
@@ -20,7 +21,7 @@ from logical_robots_tui.language.adapter import (
 from logical_robots_tui.language.checks import NO_VALUE, check
 from logical_robots_tui.language.definitions import column_labels, definitions
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.source_text import diagnostic_for, prepare
+from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.mind.compiling.compiler import (
     compile_statements,
     explain,
@@ -31,13 +32,7 @@ from logical_robots_tui.mind.compiling.dialect import runs
 from logical_robots_tui.mind.program import Question
 from logical_robots_tui.schema import INPUTS, VALUE
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.source_text import Prepared
-
-    Own = Mapping[str, Sequence[tree.Rule | tree.Functor]]
-
+Own: TypeAlias = Mapping[str, Sequence[tree.Rule | tree.Functor]]
 Gives: TypeAlias = Literal["rows", "value", "truth"]
 
 
