@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
@@ -15,6 +16,7 @@ from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
+from logical_robots_tui.wording import clip
 
 NoticeKind: TypeAlias = Literal[
     "no row",
@@ -126,7 +128,11 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     for engine in DESIRE.names:
         power = _power(value.get(engine))
         if power is None:
-            what = _short(value[engine]) if engine in value else "missing"
+            given = value.get(engine)
+            what = "null" if given is None else clip(to_json(given), 40)
+            if isinstance(given, float) and math.isinf(given):
+                what = "infinite"
+            what = what if engine in value else "missing"
             notices.append(Notice("bad engine", f"{engine} is {what}: it stops."))
         engines[engine] = power or 0.0
     return Desire(**engines)
@@ -141,18 +147,9 @@ def _power(value: Value) -> float | None:
         isinstance(value, str) and _SPELLED.fullmatch(value)
     ):
         return None
-    try:
-        power = float(value)
-    except OverflowError:
-        return None
-    return power if math.isfinite(power) else None
-
-
-def _short(value: Value) -> str:
-    if isinstance(value, float) and math.isinf(value):
-        return "infinite"
-    text = "null" if value is None else to_json(value)
-    return text if len(text) <= 40 else text[:39] + "…"
+    with suppress(OverflowError):
+        return power if math.isfinite(power := float(value)) else None
+    return None
 
 
 def blame(

@@ -11,15 +11,9 @@ from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.language.diagnostics import QueryError
+from logical_robots_tui.mind import decision
 from logical_robots_tui.mind.asking import Answer, Asking, FailureError
-from logical_robots_tui.mind.decision import (
-    Decision,
-    Notice,
-    blame,
-    cut_offs,
-    decide,
-    note_stranger,
-)
+from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import Program, Question
 from logical_robots_tui.mind.sqlite.budget import Within
@@ -155,11 +149,13 @@ class Mind:
         self._thought = []
         for view, answer in self._asking.each(self._robot, moment, within):
             if isinstance(answer, FailureError):
-                notice = blame(answer, self._asking, self.program.needed, moment, view, within)
+                notice = decision.blame(
+                    answer, self._asking, self.program.needed, moment, view, within
+                )
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                ended = [*cut_offs(self._asking, moment, view, within)]
+                ended = [*decision.cut_offs(self._asking, moment, view, within)]
                 cut_off |= dict.fromkeys(view.viewers, ended)
             columns, found = answer
             mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
@@ -170,7 +166,7 @@ class Mind:
                 if isinstance(name, str) and name in mine:
                     answers[name].append(row)
                 elif not isinstance(name, str) or name not in answers:
-                    note_stranger(name, strangers.setdefault(view.viewers[0], []))
+                    decision.note_stranger(name, strangers.setdefault(view.viewers[0], []))
         notices: dict[str, Sequence[Notice]] = {}
         if failures or strangers or cut_off:
             for name in names:
@@ -178,7 +174,9 @@ class Mind:
             notices |= {name: (notice,) for name, notice in failures.items()}
         limits, heaviest = self.limits, self.limits.weight_of_each(len(names))
         return [
-            decide(name, answers[name], memories.get(name), notices.get(name, ()), limits, heaviest)
+            decision.decide(
+                name, answers[name], memories.get(name), notices.get(name, ()), limits, heaviest
+            )
             for name in names
         ]
 

@@ -63,7 +63,7 @@ class Relations:
         self._asking, self._plain = asking, asking.plain_tables
         self._moment, self._view, self.within = moment, view, within
         self._plain.offer(SAME, _same_in_sql, 2)
-        self._plain.offer(ALIKE, _alike_in_sql, 2)
+        self._plain.offer(ALIKE, lambda one, other: alike(from_sql(one), from_sql(other)), 2)
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
@@ -104,7 +104,6 @@ class Relations:
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
     def label(self, predicate: str, column: str) -> str:
-        """Return what a column of a predicate is called in the program."""
         return self._asking.program.label(predicate, column)
 
     def owners(self, what: Literal["sensor", "memory"], value: Value) -> list[str]:
@@ -245,10 +244,6 @@ def _sort(value: Value) -> Value:
     if isinstance(value, list):
         return sorted(map(_sort, value), key=repr)
     return value
-
-
-def _alike_in_sql(one: Scalar, other: Scalar) -> bool:
-    return alike(from_sql(one), from_sql(other))
 
 
 def _same_in_sql(one: Scalar, other: Scalar) -> bool:

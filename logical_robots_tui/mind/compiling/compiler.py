@@ -159,10 +159,8 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         }
         for each in self.fixpoints:
             if any(name in statements for name in each.names):
-                checks[each.names[0]] = (
-                    each.depth,
-                    fixpoint.grows(each, self._steps()),
-                )
+                grows = fixpoint.grows(each, self._steps())
+                checks[each.names[0]] = (each.depth, grows)
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:

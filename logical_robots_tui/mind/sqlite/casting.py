@@ -225,9 +225,9 @@ def whole(value: Any) -> int | None:
 
 
 def _truth(value: Any) -> bool | None:
-    if isinstance(value, int | float):
-        return bool(value)
-    return _TRUTHS.get(value.lower()) if isinstance(value, str) else None
+    if isinstance(value, str):
+        return _TRUTHS.get(value.lower())
+    return bool(value) if isinstance(value, int | float) else None
 
 
 _TRUTHS = {
@@ -270,6 +270,7 @@ _CLOSES = {"{": "}", "[": "]", "(": ")"}
 _PLAIN = re.compile(r"""[^"',:\\{}()\[\]]+""")
 _QUOTED = {quote: re.compile(rf"(?:[^\\{quote}]|\\.)*{quote}", re.DOTALL) for quote in "'\""}
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_SIGNS = re.compile(r"""'(?:[^\\']|\\.)*'|"(?:[^\\"]|\\.)*"|\\['"]|['"{}\[\]()]""", re.DOTALL)
 
 
 def _quote(text: str) -> str:
@@ -358,7 +359,10 @@ class _Reader:
                 plain = _PLAIN.match(text, at)
                 self._move(plain.end() if plain else at + 1)
                 pieces[-1] += text[at : self._at]
-        part = _join(pieces)
+        # Without the spaces round it; quoted pieces, every second one, keep theirs.
+        pieces[0] = pieces[0].lstrip(_SPACES)
+        pieces[-1] = pieces[-1].rstrip(_SPACES)
+        part = "".join(pieces)
         return None if part.upper() == "NULL" and len(pieces) == 1 else part, ended
 
     def _move(self, at: int) -> None:
@@ -366,30 +370,17 @@ class _Reader:
         self._at = max(self._at, at)
 
 
-def _join(pieces: list[str]) -> str:
-    """Return a part without the spaces round it; quoted pieces, every second one, keep theirs."""
-    pieces[0] = pieces[0].lstrip(_SPACES)
-    pieces[-1] = pieces[-1].rstrip(_SPACES)
-    return "".join(pieces)
-
-
 def _closed(text: str, at: int) -> int:
     """Return the offset after the bracket that closes the one at an offset, or -1."""
     waiting: list[str] = []
-    while at < len(text):
-        character = text[at]
-        at += 1
-        if character in _CLOSES:
-            waiting.append(_CLOSES[character])
-        elif character in _QUOTED:
-            found = _QUOTED[character].match(text, at)
-            if found is None:
-                return -1
-            at = found.end()
-        elif character == "\\" and text[at : at + 1] in _QUOTED:
-            at += 1
-        elif character == waiting[-1]:
+    for found in _SIGNS.finditer(text, at):
+        sign = found.group()
+        if sign in _CLOSES:
+            waiting.append(_CLOSES[sign])
+        elif sign in _QUOTED:
+            return -1  # it is not closed
+        elif sign == waiting[-1]:
             waiting.pop()
             if not waiting:
-                return at
+                return found.end()
     return -1

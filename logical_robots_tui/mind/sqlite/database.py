@@ -11,15 +11,8 @@ from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite import registry
-from logical_robots_tui.mind.sqlite.budget import (
-    LONG,
-    MAX_ITEMS,
-    STEPS_AT_ONCE,
-    Within,
-    Work,
-    charge,
-)
+from logical_robots_tui.mind.sqlite import budget, registry
+from logical_robots_tui.mind.sqlite.budget import Within, Work
 from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT, Layout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
@@ -97,7 +90,7 @@ class Database:
         )
         self._work = Work(self._halt, self._limits.aggregate_bytes)
         self._numbers = count()
-        self._connection.set_progress_handler(self._work.count, STEPS_AT_ONCE)
+        self._connection.set_progress_handler(self._work.count, budget.STEPS_AT_ONCE)
         registry.install(self._connection, self._work)
         self._connection.executescript(
             f"""
@@ -181,20 +174,20 @@ class Database:
         """
         if within is None:
             within = Within.of_thought(self._limits)
-        budget, stop = within.budget, within.stop
+        left, stop = within.budget, within.stop
         if stop is not None and stop.is_set():
             raise Stopped("The program was stopped before it started thinking.")
-        if budget.is_late or budget.steps < 0:
+        if left.is_late or left.steps < 0:
             raise TooSlowError
         if within.anew:
             sql = f"/* {next(self._numbers)} */ {sql}"
         self._trusted = False
         self._bytes = 0
         work = self._work
-        work.begin(budget, stop)
+        work.begin(left, stop)
         try:
             answer = self._fetch(sql, parameters, most)
-            within.is_much = self._bytes > LONG or len(answer[1]) > _MANY
+            within.is_much = self._bytes > budget.LONG or len(answer[1]) > _MANY
             return answer
         except TooMuchError:
             raise
@@ -234,7 +227,7 @@ class Database:
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
         """Register a function for queries, once; its errors and steps count as the query's."""
         if name not in self._offered:
-            self._connection.create_function(name, arguments, charge(function, self._work))
+            self._connection.create_function(name, arguments, budget.charge(function, self._work))
             self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
@@ -284,7 +277,7 @@ class Database:
             return TooMuchError(f"aggregates collect more than {most:,} bytes at a time")
         return TooMuchError(
             f"a value became too large; a text, list or record may have "
-            f"{self._limits.value_bytes:,} bytes, a list in a function {MAX_ITEMS:,} items"
+            f"{self._limits.value_bytes:,} bytes, a list in a function {budget.MAX_ITEMS:,} items"
         )
 
     def _halt(self) -> None:

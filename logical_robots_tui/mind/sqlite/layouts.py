@@ -116,9 +116,7 @@ def fillings(table: str, moment: Moment, columns: tuple[str, ...]) -> Sequence[F
 
 def _sensors(moment: Moment, columns: tuple[str, ...]) -> Sequence[Filling]:
     values = [_SENSOR_VALUES[column] for column in columns]
-    rows = [
-        (number, *[value(row) for value in values]) for number, row in enumerate(moment.sensors)
-    ]
+    rows = [(n, *[value(row) for value in values]) for n, row in enumerate(moment.sensors)]
     return ((_insert_into("Sensor", columns), rows),)
 
 

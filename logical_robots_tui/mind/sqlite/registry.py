@@ -14,25 +14,9 @@ from functools import partial
 from typing import Any, ClassVar
 
 from logical_robots_tui.mind.limits import weight_of_scalar
-from logical_robots_tui.mind.sqlite import casting, texts
-from logical_robots_tui.mind.sqlite.budget import (
-    MAX_RANGE,
-    Aggregate,
-    ChargedAggregate,
-    Room,
-    Work,
-    charge,
-    check_items,
-    check_text,
-)
-from logical_robots_tui.mind.sqlite.casting import (
-    Scalar,
-    element,
-    in_order,
-    list_in,
-    order,
-    order_of_scalar,
-)
+from logical_robots_tui.mind.sqlite import budget, casting, texts
+from logical_robots_tui.mind.sqlite.budget import Work
+from logical_robots_tui.mind.sqlite.casting import Scalar, element, list_in
 from logical_robots_tui.mind.sqlite.stored import to_json
 
 # -- aggregates ----------------------------------------------------------------------------------
@@ -46,7 +30,7 @@ class _Collecting:
     compares: ClassVar[bool] = False
 
     def __init__(self) -> None:
-        self.room = Room()
+        self.room = budget.Room()
 
 
 class _Distinct(_Collecting):
@@ -65,7 +49,7 @@ class _Distinct(_Collecting):
         return 2 * self.room.take(key)  # as an item and as a key
 
     def finalize(self) -> str | None:
-        return to_json(in_order(self.unique.values())) if self.unique else None
+        return to_json(casting.in_order(self.unique.values())) if self.unique else None
 
 
 class _Concat(_Collecting):
@@ -98,7 +82,9 @@ class _Concat(_Collecting):
 class _Pairs(_Collecting):
     """An aggregate over pairs; equal values keep their order, nulls are ignored."""
 
-    def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
+    def __init__(
+        self, key: Callable[[Any], Any] = casting.order, *, descending: bool = False
+    ) -> None:
         super().__init__()
         self.key, self.descending = key, descending
         self.pairs: list[tuple[Any, Scalar]] = []
@@ -123,7 +109,7 @@ class _Array(_Pairs):
 
     def step(self, argument: Scalar, value: Scalar, count: float | None = None) -> int:
         size = self.room.take(argument) + self.room.take(value, 0)
-        self.pairs.append(((argument is None, order(argument)), value))
+        self.pairs.append(((argument is None, casting.order(argument)), value))
         return size + _PAIR
 
 
@@ -132,7 +118,9 @@ class _Best:
 
     compares: ClassVar[bool] = True
 
-    def __init__(self, key: Callable[[Any], Any] = order, *, descending: bool = False) -> None:
+    def __init__(
+        self, key: Callable[[Any], Any] = casting.order, *, descending: bool = False
+    ) -> None:
         self.key, self.descending = key, descending
         self.best: tuple[int, Any] | None = None
         self.argument: Scalar = None
@@ -177,7 +165,7 @@ class _AnyValue:
         return self.found
 
 
-AGGREGATES: dict[str, tuple[int, Callable[[], Aggregate]]] = {
+AGGREGATES: dict[str, tuple[int, Callable[[], budget.Aggregate]]] = {
     "list_of_distinct": (1, _Distinct),
     "concat_lists": (1, _Concat),
     "array_by": (2, _Array),
@@ -185,12 +173,12 @@ AGGREGATES: dict[str, tuple[int, Callable[[], Aggregate]]] = {
     "arg_max": (2, partial(_Best, descending=True)),
     "arg_min_k": (3, _Pairs),
     "arg_max_k": (3, partial(_Pairs, descending=True)),
-    "arg_min_of_nested": (2, partial(_Best, order_of_scalar)),
-    "arg_max_of_nested": (2, partial(_Best, order_of_scalar, descending=True)),
-    "arg_min_k_of_nested": (3, partial(_Pairs, order_of_scalar)),
-    "arg_max_k_of_nested": (3, partial(_Pairs, order_of_scalar, descending=True)),
-    "least_nested": (1, partial(_BestNested, order_of_scalar)),
-    "greatest_nested": (1, partial(_BestNested, order_of_scalar, descending=True)),
+    "arg_min_of_nested": (2, partial(_Best, casting.order_of_scalar)),
+    "arg_max_of_nested": (2, partial(_Best, casting.order_of_scalar, descending=True)),
+    "arg_min_k_of_nested": (3, partial(_Pairs, casting.order_of_scalar)),
+    "arg_max_k_of_nested": (3, partial(_Pairs, casting.order_of_scalar, descending=True)),
+    "least_nested": (1, partial(_BestNested, casting.order_of_scalar)),
+    "greatest_nested": (1, partial(_BestNested, casting.order_of_scalar, descending=True)),
     "any_value": (1, _AnyValue),
 }
 """Numbers of arguments, and what makes the aggregate, by SQL name."""
@@ -233,7 +221,7 @@ def _concatenate(left: Scalar, right: Scalar) -> str:
 def _join(items: Scalar, separator: str) -> str | None:
     listed = list_in(items)
     texts = [_text(item) for item in listed if item is not None]
-    check_text(len(separator) * len(texts))
+    budget.check_text(len(separator) * len(texts))
     return separator.join(texts) if texts or not listed else None
 
 
@@ -244,7 +232,7 @@ def _text(value: Any) -> str:
 
 
 def _split(text: str, separator: str) -> str:
-    check_items(text.count(separator))
+    budget.check_items(text.count(separator))
     return to_json(text.split(separator) if separator else list(text) or [""])
 
 
@@ -253,7 +241,7 @@ def _concat(*lists: Scalar) -> str:
 
 
 def _range(count: float) -> str:
-    check_items(count, MAX_RANGE)
+    budget.check_items(count, budget.MAX_RANGE)
     return to_json(list(range(int(count))))
 
 
@@ -262,7 +250,7 @@ def _generate(first: float, last: float, step: float = 1) -> str:
     if not step:
         raise ValueError("a step of 0")
     count = math.floor((last - first) / step) + 1
-    check_items(count, MAX_RANGE)
+    budget.check_items(count, budget.MAX_RANGE)
     return to_json([first + step * number for number in range(count)])
 
 
@@ -299,7 +287,7 @@ def _unary(function: Callable[[float], float]) -> Callable[[float], float | None
 _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "join_list": (2, _join),
     "split_text": (2, _split),
-    "sort_list": (1, lambda items: to_json(in_order(list_in(items)))),
+    "sort_list": (1, lambda items: to_json(casting.in_order(list_in(items)))),
     "number_range": (1, _range),
     "natural_hash": (1, _hash),
     "real_as_json": (1, casting.real_as_json),
@@ -334,7 +322,7 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "unicode_of": (1, lambda text: ord(text[0]) if text else -1),
     "unique_list": (
         1,
-        lambda items: to_json(in_order({to_json(i): i for i in list_in(items)}.values())),
+        lambda items: to_json(casting.in_order({to_json(i): i for i in list_in(items)}.values())),
     ),
     "upper_text": (1, texts.upper),
     "value_as_json": (1, casting.value_as_json),
@@ -342,8 +330,8 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
 
 _NULL_MEANS_ABSENT: dict[str, Callable[..., Any]] = {
     "concat_some_lists": lambda *lists: _concat(*present) if (present := _present(lists)) else None,
-    "greatest": lambda *values: max(_present(values), key=order_of_scalar, default=None),
-    "least": lambda *values: min(_present(values), key=order_of_scalar, default=None),
+    "greatest": lambda *values: max(_present(values), key=casting.order_of_scalar, default=None),
+    "least": lambda *values: min(_present(values), key=casting.order_of_scalar, default=None),
 }
 """Functions that accept null arguments."""
 
@@ -418,7 +406,7 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
         name: str, arity: int, function: Callable[..., Any], *, null_safe: bool = True
     ) -> None:
         extra = _EXTRA.get(name)
-        safe = charge(function, work, null_safe=null_safe, checks=True, extra=extra)
+        safe = budget.charge(function, work, null_safe=null_safe, checks=True, extra=extra)
         connection.create_function(name, arity, safe, deterministic=True)
 
     for name, (arity, function) in functions.items():
@@ -431,4 +419,4 @@ def install(connection: sqlite3.Connection, work: Work | None = None) -> None:
         for arity in range(1, _MOST_COMPARED + 1):
             create(name, arity, function, null_safe=False)
     for name, (arity, aggregate) in AGGREGATES.items():
-        connection.create_aggregate(name, arity, partial(ChargedAggregate, aggregate, work))
+        connection.create_aggregate(name, arity, partial(budget.ChargedAggregate, aggregate, work))

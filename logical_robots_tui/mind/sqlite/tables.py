@@ -10,18 +10,10 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.sqlite import layouts
 from logical_robots_tui.mind.sqlite.budget import Within
 from logical_robots_tui.mind.sqlite.database import Answer, Database, Scalar, TooMuchError
-from logical_robots_tui.mind.sqlite.layouts import (
-    COLUMNS_LAYOUT,
-    CROWD_LAYOUT,
-    PLAIN_LAYOUT,
-    RAYS,
-    WHOLE_RAY,
-    Filling,
-    Layout,
-    fillings,
-)
+from logical_robots_tui.mind.sqlite.layouts import Filling, Layout, fillings
 from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
@@ -37,7 +29,7 @@ class PlainTables(Database):
     """The tables as programs know them, with what one robot sees of a moment."""
 
     def __init__(self, limits: Limits) -> None:
-        super().__init__(limits, PLAIN_LAYOUT)
+        super().__init__(limits, layouts.PLAIN_LAYOUT)
         self._loaded: tuple[Moment, View] | None = None
 
     def ask_of(
@@ -74,7 +66,7 @@ class TunedTables:
     """All rows of a moment, with the sensor fields and radar rays that are read as columns."""
 
     def __init__(
-        self, limits: Limits, *, frozen: bool = False, few: Layout = COLUMNS_LAYOUT
+        self, limits: Limits, *, frozen: bool = False, few: Layout = layouts.COLUMNS_LAYOUT
     ) -> None:
         self._limits = limits
         self._few = few
@@ -140,7 +132,9 @@ class TunedTables:
             if _is_crowd(moment) != self._is_crowd:
                 self._is_crowd = not self._is_crowd
                 self._database.close()
-                self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
+                self._database = self._new_database(
+                    layouts.CROWD_LAYOUT if self._is_crowd else self._few
+                )
                 self._reset()
             # Of the last moment only the names are left, which are often the same.
             last = self._moment
@@ -181,7 +175,7 @@ class TunedTables:
 
     def _new_database(self, layout: Layout) -> Database:
         database = Database(self._limits, layout)
-        database.offer(WHOLE_RAY, self._whole_ray)
+        database.offer(layouts.WHOLE_RAY, self._whole_ray)
         return database
 
     def _whole_ray(self, number: int | None) -> str | None:
@@ -189,7 +183,7 @@ class TunedTables:
         if number is None:
             return None
         assert self._moment is not None
-        robot, ray = divmod(number, RAYS)
+        robot, ray = divmod(number, layouts.RAYS)
         return to_input(self._moment.sensors[robot]["sensor"]["radar"][ray])
 
     def _reset(self) -> None:
@@ -249,7 +243,7 @@ class _Radars:
         rows = []
         for number, (radar, before) in enumerate(zip(radars, there, strict=True)):
             if radar is not before:
-                row: list[Any] = [number * RAYS]
+                row: list[Any] = [number * layouts.RAYS]
                 for value in in_ray:
                     row += map(value, radar)
                 rows.append(row)

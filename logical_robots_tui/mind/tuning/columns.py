@@ -12,15 +12,7 @@ from dataclasses import dataclass, field
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.layouts import (
-    ITEM_FIELDS,
-    ITEMS,
-    KINDS,
-    MEMORY_FIELDS,
-    RAYS,
-    WHOLE_RAY,
-    spell_item,
-)
+from logical_robots_tui.mind.sqlite import layouts
 from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.schema import RAY, SELF, SENSOR
 
@@ -74,7 +66,8 @@ def rays_as_rows(tree: exp.Expr) -> None:
                     column.parent.replace(exp.column(field[2:], name))
             rays = exp.to_table(_of_one_kind(select, name) or "Ray")
             table.replace(exp.alias_(rays, name, table=True))
-            mine = f"ray BETWEEN sensor * {RAYS} AND sensor * {RAYS} + {RAYS - 1}"
+            first = f"sensor * {layouts.RAYS}"
+            mine = f"ray BETWEEN {first} AND {first} + {layouts.RAYS - 1}"
             numbers = {"ray": exp.column("id", name), "sensor": exp.column("id", sensor)}
             sql.restrict(select, sql.expression(mine, **numbers))
             if sensor in here:
@@ -162,7 +155,7 @@ def _of_one_kind(select: exp.Select, ray: str) -> str:
         for column, kind in ((test.this, test.expression), (test.expression, test.this)):
             if not isinstance(column, exp.Column) or (column.table, column.name) != (ray, "object"):
                 continue
-            for table, ends_at in KINDS.items():
+            for table, ends_at in layouts.KINDS.items():
                 if isinstance(kind, exp.Literal) and kind.is_string and kind.this == ends_at:
                     sql.drop_condition(select, test)
                     return table
@@ -178,7 +171,7 @@ def is_input(table: exp.Expr) -> bool:
     return sql.table_name(table) in _BOUNDS
 
 
-_TABLES = frozenset({"ray", *(table.lower() for table in KINDS)})
+_TABLES = frozenset({"ray", *(table.lower() for table in layouts.KINDS)})
 
 
 def fetch_whole_rays(tree: exp.Expr) -> None:
@@ -194,7 +187,7 @@ def fetch_whole_rays(tree: exp.Expr) -> None:
             continue
         if _is_beside_aggregate(column, found[0]):
             number = exp.column("id", column.table)
-            column.replace(exp.Anonymous(this=WHOLE_RAY, expressions=[number]))
+            column.replace(exp.Anonymous(this=layouts.WHOLE_RAY, expressions=[number]))
 
 
 def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
@@ -226,8 +219,10 @@ class MemoryColumns:
         pairs = (name.split("=") for name in read.get("Item", ()))
         items = {known.rpartition(".")[2]: column for column, known in pairs}
         # No field has a number for its name.
-        fields |= {str(at): c for at, c in enumerate(MEMORY_FIELDS) if c not in fields.values()}
-        items |= {str(at): c for at, c in enumerate(ITEM_FIELDS) if c not in items.values()}
+        fields |= {
+            str(at): c for at, c in enumerate(layouts.MEMORY_FIELDS) if c not in fields.values()
+        }
+        items |= {str(at): c for at, c in enumerate(layouts.ITEM_FIELDS) if c not in items.values()}
         return cls(fields, items)
 
 
@@ -239,9 +234,9 @@ def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) ->
             continue
         case, field = guarded
         if field not in known:
-            if len(known) == len(MEMORY_FIELDS):
+            if len(known) == len(layouts.MEMORY_FIELDS):
                 continue
-            known[field] = MEMORY_FIELDS[len(known)]
+            known[field] = layouts.MEMORY_FIELDS[len(known)]
         taken = exp.column(known[field], column.table)
         case.replace(sql.remark(taken, case, is_result=True))
 
@@ -296,19 +291,19 @@ def items_as_rows(
         uses = list(sql.columns_of(select, alias))
         keys = {sql.extract_path(use.parent).removeprefix("$.") for use in uses}
         new = sorted(key for key in keys if key not in known)
-        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(ITEM_FIELDS):
+        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(layouts.ITEM_FIELDS):
             continue
         if not keys or any(use.name != "value" for use in uses):
             continue
-        known.update(zip(new, ITEM_FIELDS[len(known) :], strict=False))
+        known.update(zip(new, layouts.ITEM_FIELDS[len(known) :], strict=False))
         for use in uses:
             call = use.parent
             assert call is not None
             column = known[sql.extract_path(call).removeprefix("$.")]
             taken = exp.column(column, alias)
             call.replace(sql.remark(taken, call, is_result=True))
-        place = MEMORY_FIELDS.index(items.name)
-        read |= {spell_item(known[key], place, by_column[items.name], key) for key in keys}
+        place = layouts.MEMORY_FIELDS.index(items.name)
+        read |= {layouts.spell_item(known[key], place, by_column[items.name], key) for key in keys}
         _read_items(select, table, items.table, place)
     return tuple(sorted(read))
 
@@ -316,7 +311,7 @@ def items_as_rows(
 def _list_of(table: exp.Table) -> exp.Column | None:
     arguments = table.this.expressions if sql.call_name(table.this) == "json_each" else []
     column = arguments[0] if len(arguments) == 1 else None
-    if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
+    if not isinstance(column, exp.Column) or column.name not in layouts.MEMORY_FIELDS:
         return None
     return column if _is_table(column, "memory") else None
 
@@ -327,7 +322,7 @@ def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -
     if isinstance(join, exp.Join):
         join.set("kind", "CROSS")
     table.replace(exp.alias_(exp.to_table("Item"), alias, table=True))
-    first = f"(memory * {len(MEMORY_FIELDS)} + {place}) * {ITEMS}"
-    its = f"item BETWEEN {first} AND {first} + {ITEMS - 1}"
+    first = f"(memory * {len(layouts.MEMORY_FIELDS)} + {place}) * {layouts.ITEMS}"
+    its = f"item BETWEEN {first} AND {first} + {layouts.ITEMS - 1}"
     numbers = {"item": exp.column("id", alias), "memory": exp.column("id", memory)}
     sql.restrict(select, sql.expression(its, **numbers))

@@ -13,17 +13,9 @@ from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.program import STEPS, Tuned
-from logical_robots_tui.mind.tuning import columns, common_subexpressions, planning, sql
+from logical_robots_tui.mind.tuning import columns, common_subexpressions, planning, records, sql
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.columns import MemoryColumns
-from logical_robots_tui.mind.tuning.records import (
-    native_arg_min,
-    native_choice,
-    native_division,
-    pairs_as_columns,
-    records_as_columns,
-    untie_aggregates,
-)
 from logical_robots_tui.schema import INPUTS
 
 
@@ -88,7 +80,7 @@ def _item_rows(work: Rewriting) -> None:
 
 
 def _result_columns(work: Rewriting) -> None:
-    work.result = records_as_columns(work.tree)
+    work.result = records.records_as_columns(work.tree)
 
 
 def _all_viewers(work: Rewriting) -> None:
@@ -108,23 +100,23 @@ PASSES = (
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
     Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns)),
     Pass("viewer-bounds", _on_tree(columns.bind_viewers), required=True),
-    Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
+    Pass("arg-min-pairs", _on_tree(records.pairs_as_columns)),
     Pass(
         "memory-columns",
         lambda work: columns.memory_fields_as_columns(work.tree, work.known.fields),
     ),
     Pass("item-rows", _item_rows),
-    Pass("untangled-aggregates", _on_tree(untie_aggregates)),
-    Pass("arg-min", _on_tree(native_arg_min)),
+    Pass("untangled-aggregates", _on_tree(records.untie_aggregates)),
+    Pass("arg-min", _on_tree(records.native_arg_min)),
     Pass("result-columns", _result_columns),
     Pass("common-subexpressions", _on_tree(common_subexpressions.share)),
     Pass("materialized", _on_tree(planning.materialize)),
-    Pass("division", _on_tree(native_division)),
+    Pass("division", _on_tree(records.native_division)),
     Pass("numbers", _on_tree(sql.native_numbers)),
     Pass("all-viewers", _all_viewers),
     # The query of one viewer is asked once where all see everything.
     Pass("materialized-by-robot", _on_tree(partial(planning.materialize, by_robots=True))),
-    Pass("choice", _on_each(native_choice)),
+    Pass("choice", _on_each(records.native_choice)),
     Pass("late-rays", _on_each(columns.fetch_whole_rays)),
     Pass("lookups", _on_each(planning.index_lookups)),
     Pass("range-scans", _on_each(planning.scan_ranges)),
