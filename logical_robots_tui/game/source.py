@@ -25,8 +25,8 @@ from logical_robots_tui.paths import (
     shipped_folder,
     shipped_names,
     typed_path,
+    write_atomically,
 )
-from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program, Report

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
-from logical_robots_tui.writing import write_atomically
+from logical_robots_tui.paths import write_atomically
 
 OLD_DRAFTS_KEPT = 50
 """How many discarded drafts are kept in the folder ``old``."""

@@ -78,7 +78,7 @@ attempt("ask for an address by name", lambda: socket.gethostbyname("localhost"))
 attempt("load", lambda: ctypes.CDLL("libc.so.6"))
 attempt("fill the disk", lambda: (own / "big").write_bytes(bytes(65 * 1024**2)))
 attempt("fill memory", lambda: bytearray(3 * 1024**3))
-from logical_robots_tui.writing import write_atomically
+from logical_robots_tui.paths import write_atomically
 packages = own / ".local/lib/python3.11/site-packages"
 attempt("own hidden folder", lambda: packages.mkdir(parents=True))
 (own / ".local").mkdir(exist_ok=True)

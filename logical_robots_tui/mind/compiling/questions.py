@@ -12,12 +12,7 @@ from dataclasses import replace
 from typing import Literal, TypeAlias
 
 from logical_robots_tui.language import error_messages, tree
-from logical_robots_tui.language.adapter import (
-    is_rule,
-    parse,
-    parse_expression,
-    parse_proposition,
-)
+from logical_robots_tui.language.adapter import is_rule, parse, parse_expression, parse_proposition
 from logical_robots_tui.language.checks import NO_VALUE, check
 from logical_robots_tui.language.definitions import column_labels, definitions
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError

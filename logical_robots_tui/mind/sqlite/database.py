@@ -114,11 +114,7 @@ class Database:
         """Whether the tables are empty; SQLite rolls back when it runs out of memory."""
         return not self._connection.in_transaction
 
-    def load(
-        self,
-        sensors: Sequence[tuple[str, Any]],
-        memories: Sequence[tuple[str, Any]],
-    ) -> None:
+    def load(self, sensors: Sequence[tuple[str, Any]], memories: Sequence[tuple[str, Any]]) -> None:
         """Replace ``Sensor`` and ``Memory`` in the plain layout; TooMuchError for large values."""
         self.fill("Sensor", (("INSERT INTO Sensor VALUES (?, ?)", sensors),))
         self.fill("Memory", (("INSERT INTO Memory VALUES (?, ?)", memories),))
