@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
-from logical_robots_tui.schema import NO_LABEL, OBJECTS, WALL
+from logical_robots_tui.schema import NO_LABEL, WALL
 
 _MOST_LISTED = 4
 _LONGEST = 60  # characters of a name in a message
@@ -149,17 +149,13 @@ def unknown_names(mentions: Iterable[Mention], names: Names) -> Iterator[Diagnos
             what = "no robot, beacon or solid area of this level"
         if each.text not in known:
             message = f'{what} is called "{printable(each.text[:_LONGEST])}"'
-            hint = _hint(each.text, known)
+            hint = name_hint(each.text, known)
             excerpt = printable(each.excerpt)
             yield Diagnostic(each.line, each.column, message, hint, excerpt, "warning")
 
 
-def object_hint(text: str) -> str:
-    """Return what to write instead of what no ray can hit."""
-    return _hint(text, OBJECTS)
-
-
-def _hint(text: str, known: Iterable[str]) -> str:
+def name_hint(text: str, known: Iterable[str]) -> str:
+    """Return what to write instead of a name that is none of those that are known."""
     close = most_similar(text, known)
     if close:
         return f'Did you mean "{printable(close[:_LONGEST])}"?'

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 from logical_robots_tui.language import tree, types
 from logical_robots_tui.language.adapter import operator_name
 from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
-from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, object_hint
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, name_hint
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.tree import Argument, Expression, Name, Rule, Statement
 from logical_robots_tui.language.types import Kind, ListOf, Plain, RecordOf, Word, clash, describe
@@ -388,7 +388,7 @@ class Inference:
             mention = Mention(node.value, kind.of, place.line, place.column, place.excerpt)
             self._mentions[start] = mention
         elif node.value not in OBJECTS:
-            self._warn(node, f'a ray hits no "{node.value}"', object_hint(node.value))
+            self._warn(node, f'a ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
 
     def _mention_elements(self, collection: Expression, kind: Kind) -> None:
         for each in collection.elements if isinstance(collection, tree.List) else ():

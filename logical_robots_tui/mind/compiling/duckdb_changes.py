@@ -149,20 +149,17 @@ def _is_json(value: exp.Expr) -> bool:
     return name in _MAKERS or isinstance(value, exp.Null)
 
 
-def _any_value(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
-    made.set("this", "MIN")
-    return found
-
-
-def _extreme(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if len(kinds) == 1 and types.is_nested(kinds[0]):
-        made.set("this", "least_nested" if made.name.lower() == "min" else "greatest_nested")
-    return found
-
-
-def _best(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if len(kinds) > 1 and types.is_nested(kinds[1]):
-        made.set("this", f"{made.name.lower()}_of_nested")
+def _rename(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    """Call the function that does the same with records, lists or texts."""
+    name, nested = made.name.lower(), [*map(types.is_nested, kinds)]
+    if name == "any_value":
+        made.set("this", "MIN")
+    elif name in ("max", "min") and nested == [True]:
+        made.set("this", "least_nested" if name == "min" else "greatest_nested")
+    elif name.startswith("arg_") and nested[1:2] == [True]:
+        made.set("this", f"{name}_of_nested")
+    elif name == "json_array_length" and kinds[0] is Plain.TEXT:
+        made.set("this", "length")
     return found
 
 
@@ -246,20 +243,12 @@ def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
     return Plain.REAL if types.is_number(kind) else kind
 
 
-def _size(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if kinds[0] is Plain.TEXT:
-        made.set("this", "length")
-    return found
-
-
 CHANGES = {
-    **dict.fromkeys(("arg_max", "arg_max_k", "arg_min", "arg_min_k"), _best),
+    **dict.fromkeys(("arg_max", "arg_max_k", "arg_min", "arg_min_k", "max", "min"), _rename),
+    **dict.fromkeys(("any_value", "json_array_length"), _rename),
     **dict.fromkeys(("ceil", "ceiling", "floor"), _cut),
     **dict.fromkeys(("coalesce", "concat_some_lists", "concatenate", "greatest", "least"), _choice),
     **dict.fromkeys(("if", "ifnull", "iif"), _choice),
-    **dict.fromkeys(("max", "min"), _extreme),
-    "any_value": _any_value,
-    "json_array_length": _size,
     "round": _round,
     "sum": _total,
     "to_text": _text,

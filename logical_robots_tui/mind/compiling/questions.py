@@ -107,15 +107,15 @@ def _define(source: Prepared, own: Own) -> str:
     parsed = parse(source)
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
-    defined = definitions(parsed.statements)
+    defined = [*definitions(parsed.statements)]
     for name in defined:
         if name in own or name in INPUTS:
             message = f"the program already defines {name}"
-            hint = "Use another name."
-            raise ProgramError((diagnostic_for(source.original, name, message, hint),))
+            problem = diagnostic_for(source.original, name, message, "Use another name.")
+            raise ProgramError((problem,))
     if not defined:
         raise ProgramError((Diagnostic(1, 1, "this defines no predicate"),))
-    return str(list(defined)[-1])
+    return str(defined[-1])
 
 
 def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
@@ -136,11 +136,11 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
         columns += {"robot_name"} - {*columns}
         return f"{name}({_columns(columns)}) :- {_supply(left_open)},", "", "rows"
     if not columns:
-        denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
         if isinstance(body, tree.Disjunction):  # the package can't negate it in place
             both = f'; {name}(holds: "true") :- {name}Ways(one:); '
             denied = f'{both}{name}(holds: "false") :- ~{name}Ways(one:)'
             return f"{name}Ways(one: 1) distinct :-", denied, "truth"
+        denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
         return f'{name}(holds: "true") :-', denied, "truth"
     return f"{name}({_columns(columns)}) :-", "", "rows"
 
