@@ -96,24 +96,24 @@ def decide(
             Notice("several rows", f"Robot has {len(rows)} rows for {name}: the last one counts.")
         )
     row = rows[-1]
+    kept, weight = memory, 0
     if "memory" not in row:
         notices.append(Notice("no memory", "Robot has no memory column: the memory is unchanged."))
-        return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
-    new = row["memory"]
-    size = size_of(new)
-    weight = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
-    if size > limits.memory_bytes:
-        too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
-    elif weight > heaviest and (weight := weight_of(new, heaviest)) > heaviest:
-        too_much = (
-            f"takes more than the {heaviest:,} bytes available to each robot, "
-            "counting its records and lists"
-        )
     else:
-        return Decision(name, _desire(row.get("desire"), notices), new, tuple(notices), weight)
-    said = f"The new memory {too_much}: the memory is unchanged."
-    notices.append(Notice("no memory", said))
-    return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
+        new, too_much = row["memory"], ""
+        size = size_of(new)
+        heavy = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
+        if size > limits.memory_bytes:
+            too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
+        elif heavy > heaviest and (heavy := weight_of(new, heaviest)) > heaviest:
+            too_much = f"takes more than the {heaviest:,} bytes available to each robot, "
+            too_much += "counting its records and lists"
+        if too_much:
+            said = f"The new memory {too_much}: the memory is unchanged."
+            notices.append(Notice("no memory", said))
+        else:
+            kept, weight = new, heavy
+    return Decision(name, _desire(row.get("desire"), notices), kept, tuple(notices), weight)
 
 
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:

@@ -129,21 +129,17 @@ class Work:
 
     def __init__(self, halt: Callable[[], None], most_bytes: int = _UNCOUNTED) -> None:
         self._halt = halt
-        self._most_bytes = self.bytes = most_bytes
-        self._budget = Budget(0, 0.0)
-        self._stop: threading.Event | None = None
-        self.steps = _UNCOUNTED
-        self._number = 0
-        self.is_full = self.halted = False
+        self._most_bytes = most_bytes
+        self._renew(Budget(_UNCOUNTED, 0.0), None)
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
-        self._budget = budget
-        self._stop = stop
-        self.steps = budget.steps
-        self._number = 0
-        self.bytes = self._most_bytes
-        self.is_full = self.halted = False
+        self._renew(budget, stop)
         _watcher.add(self)
+
+    def _renew(self, budget: Budget, stop: threading.Event | None) -> None:
+        self._budget, self._stop = budget, stop
+        self.steps, self.bytes, self._number = budget.steps, self._most_bytes, 0
+        self.is_full = self.halted = False
 
     def end(self) -> None:
         _watcher.remove(self)
