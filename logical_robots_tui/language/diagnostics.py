@@ -1,4 +1,4 @@
-"""Errors and warnings of a program: what is wrong, where, and what to do."""
+"""Errors and warnings of a program: what is wrong, where, what to do; names that no level has."""
 
 from __future__ import annotations
 
@@ -140,7 +140,10 @@ class Names:
 
 
 def unknown_names(mentions: Iterable[Mention], names: Names) -> Iterator[Diagnostic]:
-    """Yield a warning for each mentioned name that no robot of a level can sense."""
+    """Yield a warning for each mentioned name that no robot of a level can sense.
+
+    A program is compiled without a level, so it only tells what it mentions.
+    """
     for each in mentions:
         if each.of == "robot_name":
             known, what = names.robots, "no robot of this level"

@@ -1,4 +1,8 @@
-"""Parts of a program that are written out before it is compiled: functors, whole rows, casts."""
+"""Parts of a program that are written out before it is compiled: functors, casts, whole rows.
+
+SQLite has no row values, and no list of the columns that a call leaves out. So ``P(..r)`` becomes
+``P(a: r_a, b: r_b), r = {a: r_a, b: r_b}`` where the columns of ``P`` are known.
+"""
 
 from __future__ import annotations
 

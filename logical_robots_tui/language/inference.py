@@ -1,4 +1,8 @@
-"""Fields that do not exist and types that do not fit, found by tracing kinds through the rules."""
+"""Fields that do not exist and types that do not fit, found by tracing kinds through the rules.
+
+A variable's kind is known if it comes from `Sensor`, a literal, a built-in function, or a column or
+argument that has the same kind everywhere. What is read from a memory is not.
+"""
 
 from __future__ import annotations
 
