@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind.compilation import Report
     from logical_robots_tui.mind.decision import Decision, Notice, NoticeKind
     from logical_robots_tui.mind.limits import Limits
-    from logical_robots_tui.mind.mind import Mind, QueryPlan, Table
-    from logical_robots_tui.mind.program import Predicate, Program, Question
+    from logical_robots_tui.mind.mind import Mind
+    from logical_robots_tui.mind.program import Predicate, Program, QueryPlan, Question, Table
 
 __getattr__ = lazy_exports(
     __name__,
@@ -28,7 +28,7 @@ __getattr__ = lazy_exports(
         "compilation": "Report",
         "decision": "Decision Notice NoticeKind",
         "limits": "Limits",
-        "mind": "Mind QueryPlan Table",
-        "program": "Predicate Program Question",
+        "mind": "Mind",
+        "program": "Predicate Program QueryPlan Question Table",
     },
 )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import repeat
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
@@ -15,7 +14,7 @@ from logical_robots_tui.mind import decision
 from logical_robots_tui.mind.asking import Answer, Asking, FailureError
 from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.program import Program, Question
+from logical_robots_tui.mind.program import Program, QueryPlan, Question, Table
 from logical_robots_tui.mind.sqlite.budget import Within
 from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.values import SensorRow, Value
@@ -28,45 +27,6 @@ _ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may tak
 Memories = Mapping[str, Value]
 
 _EXPLAINED_ROWS = 20_000  # rows of one predicate, to find derivations among
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Rows of a predicate; records are dicts, lists are lists.
-
-    Attributes:
-        viewers: For each row the robot in whose mind it holds; () if all think alike.
-        truncated: Whether further rows were left out.
-    """
-
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Value, ...], ...]
-    viewers: tuple[str, ...] = ()
-    truncated: bool = False
-
-    def in_mind_of(self, robot: str | None) -> Table:
-        """Return the rows in one robot's mind; all if no robot is named, or if all think alike."""
-        if not robot or not self.viewers:
-            return self
-        kept = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
-        return replace(self, rows=tuple(self.rows[n] for n in kept), viewers=(robot,) * len(kept))
-
-
-@dataclass(frozen=True, slots=True)
-class QueryPlan:
-    """How a predicate is computed at a moment, for one robot or for all that think alike.
-
-    Attributes:
-        tuned: The tuned SQL that is run instead of `generated`, or "".
-        plan: SQLite's plan for the SQL that is run, one indented step per line.
-        milliseconds: The time for all robots together.
-    """
-
-    predicate: str
-    generated: str
-    tuned: str
-    plan: tuple[str, ...]
-    milliseconds: float
 
 
 class Mind:

@@ -27,7 +27,7 @@ from logical_robots_tui.explain.why.sourcing import source_of
 from logical_robots_tui.explain.why.spelling import read_call
 from logical_robots_tui.language.diagnostics import QueryError
 from logical_robots_tui.mind.asking import FailureError
-from logical_robots_tui.mind.mind import Table
+from logical_robots_tui.mind.program import Table
 from logical_robots_tui.mind.relations import Way
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.values import SensorRow, Value
