@@ -22,8 +22,7 @@ from benchmarks.measure import (
 from benchmarks.subjects import LARGEST, PROGRAMS, program_text, rows_for
 from logical_robots_tui import Mind, Program, caching, load_level
 from logical_robots_tui.game import load_program
-from logical_robots_tui.mind import cache
-from logical_robots_tui.mind.compilation import stop_compiling
+from logical_robots_tui.mind.compilation import find_compiled, keep_compiled, stop_compiling
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -90,8 +89,8 @@ def _cache_folder() -> Iterator[None]:
 def _find_kept(program: Program) -> float:
     """Return the milliseconds to load a program that an earlier process compiled."""
     request = json.dumps({"text": program.text}).encode()
-    cache.keep(request, program)
-    return 1000 * seconds_for(partial(cache.find, request, Program))
+    keep_compiled(request, program)
+    return 1000 * seconds_for(partial(find_compiled, request, Program))
 
 
 def think_milliseconds(mind: Mind, rows: list[SensorRow], thinks: int) -> float:

@@ -27,7 +27,7 @@ from benchmarks.measure import (
 from benchmarks.subjects import solution_of
 from logical_robots_tui import load_level
 from logical_robots_tui.game.measuring import play_through
-from logical_robots_tui.mind.sqlite.functions import registry
+from logical_robots_tui.mind.sqlite import registry
 from tests.e2e.test_supervisor import playing, type_hello
 from tests.memory_use import memory_use
 from tests.terminal import Terminal

@@ -43,26 +43,16 @@ __all__ = [
     "load_level",
 ]
 
-_HOMES = {
-    "Decision": "mind",
-    "Desire": "values",
-    "Diagnostic": "mind",
-    "Frame": "game",
-    "Game": "game",
-    "InputError": "errors",
-    "Level": "world",
-    "LogicalRobotsError": "errors",
-    "Mind": "mind",
-    "Program": "mind",
-    "ProgramError": "mind",
-    "World": "world",
-    "list_arenas": "world",
-    "list_levels": "world",
-    "load_level": "world",
-}
-
-
-__getattr__ = lazy_exports(__name__, _HOMES)
+__getattr__ = lazy_exports(
+    __name__,
+    {
+        "errors": "InputError LogicalRobotsError",
+        "game": "Frame Game",
+        "mind": "Decision Diagnostic Mind Program ProgramError",
+        "values": "Desire",
+        "world": "Level World list_arenas list_levels load_level",
+    },
+)
 
 
 def __dir__() -> list[str]:

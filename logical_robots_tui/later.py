@@ -7,12 +7,13 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 
 
-def lazy_exports(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
+def lazy_exports(package: str, names: Mapping[str, str]) -> Callable[[str], object]:
     """Return a ``__getattr__`` (PEP 562) for a package that loads its exports on first use.
 
-    `homes` names, for each export, the module within the package that defines it; one
-    that begins with a dot is beside the package.
+    `names` has, for each module within the package, the names that it defines, with spaces
+    between; one that begins with a dot is beside the package.
     """
+    homes = {name: module for module, those in names.items() for name in those.split()}
 
     def load(name: str) -> object:
         if name not in homes:

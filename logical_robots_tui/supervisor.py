@@ -253,7 +253,5 @@ def _processor_seconds(process: int) -> float:
 
 
 def _is_restricted() -> bool:
-    return "--restricted" in sys.argv or os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in (
-        "",
-        "0",
-    )
+    is_set = os.environ.get("LOGICAL_ROBOTS_RESTRICTED", "") not in ("", "0")
+    return is_set or "--restricted" in sys.argv

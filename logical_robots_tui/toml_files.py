@@ -138,9 +138,8 @@ class TomlFile:
             raise TomlFileError((said,)) from error
         except InputError as error:
             number = re.search(r"\d+", error.place)
-            line = (
-                f":{number[0] if number else self.text.count(chr(10)) + 1}" if error.place else ""
-            )
+            last = self.text.count("\n") + 1
+            line = f":{number[0] if number else last}" if error.place else ""
             raise TomlFileError((f"{file}{line}: {error.message}",)) from error
         self._lines = dict(_lines(self.text))
 

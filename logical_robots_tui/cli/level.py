@@ -204,7 +204,7 @@ def _tell_lost(level: world.Level, path: Path) -> None:
 
 def write(path: Path, content: str | bytes) -> None:
     """Write a file in one step, or raise InputError."""
-    from logical_robots_tui.writing import write_atomically
+    from logical_robots_tui.paths import write_atomically
 
     try:
         write_atomically(path, content)

@@ -246,7 +246,7 @@ def _versions() -> Iterator[Fact]:
 
 
 def _places(data_dir: Path | None) -> Iterator[Fact]:
-    from logical_robots_tui.mind import cache
+    from logical_robots_tui.mind.compilation import compiled_programs
     from logical_robots_tui.player.settings import read_settings, settings_path
     from logical_robots_tui.tui.commands.keymap import KeyMap
     from logical_robots_tui.tui.commands.table import COMMANDS
@@ -257,7 +257,7 @@ def _places(data_dir: Path | None) -> Iterator[Fact]:
     wrong = "it has errors; run logical-robots config" if complaints else ""
     value = f"{settings}{'' if is_there(settings) else ' (none)'}"
     yield "configuration", value, wrong
-    compiled = cache.folder()
+    compiled = compiled_programs().place
     if compiled is None:
         yield "cache", "none", ""
     else:

@@ -30,7 +30,7 @@ from logical_robots_tui.editing.level_text import (
     write_native,
     write_web,
 )
-from logical_robots_tui.paths import is_there, real, shipped_folder
+from logical_robots_tui.paths import is_there, real, shipped_folder, write_atomically
 from logical_robots_tui.world.level import Level, LevelError, alike
 from logical_robots_tui.world.levels.fields import MOST_BYTES
 from logical_robots_tui.world.levels.load import SUFFIXES, is_web_file, load_level, read_text
@@ -41,7 +41,6 @@ from logical_robots_tui.world.levels.native import (
     find_drawing,
     read_native,
 )
-from logical_robots_tui.writing import write_atomically
 
 
 def save_level(level: Level, path: Path, *, anew: bool = False) -> Level:

@@ -18,5 +18,5 @@ __all__ = ["Ask", "Explainer", "Explanation", "Node", "Proof"]
 
 __getattr__ = lazy_exports(
     __name__,
-    {**dict.fromkeys(__all__, "why.explanation"), "Explainer": "why.explainer"},
+    {"why.explainer": "Explainer", "why.explanation": "Ask Explanation Node Proof"},
 )

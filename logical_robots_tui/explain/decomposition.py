@@ -23,7 +23,7 @@ from logical_robots_tui.explain.bodies import (
 from logical_robots_tui.explain.normal_form import Builder
 from logical_robots_tui.explain.why.probing import DECIDED_BY_ONE, LOWER, ROWS, Probing, RuleParts
 from logical_robots_tui.language.definitions import names_used
-from logical_robots_tui.language.functors import Expanded, expand, rename
+from logical_robots_tui.language.expansion import Expanded, expand, rename
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     Atom,

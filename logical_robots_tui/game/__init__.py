@@ -57,24 +57,25 @@ if TYPE_CHECKING:
     )
     from logical_robots_tui.game.victory import count_rules, is_shipped, level_key, reference_for
 
-_NAMES = {
-    "debugging.breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
-    "frame": "Frame Goal NoSuchTickError Superseded goals",
-    "game": "Game",
-    "history.history": "History",
-    "debugging.matches": "Matches SearchResult find_matches search_ticks",
-    "history.marks": "MARK_KINDS Mark MarkKind",
-    "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
-    "history.course": "Difference Divergence",
-    "debugging.inquiry": "MIND ROBOT_COLUMNS Inquiry Path Pin Reading pin_of_cell read",
-    "pace": "Pace",
-    "victory": "count_rules is_shipped level_key reference_for",
-    "run": "Run run_key",
-    "source": "Source compile_program list_programs load_program mistake_in_question "
-    "save_program warnings_in",
-    "advancing": "start_frame",
-}
-
 __getattr__ = lazy_exports(
-    __name__, {name: module for module, names in _NAMES.items() for name in names.split()}
+    __name__,
+    {
+        "debugging.breakpoints": "EVENTS Breakpoint Breakpoints Event Hit mistake_in subjects",
+        "frame": "Frame Goal NoSuchTickError Superseded goals",
+        "game": "Game",
+        "history.history": "History",
+        "debugging.matches": "Matches SearchResult find_matches search_ticks",
+        "debugging.inquiry": "MIND ROBOT_COLUMNS Inquiry Path Pin Reading pin_of_cell read",
+        "history.marks": "MARK_KINDS Mark MarkKind",
+        "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
+        "history.course": "Difference Divergence",
+        "pace": "Pace",
+        "victory": "count_rules is_shipped level_key reference_for",
+        "run": "Run run_key",
+        "source": (
+            "Source compile_program list_programs load_program mistake_in_question save_program "
+            "warnings_in"
+        ),
+        "advancing": "start_frame",
+    },
 )

@@ -24,7 +24,8 @@ from logical_robots_tui.game.advancing import RecordedTick, Thinker
 from logical_robots_tui.game.findings import Observations, Stored, findings_of, observe
 from logical_robots_tui.game.frame import Superseded
 from logical_robots_tui.game.history.recording import DamagedError
-from logical_robots_tui.mind import Limits, Program, QueryError, cache
+from logical_robots_tui.mind import Limits, Program, QueryError
+from logical_robots_tui.mind.compilation import find_compiled, keep_compiled
 from logical_robots_tui.processes.helper import Helper, begin
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ async def diagnose_run(
     result is kept on disk, if it is the same each time.
     """
     request = json.dumps({"diagnosis": run.key, "ticks": ticks}).encode()
-    known = await asyncio.to_thread(cache.find, request, Diagnosis)
+    known = await asyncio.to_thread(find_compiled, request, Diagnosis)
     if known is not None:
         return known
     try:
@@ -157,7 +158,7 @@ async def diagnose_run(
         await run.forget()
         found = await _diagnose_run(run, ticks, ran, report, show)
     if found.is_reliable and not found.given_up:
-        await asyncio.to_thread(cache.keep, request, found)
+        await asyncio.to_thread(keep_compiled, request, found)
     return found
 
 

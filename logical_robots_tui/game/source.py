@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 from logical_robots_tui.confinement import check_mine
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.language.inference.names import Names, unknown_names
+from logical_robots_tui.language.diagnostics import Names, unknown_names
 from logical_robots_tui.mind import Diagnostic, ProgramError
 from logical_robots_tui.paths import (
     ARENAS,
@@ -25,8 +25,8 @@ from logical_robots_tui.paths import (
     shipped_folder,
     shipped_names,
     typed_path,
+    write_atomically,
 )
-from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Program, Report

@@ -17,8 +17,7 @@ import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import Asked, Result, engine, fingerprint
-from logical_robots_tui.paths import read_ordinary
-from logical_robots_tui.writing import write_atomically
+from logical_robots_tui.paths import read_ordinary, write_atomically
 
 _FORMAT = 1
 _MOST_BYTES = 64_000_000  # of a manifest

@@ -7,6 +7,7 @@ back what the package's compiler takes, with the places that its messages need.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -84,21 +85,13 @@ def parse(source: Prepared) -> Parsed:
 
 
 def parse_proposition(source: Prepared) -> tree.Proposition:
-    """Parse a body.
-
-    Raises:
-        Exception: One of the package's, if it is none.
-    """
+    """Parse a body; raise an exception of the package's if it is none."""
     text = parser.Strip(parser.HeritageAwareString(source.text))
     return _Reader(source).proposition(parser.ParseProposition(text))
 
 
 def parse_expression(source: Prepared) -> tree.Expression:
-    """Parse an expression.
-
-    Raises:
-        Exception: One of the package's, if it is none.
-    """
+    """Parse an expression; raise an exception of the package's if it is none."""
     text = parser.Strip(parser.HeritageAwareString(source.text))
     return _Reader(source).expression(parser.ParseExpression(text))
 
@@ -124,7 +117,9 @@ def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[S
     rule = source.skeleton.find(":-", start, end)
     predicate = _PREDICATE.match(source.text, start)
     for word in _BESIDE_HEAD.finditer(source.skeleton, start, end if rule < 0 else rule):
-        if predicate is None or _depth(source.skeleton[start : word.start()]):
+        before = Counter(source.skeleton[start : word.start()])
+        depth = sum(before[each] for each in "([{") - sum(before[each] for each in ")]}")
+        if predicate is None or depth:
             continue
         place, stop = word.span()
         given = source.text[word.end(1) + 1 : stop - 1]
@@ -135,15 +130,10 @@ def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[S
     return text, found
 
 
-def _depth(text: str) -> int:
-    return sum(text.count(each) for each in "([{") - sum(text.count(each) for each in ")]}")
-
-
 def _parse_statement(source: Prepared, start: int, end: int) -> Iterator[Statement]:
     statement = parser.HeritageAwareString(source.text[start:end])
     statement.start, statement.stop, statement.heritage = start, end, source.text
-    function: list[Raw] | None = parser.ParseFunctionRule(statement)
-    if function:
+    if function := parser.ParseFunctionRule(statement):
         # The package reads ``head --> value`` as a text of its own, ``head = value``.
         head, value = parser.SplitRaw(statement, "-->")
         middle, shift = len(head), value.start - len(head) - len(" = ")
@@ -238,15 +228,11 @@ class _Reader:
         if "record" in raw:
             return tree.Record(self._arguments(raw["record"]), span=span)
         if "implication" in raw:
-            branches = tuple(
-                tree.Branch(
-                    self.expression(each["condition"]), self.expression(each["consequence"])
-                )
-                for each in raw["implication"]["if_then"]
-            )
-            return tree.Choice(
-                branches, self.expression(raw["implication"]["otherwise"]), span=span
-            )
+            pairs = raw["implication"]["if_then"]
+            parts = ((each["condition"], each["consequence"]) for each in pairs)
+            branches = tuple(tree.Branch(*map(self.expression, pair)) for pair in parts)
+            otherwise = self.expression(raw["implication"]["otherwise"])
+            return tree.Choice(branches, otherwise, span=span)
         return self._aggregate(raw["combine"], span)
 
     def _aggregate(self, raw: Raw, span: Span | None) -> tree.Aggregate:
@@ -270,21 +256,19 @@ class _Reader:
         return kind(text_meant(str(inner[within])), span=span)
 
     def _arguments(self, record: Raw) -> tuple[tree.Argument, ...]:
-        return tuple(map(self._argument, record["field_value"]))
-
-    def _argument(self, raw: Raw) -> tree.Argument:
-        field = raw["field"] if isinstance(raw["field"], int) else self._name(raw["field"])
-        value: tree.Expression | tree.Aggregation
-        if "aggregation" in raw["value"]:
-            found = raw["value"]["aggregation"]
-            value = tree.Aggregation(
-                self._name(found["operator"]),
-                self.expression(found["argument"]),
-                span=self._span(found["expression_heritage"]),
-            )
-        else:
-            value = self.expression(raw["value"]["expression"])
-        return tree.Argument(field, value, span=self._around([field], [value]))
+        found: list[tree.Argument] = []
+        for raw in record["field_value"]:
+            field = raw["field"] if isinstance(raw["field"], int) else self._name(raw["field"])
+            value: tree.Expression | tree.Aggregation
+            if "aggregation" in raw["value"]:
+                given = raw["value"]["aggregation"]
+                operator, argument = given["operator"], self.expression(given["argument"])
+                span = self._span(given["expression_heritage"])
+                value = tree.Aggregation(self._name(operator), argument, span=span)
+            else:
+                value = self.expression(raw["value"]["expression"])
+            found.append(tree.Argument(field, value, span=self._around([field], [value])))
+        return tuple(found)
 
     def _name(self, piece: str) -> Name:
         span = self._span(piece)
@@ -313,14 +297,11 @@ class _Reader:
 
 def to_package(program: Iterable[Statement], source: Prepared) -> list[Raw]:
     """Return statements as the package compiles them, without disjunctions."""
-    rules = [*map(_Writer(source.text).statement, program)]
-    for rewriting in (
-        parser.DisjunctiveNormalForm,
-        parser.MultiBodyAggregation,
-        parser.AggergationsAsExpressions,
-    ):
-        rules = rewriting.Rewrite(rules)
-    return rules
+    rules: Any = [*map(_Writer(source.text).statement, program)]
+    rules = parser.DisjunctiveNormalForm.Rewrite(rules)
+    rules = parser.MultiBodyAggregation.Rewrite(rules)
+    made: list[Raw] = parser.AggergationsAsExpressions.Rewrite(rules)
+    return made
 
 
 class _Writer:
@@ -388,13 +369,8 @@ class _Writer:
         if isinstance(node, tree.PredicateName):
             return {"literal": {"the_predicate": {"predicate_name": node.name}}}
         if isinstance(node, tree.Choice):
-            pairs = [
-                {
-                    "condition": self._expression(branch.condition),
-                    "consequence": self._expression(branch.value),
-                }
-                for branch in node.branches
-            ]
+            parts = [map(self._expression, (each.condition, each.value)) for each in node.branches]
+            pairs = [{"condition": tested, "consequence": value} for tested, value in parts]
             otherwise = self._expression(node.otherwise)
             return {"implication": {"if_then": pairs, "otherwise": otherwise}}
         assert isinstance(node, tree.Aggregate)
@@ -412,20 +388,17 @@ class _Writer:
         for each in arguments:
             field: Raw = {"field": each.field, "value": self._value(each.value)}
             if each.field == tree.REST and fields:
-                field["except"] = [_column(other["field"]) for other in fields]
+                names = (other["field"] for other in fields)
+                field["except"] = [f"col{n}" if isinstance(n, int) else n for n in names]
             fields.append(field)
         return {"field_value": fields}
 
     def _value(self, node: tree.Expression | tree.Aggregation) -> Raw:
         if isinstance(node, tree.Expression):
             return {"expression": self._expression(node)}
-        return {
-            "aggregation": {
-                "operator": node.operator,
-                "argument": self._expression(node.argument),
-                "expression_heritage": self._piece(node.span),
-            }
-        }
+        argument, piece = self._expression(node.argument), self._piece(node.span)
+        made = {"operator": node.operator, "argument": argument, "expression_heritage": piece}
+        return {"aggregation": made}
 
     def _piece(self, span: Span | None) -> str:
         if span is None:
@@ -454,10 +427,6 @@ def types_on_duckdb(program: Iterable[Statement], source: Prepared) -> Iterator[
         if "type" in node and hasattr(piece, "start"):
             kind = reference_algebra.VeryConcreteType(node["type"]["the_type"])
             yield Span(piece.start, piece.stop), kind
-
-
-def _column(field: int | str) -> str:
-    return f"col{field}" if isinstance(field, int) else field
 
 
 # -- in the package's own compiler ---------------------------------------------------------------

@@ -1,14 +1,16 @@
-"""Mistakes that compile silently and fail later, and things that are not allowed."""
+"""Mistakes that compile silently and fail later, annotations, and things that are not allowed."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, TypeGuard
+from typing import NamedTuple
 
+from logica.compiler import universe
+
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import Parsed
-from logical_robots_tui.language.annotations import check_annotations
 from logical_robots_tui.language.definitions import (
     built_in_names,
     calls,
@@ -20,10 +22,11 @@ from logical_robots_tui.language.definitions import (
     prelude,
     rules_of,
 )
-from logical_robots_tui.language.diagnostics import Diagnostic, closest, distance
-from logical_robots_tui.language.inference.names import Mention
-from logical_robots_tui.language.inference.tracing import Inference
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, distance
+from logical_robots_tui.language.expansion import TYPES, written_type
+from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.signatures import (
+    Runs,
     Signature,
     collisions,
     duplicates,
@@ -31,45 +34,14 @@ from logical_robots_tui.language.signatures import (
     wrong_calls,
 )
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-from logical_robots_tui.language.spelling import TYPES, written_type
-from logical_robots_tui.language.tree import (
-    CONDITIONS,
-    REST,
-    Annotation,
-    Argument,
-    Atom,
-    Expression,
-    Functor,
-    Node,
-    PredicateName,
-    Record,
-    Rule,
-    Statement,
-    Text,
-    Variable,
-    span_of,
-    text_of,
-    walk,
-)
 from logical_robots_tui.language.types import RecordOf
 from logical_robots_tui.schema import DESIRE, INPUTS, MAIN, VALUE
 
-if TYPE_CHECKING:
-    from logical_robots_tui.language.signatures import Runs
-
 _OUTSIDE = frozenset(
-    [
-        "Clingo",
-        "Intelligence",
-        "PrintToConsole",
-        "ReadFile",
-        "ReadJson",
-        "RunClingo",
-        "RunClingoFile",
-        "RunClingoFileTemplate",
-        "RunClingoTemplate",
-        "WriteFile",
-    ]
+    {
+        *("Clingo", "Intelligence", "PrintToConsole", "ReadFile", "ReadJson", "RunClingo"),
+        *("RunClingoFile", "RunClingoFileTemplate", "RunClingoTemplate", "WriteFile"),
+    }
 )
 """What the package offers to programs that are trusted with the machine."""
 
@@ -100,7 +72,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
     mentions = inference.mentions
     problems = [
         *parsed.problems,
-        *check_annotations(program, text),
+        *_annotations(program, text),
         *_redefinitions(program, text),
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
@@ -120,10 +92,112 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
     return Checked(in_order, mentions)
 
 
+# -- annotations ---------------------------------------------------------------------------------
+
+MOST_STEPS = 1_000
+"""The most steps of a recursion."""
+
+_CHOSEN_BY_THE_GAME = ("@AttachDatabase", "@Dataset")
+_ANNOTATIONS = frozenset(
+    {"@DefineFlag", "@Ground", "@Limit", "@NoInject", "@NoWith", "@OrderBy", "@Recursive", "@With"}
+)
+IGNORED = frozenset({"@CompileAsTvf", "@Engine"})
+"""Annotations that have no effect here and don't change results elsewhere."""
+
+
+def _annotations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    ours = _ANNOTATIONS | {"@Visible"}
+    for each in program:
+        if not isinstance(each, tree.Annotation):
+            continue
+        name = each.name if each.span is None else tree.Name(each.name, each.span.start)
+        if name in _CHOSEN_BY_THE_GAME:
+            yield diagnostic_for(text, name, f"{name} is chosen by the game", "Remove this line.")
+        elif name == "@Engine":
+            message = "@Engine has no effect: the game chooses the engine"
+            yield diagnostic_for(text, name, message, "Remove this line.", "warning")
+        elif name not in ours | IGNORED:
+            close = closest(name[1:], {o[1:] for o in ours})
+            if name in universe.Annotations.ANNOTATING_PREDICATES:
+                message, hint = f"{name} is for other engines", "Remove this line."
+            elif close:
+                message, hint = f"there is no annotation {name}", f"Did you mean @{close}?"
+            else:
+                message = f"there is no annotation {name} for robots"
+                hint = f"There are {', '.join(sorted(ours))}."
+            yield diagnostic_for(text, name, message, hint)
+        elif name in _ARGUMENTS and not _fits(each, _ARGUMENTS[name][0]):
+            _, message, hint = _ARGUMENTS[name]
+            yield diagnostic_for(text, name, message, hint)
+        elif name == "@Recursive":
+            yield from _recursion(each, text)
+
+
+MODES = ("diamond", "horizontal", "iterative", "vertical")
+"""Ways to iterate a recursion, which give the same rows if it comes to an end."""
+
+_OPTIONS = '@Recursive(P, 50, stop: Found, satellites: [Q], mode: "iterative");'
+
+
+def _recursion(annotation: tree.Annotation, text: str) -> Iterator[Diagnostic]:
+    """Report options that are unknown or have a value of another kind, and too many steps."""
+    for argument in annotation.arguments[1:]:
+        value = argument.value
+        match argument.field:
+            case int():
+                steps = float(value.value) if isinstance(value, tree.Number) else 0
+                if steps > MOST_STEPS:
+                    message = f"a recursion takes at most {MOST_STEPS:,} steps here"
+                    hint = "Each step runs in every thought; let it come to an end sooner."
+                    yield diagnostic_for(text, annotation.name, message, hint, "warning")
+                continue
+            case "stop":
+                is_right = isinstance(value, tree.PredicateName)
+            case "satellites":
+                is_right = isinstance(value, tree.List) and all(
+                    isinstance(each, tree.PredicateName) for each in value.elements
+                )
+            case "mode":
+                is_right = isinstance(value, tree.Text) and value.value in MODES
+            case "iterative":
+                is_right = isinstance(value, tree.Boolean)
+            case _:
+                message = f"@Recursive has no option {argument.field}"
+                yield diagnostic_for(text, annotation.name, message, f"Such as {_OPTIONS}")
+                continue
+        if not is_right:
+            message = f"@Recursive can't use this value of {argument.field}"
+            hint = f"It is one of {', '.join(MODES)}." if argument.field == "mode" else ""
+            yield diagnostic_for(text, annotation.name, message, hint or f"Such as {_OPTIONS}")
+
+
+_ARGUMENTS: dict[str, tuple[type[tree.Expression], str, str]] = {
+    "@Limit": (tree.Number, "@Limit needs a predicate and a number", "Such as @Limit(P, 3);"),
+    "@OrderBy": (
+        tree.Text,
+        "@OrderBy needs a predicate and its columns in quotes",
+        'Such as @OrderBy(P, "col0 DESC");',
+    ),
+    "@Recursive": (
+        tree.Number,
+        "@Recursive needs a predicate and a number of steps",
+        "Such as @Recursive(P, 50);",
+    ),
+}
+
+
+def _fits(annotation: tree.Annotation, kind: type[tree.Expression]) -> bool:
+    rest = [each.value for each in annotation.arguments[1:] if isinstance(each.field, int)]
+    is_enough = bool(annotation.subject) and (bool(rest) or annotation.name == "@Recursive")
+    return is_enough and all(isinstance(value, kind) for value in rest)
+
+
+# -- names ---------------------------------------------------------------------------------------
+
 _FLAG = "FlagValue"  # the value set by @DefineFlag
 
 
-def _redefinitions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _redefinitions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for name in definitions(program):
         if name in INPUTS:
             message = f"{name} is supplied by the game and can't be defined"
@@ -131,14 +205,14 @@ def _redefinitions(program: Sequence[Statement], text: str) -> Iterator[Diagnost
 
 
 def _names(
-    program: Sequence[Statement], text: str, doubtful: frozenset[str], runs: Runs
+    program: Sequence[tree.Statement], text: str, doubtful: frozenset[str], runs: Runs
 ) -> Iterator[Diagnostic]:
-    own = {*(each.name for each in program if isinstance(each, Rule)), *definitions(program)}
+    own = {*(each.name for each in program if isinstance(each, tree.Rule)), *definitions(program)}
     known = {*own, *doubtful, *_types(program), *definitions(prelude()), *INPUTS}
     left_open = parameters(program) - {lacking(program).get(MAIN)}
     seen = set()
-    subjects = {each.subject for each in program if isinstance(each, Annotation)}
-    values = {node.name for node in walk(program) if isinstance(node, PredicateName)}
+    subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
+    values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
     values -= {*(each.name for each in calls(program)), *subjects}
     for name in names_used(program):
         if name in seen or name in known or name in left_open:
@@ -168,23 +242,21 @@ NO_VALUE = "is named without its arguments, so it has no value"
 """What is wrong with a predicate that stands where a value is wanted."""
 
 
-def _without_arguments(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _without_arguments(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     known = {*definitions(program), *definitions(prelude()), *INPUTS} - {*_types(program)}
-    for node in walk(each for each in program if isinstance(each, Rule)):
-        if not isinstance(node, PredicateName):
-            continue
-        name = node.name
+    for node in tree.walk(rules_of(program)):
+        name = node.name if isinstance(node, tree.PredicateName) else ""
         if name in known or (is_built_in(name) and name.upper() not in TYPES):
             message = f"{name} {NO_VALUE}"
             yield diagnostic_for(text, name, message, f"Write {name}(...).", "warning")
 
 
-def _values_as_conditions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    values = built_in_names() - CONDITIONS - _PREDICATES - definitions(program).keys()
-    for node in walk(each for each in program if isinstance(each, Rule)):
-        if not isinstance(node, Atom) or node.name not in values:
+def _values_as_conditions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    values = built_in_names() - tree.CONDITIONS - _PREDICATES - definitions(program).keys()
+    for node in tree.walk(rules_of(program)):
+        if not isinstance(node, tree.Atom) or node.name not in values:
             continue
-        span = node.span or span_of(node.arguments)
+        span = node.span or tree.span_of(node.arguments)
         if span is not None:
             message = f"{node.name} gives a value; it is not a condition"
             hint = "Compare the value with something, or name it: x = ..."
@@ -196,7 +268,7 @@ _PREDICATES = frozenset({"Constraint", "Like"})
 """Built-in functions that are conditions as well."""
 
 
-def _types(program: Sequence[Statement]) -> Iterator[str]:
+def _types(program: Sequence[tree.Statement]) -> Iterator[str]:
     for call in calls(program):
         if call.name in ("Cast", "TryCast", "~"):
             for name in names_used(call.arguments[1:]):
@@ -233,12 +305,13 @@ _SHORTEST = 4  # letters in a word that can be recognised as misspelt
 _LONG = 7  # letters in a word that may have two errors
 
 
-def typos(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    for rule in program:
-        if isinstance(rule, Annotation | Functor):
-            continue
-        variables = [node.name for node in walk(rule) if isinstance(node, Variable)]
-        shorthand = {node.field for node in walk(rule) if _is_shorthand(node)}
+def typos(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    for rule in rules_of(program):
+        nodes = [*tree.walk(rule)]
+        variables = [node.name for node in nodes if isinstance(node, tree.Variable)]
+        # In `name:` a column and its variable are named at once.
+        columns = (node for node in nodes if isinstance(node, tree.Argument))
+        shorthand = {each.field for each in columns if tree.variable_of(each.value) == each.field}
         counts = Counter(map(str, variables))
         for at, name in enumerate(variables):
             if counts[name] > 1 or name in shorthand:
@@ -252,27 +325,16 @@ def typos(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
                 yield diagnostic_for(text, name, message, hint, "warning")
 
 
-def _is_shorthand(node: Node) -> TypeGuard[Argument]:
-    """Return whether this is `name:`, which names a column and its variable at once."""
-    if not isinstance(node, Argument) or not isinstance(node.value, Variable):
-        return False
-    return node.value.name == node.field
-
-
 def _looks_like(name: str, other: str) -> bool:
     left, right = name.split("_"), other.split("_")
-    if len(left) != len(right):
+    different = [(a, b) for a, b in zip(left, right, strict=False) if a != b]
+    if len(left) != len(right) or len(different) != 1:
         return False
-    different = [(a, b) for a, b in zip(left, right, strict=True) if a != b]
-    if len(different) != 1:
+    ((one, two),) = different
+    shorter = min(len(one), len(two))
+    if shorter < _SHORTEST or one.rstrip("s") == two.rstrip("s") or re.search(r"\d", one + two):
         return False
-    one, two = different[0]
-    if min(len(one), len(two)) < _SHORTEST or one.rstrip("s") == two.rstrip("s"):
-        return False
-    if any(c.isdigit() for c in one + two):
-        return False
-    allowed = 2 if min(len(one), len(two)) >= _LONG else 1
-    return distance(one, two) <= allowed and one[0] == two[0]
+    return one[0] == two[0] and distance(one, two) <= (2 if shorter >= _LONG else 1)
 
 
 # -- the rule for Robot -------------------------------------------------------------------------
@@ -285,7 +347,7 @@ _EXAMPLE = (
 )
 
 
-def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def main_predicate(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     found = definitions(program).get(MAIN, [])
     if not found:
         message = "there is no Robot predicate"
@@ -296,7 +358,7 @@ def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnost
             yield diagnostic_at(text, 0, 0, message, _EXAMPLE)
     for rule in rules_of(found):
         columns = [each.field for each in rule.head.columns]
-        if REST in columns:
+        if tree.REST in columns:
             continue
         others = [c for c in columns if isinstance(c, str) and c not in _COLUMNS]
         for column in _COLUMNS:
@@ -304,21 +366,17 @@ def main_predicate(program: Sequence[Statement], text: str) -> Iterator[Diagnost
                 yield _missing(rule.name, column, others, text)
 
 
-def engines(program: Sequence[Statement], inference: Inference, text: str) -> Iterator[Diagnostic]:
-    literals = [
-        [each.field for each in node.arguments if isinstance(each.field, str)]
-        for node in walk(program)
-        if isinstance(node, Record)
-    ]
-    desires = [
-        shape.names for shape in inference.column(MAIN, "desire") if isinstance(shape, RecordOf)
-    ]
+def engines(
+    program: Sequence[tree.Statement], inference: Inference, text: str
+) -> Iterator[Diagnostic]:
     problems: dict[tuple[int, int], Diagnostic] = {}
-    for names in literals:
-        if set(names) & set(_ENGINES) and REST not in names:
+    for node in tree.walk(program):
+        given = node.arguments if isinstance(node, tree.Record) else ()
+        names = [each.field for each in given if isinstance(each.field, str)]
+        if set(names) & set(_ENGINES) and tree.REST not in names:
             problems |= _by_place(_misspelt(names, text))
-    for desire in desires:
-        names = list(desire)
+    for shape in inference.column(MAIN, "desire"):
+        names = [*shape.names] if isinstance(shape, RecordOf) else []
         if found := _by_place(_misspelt(names, text, 0.5)):
             problems |= found
         elif names:
@@ -365,35 +423,36 @@ _ORDER_COLUMNS = re.compile(r"\s*(\w+)(?:\s+(?:ASC|DESC))?\s*", re.ASCII | re.IG
 
 
 def verbatim(
-    program: Sequence[Statement], known: Mapping[str, Signature], text: str
+    program: Sequence[tree.Statement], known: Mapping[str, Signature], text: str
 ) -> Iterator[Diagnostic]:
     for call in calls(program):
         if call.name in ("Cast", "TryCast"):
             for argument in call.arguments[1:2]:
                 if argument.expression and (found := _wrong_type(argument.expression, call.name)):
                     yield diagnostic_for(text, call.name, *found)
-    is_within_a_text = any("${" in n.value for n in walk(program) if isinstance(n, Text))
+    is_within_a_text = any("${" in n.value for n in tree.walk(program) if isinstance(n, tree.Text))
     for each in program:
-        if isinstance(each, Functor) and any(map(_is_cast, walk(each))):
+        given = [node.name for node in tree.walk(each) if isinstance(node, tree.PredicateName)]
+        if isinstance(each, tree.Functor) and "Cast" in (each.base, *given):
             yield diagnostic_for(text, "Cast", "Cast can't be given to a functor", "Call it.")
-        if not isinstance(each, Annotation):
+        if not isinstance(each, tree.Annotation):
             continue
         if each.name == "@DefineFlag" and is_within_a_text:
             for value in each.values[:1]:
-                if _PLAIN.fullmatch(text_of(value) or "") is None:
+                if _PLAIN.fullmatch(tree.text_of(value) or "") is None:
                     message = "a flag that ${...} puts into a text can't hold quotes, \\ or $"
                     hint = 'Write FlagValue("name") instead of ${name}.'
                     yield diagnostic_for(text, each.name, message, hint)
         if each.name == "@OrderBy":
             for value in each.values:
-                ordered = text_of(value)  # other types are reported elsewhere
+                ordered = tree.text_of(value)  # other types are reported elsewhere
                 signature = known.get(each.subject)
                 if ordered is not None and (wrong := _wrong_column(ordered, signature)):
                     hint = 'Write only names of columns, such as @OrderBy(P, "col0 DESC");'
                     yield diagnostic_for(text, each.name, wrong, hint)
 
 
-def _wrong_type(wanted: Expression, cast: str) -> tuple[str, str] | None:
+def _wrong_type(wanted: tree.Expression, cast: str) -> tuple[str, str] | None:
     """Return a message and a hint about what should be a type, or in `TryCast` an example."""
     try:
         written_type(wanted)
@@ -401,7 +460,7 @@ def _wrong_type(wanted: Expression, cast: str) -> tuple[str, str] | None:
         if error.args[0] in _TIMES:
             return "robots have no dates and times", "Use sensor.clock, which is a number."
         if cast == "Cast":
-            name = text_of(wanted)
+            name = tree.text_of(wanted)
             shown = "this" if name is None else name[:40]
             return f"{shown} is not a type that Cast knows", _TYPES_HINT
     return None
@@ -414,17 +473,8 @@ def _wrong_column(columns: str, signature: Signature | None) -> str:
         found = _ORDER_COLUMNS.fullmatch(part)
         if found is None:
             return "@OrderBy takes names of columns"
-        if signature is not None and found[1] not in _columns_of(signature):
-            return f"there is no column {found[1]} to order by"
+        if signature is not None:
+            numbered = {f"col{number}" for number in range(signature.count)}
+            if found[1] not in {*numbered, *signature.named, *[VALUE] * signature.has_value}:
+                return f"there is no column {found[1]} to order by"
     return ""
-
-
-def _columns_of(signature: Signature) -> set[str]:
-    numbered = {f"col{number}" for number in range(signature.count)}
-    return {*numbered, *signature.named, *([VALUE] if signature.has_value else [])}
-
-
-def _is_cast(node: Node) -> bool:
-    if isinstance(node, Functor):
-        return node.base == "Cast"
-    return isinstance(node, PredicateName) and node.name == "Cast"

@@ -11,23 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from logica.compiler import expr_translate
 
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.adapter import operator_name, parse, parse_trusted
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.language.tree import (
-    Aggregate,
-    Aggregation,
-    Annotation,
-    Atom,
-    Call,
-    Functor,
-    PredicateName,
-    Rule,
-    Statement,
-    Tree,
-    variable_of,
-    walk,
-)
 from logical_robots_tui.schema import VALUE
 
 _PRELUDE = """
@@ -66,65 +53,64 @@ _AUXILIARY = "_MultBodyAggAux"  # the package's suffix of predicates that it mak
 
 
 @functools.cache
-def prelude() -> tuple[Rule, ...]:
-    """Return the rules of the prelude."""
-    return tuple(each for each in parse_trusted(_PRELUDE) if isinstance(each, Rule))
+def prelude() -> tuple[tree.Rule, ...]:
+    return tuple(each for each in parse_trusted(_PRELUDE) if isinstance(each, tree.Rule))
 
 
-def definitions(program: Iterable[Statement]) -> dict[str, list[Rule | Functor]]:
+def definitions(program: Iterable[tree.Statement]) -> dict[str, list[tree.Rule | tree.Functor]]:
     """Return what defines each predicate of a program, in text order."""
-    found: dict[str, list[Rule | Functor]] = {}
+    found: dict[str, list[tree.Rule | tree.Functor]] = {}
     for statement in program:
-        if not isinstance(statement, Annotation) and not statement.name.endswith(_AUXILIARY):
+        if not isinstance(statement, tree.Annotation) and not statement.name.endswith(_AUXILIARY):
             found.setdefault(statement.name, []).append(statement)
     return found
 
 
-def rules_of(program: Iterable[Statement]) -> list[Rule]:
-    """Return the rules among statements."""
-    return [each for each in program if isinstance(each, Rule)]
+def rules_of(program: Iterable[tree.Statement]) -> list[tree.Rule]:
+    return [each for each in program if isinstance(each, tree.Rule)]
 
 
-def column_labels(name: str, own: Mapping[str, Sequence[Rule | Functor]]) -> dict[str, str]:
+def column_labels(
+    name: str, own: Mapping[str, Sequence[tree.Rule | tree.Functor]]
+) -> dict[str, str]:
     """Return what a predicate's columns are called where SQL has another name for them.
 
     A place is called like the first parameter in it, and a result ``value``.
     """
-    heads = [each.head for each in own.get(name, ()) if isinstance(each, Rule)]
+    heads = [each.head for each in own.get(name, ()) if isinstance(each, tree.Rule)]
     columns = [column for head in heads for column in head.columns]
     names = {column.field for column in columns}
     labels: dict[str, str] = {}
     for column in columns:
         is_place = isinstance(column.field, int) and column.column not in labels
-        label = variable_of(column.value) if is_place else "value" * (column.field == VALUE)
+        label = tree.variable_of(column.value) if is_place else "value" * (column.field == VALUE)
         if label and label not in {*names, *labels.values()}:
             labels[column.column] = label
     for each in own.get(name, ()):
-        if isinstance(each, Functor) and each.base != name:
+        if isinstance(each, tree.Functor) and each.base != name:
             labels |= column_labels(each.base, {n: of for n, of in own.items() if n != name})
     return labels
 
 
-def calls(tree: Tree) -> Iterator[Call | Atom]:
-    """Yield all calls in a tree."""
-    return (node for node in walk(tree) if isinstance(node, Call | Atom))
+def calls(part: tree.Tree) -> Iterator[tree.Call | tree.Atom]:
+    return (node for node in tree.walk(part) if isinstance(node, tree.Call | tree.Atom))
 
 
-def names_used(tree: Tree) -> Iterator[str]:
+def names_used(part: tree.Tree) -> Iterator[str]:
     """Yield the names of all predicates, functions and aggregates that a tree mentions."""
-    for node in walk(tree):
-        if isinstance(node, Call | Atom | PredicateName):
+    for node in tree.walk(part):
+        if isinstance(node, tree.Call | tree.Atom | tree.PredicateName):
             yield node.name
-        elif isinstance(node, Aggregate | Aggregation):
+        elif isinstance(node, tree.Aggregate | tree.Aggregation):
             yield operator_name(node.operator)
-        elif isinstance(node, Functor):
+        elif isinstance(node, tree.Functor):
             yield from (node.name, node.base)
 
 
-def reach(tree: Tree, program: Mapping[str, Sequence[Statement]]) -> set[str]:
+def reach(part: tree.Tree, program: Mapping[str, Sequence[tree.Statement]]) -> set[str]:
     """Return the names of the predicates that a tree uses, directly or indirectly."""
     found: set[str] = set()
-    waiting = [tree]
+    waiting = [part]
     while waiting:
         for name in names_used(waiting.pop()):
             if name not in found:
@@ -133,13 +119,13 @@ def reach(tree: Tree, program: Mapping[str, Sequence[Statement]]) -> set[str]:
     return found
 
 
-def parameters(program: Sequence[Statement]) -> frozenset[str]:
+def parameters(program: Sequence[tree.Statement]) -> frozenset[str]:
     """Return the names of predicates that are substituted somewhere and defined nowhere."""
     substituted = {name for each in program for name in substitutions(each)}
     return frozenset(substituted.difference(definitions(program)))
 
 
-def lacking(program: Sequence[Statement]) -> dict[str, str]:
+def lacking(program: Sequence[tree.Statement]) -> dict[str, str]:
     own, left_open = definitions(program), parameters(program)
 
     def first_open(name: str, given: frozenset[str], seen: set[str]) -> Iterator[str]:
@@ -157,14 +143,13 @@ def lacking(program: Sequence[Statement]) -> dict[str, str]:
     return {name: other for name, other in found.items() if other}
 
 
-def substitutions(statement: Statement) -> tuple[str, ...]:
-    """Return the names that a statement substitutes."""
-    return statement.parameters if isinstance(statement, Functor) else ()
+def substitutions(statement: tree.Statement) -> tuple[str, ...]:
+    return statement.parameters if isinstance(statement, tree.Functor) else ()
 
 
-def functor_names(program: Iterable[Statement]) -> set[str]:
+def functor_names(program: Iterable[tree.Statement]) -> set[str]:
     """Return the predicates that functors make, copy, substitute or put in."""
-    functors = [each for each in program if isinstance(each, Functor)]
+    functors = [each for each in program if isinstance(each, tree.Functor)]
     return {name for each in functors for name in (*names_used(each), *each.parameters)}
 
 
@@ -187,17 +172,13 @@ def is_built_in(name: str) -> bool:
 @functools.cache
 def arity(name: str) -> tuple[int, float]:
     """Return the fewest and most arguments of a built-in function."""
+    count = {"If": 3, "Cast": 2}.get(name, 0)
     if name in _QL.ANALYTIC_FUNCTIONS:
         count = 4 if name.startswith("Window") else 3
-        return count, count
-    if name == "If":
-        return 3, 3
-    if name == "Cast":
-        return 2, 2
-    if name in _QL.BUILT_IN_FUNCTIONS:
-        return (2, 2) if name in _TWO_ARGUMENTS else (1, 1)
+    elif not count and name in _QL.BUILT_IN_FUNCTIONS:
+        count = 2 if name in _TWO_ARGUMENTS else 1
     least, most = _QL.BULK_FUNCTIONS_ARITY_RANGE.get(name, (0, math.inf))
-    return least, most
+    return (count, count) if count else (least, most)
 
 
 # -- constants -----------------------------------------------------------------------------------
@@ -216,10 +197,11 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
     for name, value in values.items():
         new, *others = _statements_of(f"{name}() = {value};")
         old, *more = found.get(name, [None])
-        if others or more or not is_constant(old) or not isinstance(new, Rule):
+        if others or more or not is_constant(old) or not isinstance(new, tree.Rule):
             hint = f"A constant is one rule without a body: {name}() = {value};"
-            raise _not_constant(f"{name} is not a constant of the program", hint)
-        assert isinstance(old, Rule)
+            message = f"{name} is not a constant of the program"
+            raise ProgramError((Diagnostic(1, 1, message, hint),))
+        assert isinstance(old, tree.Rule)
         assert old.value is not None
         assert old.value.span is not None
         places.append((*old.value.span, value))
@@ -228,25 +210,20 @@ def with_constants(text: str, values: Mapping[str, str]) -> str:
         lines = text.count("\n", start, stop)
         text = text[:start] + value + "\n" * lines + text[stop:]
     if _statements_of(text) != wanted:
-        raise _not_constant(
-            "the constants can't be written into the program", "Try simpler values."
-        )
+        message = "the constants can't be written into the program"
+        raise ProgramError((Diagnostic(1, 1, message, "Try simpler values."),))
     return text
 
 
-def is_constant(rule: Rule | Functor | None) -> bool:
+def is_constant(rule: tree.Rule | tree.Functor | None) -> bool:
     """Return whether a rule gives a predicate without arguments one value under no condition."""
-    if not isinstance(rule, Rule) or rule.body or rule.is_distinct or rule.modalities:
+    if not isinstance(rule, tree.Rule) or rule.body or rule.is_distinct or rule.modalities:
         return False
     return [each.field for each in rule.head.columns] == [VALUE] and rule.value is not None
 
 
-def _statements_of(text: str) -> list[Statement]:
+def _statements_of(text: str) -> list[tree.Statement]:
     parsed = parse(prepare(text))
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
     return parsed.statements
-
-
-def _not_constant(message: str, hint: str) -> ProgramError:
-    return ProgramError((Diagnostic(1, 1, message, hint),))

@@ -1,12 +1,16 @@
-"""Errors and warnings of a program: what is wrong, where, and what to do."""
+"""Errors and warnings of a program: what is wrong, where, what to do; names that no level has."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 from logical_robots_tui.errors import LogicalRobotsError
+from logical_robots_tui.schema import NO_LABEL, WALL
+
+_MOST_LISTED = 4
+_LONGEST = 60  # characters of a name in a message
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,3 +105,64 @@ def distance(left: str, right: str) -> int:
             row.append(best)
         rows.append(row)
     return rows[-1][-1]
+
+
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """A name that a program compares with a label or with a robot's name.
+
+    Attributes:
+        text: The name.
+        of: ``label`` or ``robot_name``.
+        line: From 1, as in a diagnostic.
+        column: From 1.
+        excerpt: The text as it is written.
+    """
+
+    text: str
+    of: str
+    line: int
+    column: int
+    excerpt: str
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """The names in a level.
+
+    Attributes:
+        robots: Those of its robots.
+        others: Those of its beacons and of areas that can be solid.
+    """
+
+    robots: frozenset[str] = frozenset()
+    others: frozenset[str] = frozenset()
+
+
+def unknown_names(mentions: Iterable[Mention], names: Names) -> Iterator[Diagnostic]:
+    """Yield a warning for each mentioned name that no robot of a level can sense.
+
+    A program is compiled without a level, so it only tells what it mentions.
+    """
+    for each in mentions:
+        if each.of == "robot_name":
+            known, what = names.robots, "no robot of this level"
+        else:
+            known = names.robots | names.others | {WALL, NO_LABEL}
+            what = "no robot, beacon or solid area of this level"
+        if each.text not in known:
+            message = f'{what} is called "{printable(each.text[:_LONGEST])}"'
+            hint = name_hint(each.text, known)
+            excerpt = printable(each.excerpt)
+            yield Diagnostic(each.line, each.column, message, hint, excerpt, "warning")
+
+
+def name_hint(text: str, known: Iterable[str]) -> str:
+    """Return what to write instead of a name that is none of those that are known."""
+    close = most_similar(text, known)
+    if close:
+        return f'Did you mean "{printable(close[:_LONGEST])}"?'
+    *others, last = sorted(f'"{printable(each)}"' for each in known) or [""]
+    if not last or len(others) >= _MOST_LISTED or sum(map(len, known)) > _LONGEST:
+        return "Compare it with the names in the labyrinth."
+    return f"It can be {', '.join(others)} or {last}." if others else f"It can be {last}."

@@ -61,13 +61,10 @@ def explain(
         if message.startswith(what) and (found := where.find(sign, at, end)) >= 0:
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
-    if message == _NO_CONDITION and _FIELD.fullmatch(
-        value := source.original[at : at + length].strip()
-    ):
+    value = source.original[at : at + length].strip()
+    if message == _NO_CONDITION and _FIELD.fullmatch(value):
         hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
-    elif message == _NO_CONDITION and _PREDICATE.fullmatch(
-        value := source.original[at : at + length].strip()
-    ):
+    elif message == _NO_CONDITION and _PREDICATE.fullmatch(value):
         message, hint = f"{value} is named without its arguments", f"Write {value}(...)."
     elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
         hint = known

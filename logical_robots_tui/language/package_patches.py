@@ -62,27 +62,23 @@ def mentioned_variables(
     return found
 
 
-def deep_copy(tree: Any) -> Any:
+def deep_copy(node: Any, done: dict[int, Any] | None = None) -> Any:
     """Copy a syntax tree; texts are shared with the original, and shared subtrees stay shared."""
-    return _copy(tree, {})
-
-
-def _copy(node: Any, done: dict[int, Any]) -> Any:
     kind = type(node)
     if kind in _NEVER_CHANGE:
         return node
+    done = {} if done is None else done
     if kind is not dict and kind is not list:
         return copy.deepcopy(node, done)
-    found = done.get(id(node))
+    found: Any = done.get(id(node))
     if found is None:
+        found = done[id(node)] = kind()
         if kind is dict:
-            found = done[id(node)] = {}
             for key, value in node.items():
-                found[key] = _copy(value, done)
+                found[key] = deep_copy(value, done)
         else:
-            found = done[id(node)] = []
             for value in node:
-                found.append(_copy(value, done))
+                found.append(deep_copy(value, done))
     return found
 
 

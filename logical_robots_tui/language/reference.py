@@ -198,20 +198,13 @@ def _read(table: str, kind: Kind) -> Iterator[FunctionHelp]:
     for line in table.strip().splitlines():
         signature, summary, shown = line.split(" -- ")
         example, result = shown.rsplit(" => ", 1)
+        name, words = re.split(r"[({]", signature)[0], signature.split()
         if kind == "aggregate" and "?" in signature:
             name = signature.split("? ")[1].split()[0]
         elif kind == "operator":
-            name = _operator(signature)
-        else:
-            name = re.split(r"[({]", signature)[0]
+            name = words[0] if words[0] in ("if", "!", "~") else words[1]
+            name = "is not" if words[1:3] == ["is", "not"] else name
         yield FunctionHelp(name, signature, summary, example, result, kind)
-
-
-def _operator(signature: str) -> str:
-    words = signature.split()
-    if words[0] in ("if", "!", "~"):
-        return words[0]
-    return "is not" if words[1:3] == ["is", "not"] else words[1]
 
 
 REFERENCE: tuple[FunctionHelp, ...] = (

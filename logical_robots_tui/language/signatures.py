@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import (
     arity,
     calls,
@@ -16,28 +17,12 @@ from logical_robots_tui.language.definitions import (
     rules_of,
     substitutions,
 )
-from logical_robots_tui.language.diagnostics import closest
+from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import diagnostic_for
-from logical_robots_tui.language.tree import (
-    REST,
-    Argument,
-    Call,
-    Functor,
-    Rule,
-    children,
-    variable_of,
-    variables,
-    walk,
-)
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.diagnostics import Diagnostic
-    from logical_robots_tui.language.tree import Atom, Statement
-
-    Runs = Callable[[str], bool]
+Runs = Callable[[str], bool]
+"""Whether a built-in function works in SQLite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,37 +40,41 @@ class Signature:
         return f"({shown})" + (" = value" if self.has_value else "")
 
 
-def signatures(program: Sequence[Statement]) -> dict[str, Signature]:
+def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
     found = {name: Signature(0, frozenset(columns), False) for name, columns in INPUTS.items()}
     for name, own in {**definitions(prelude()), **definitions(program)}.items():
         candidates = {_signature(each) for each in own}
         signature = candidates.pop()
-        if signature is not None and not candidates:
+        if signature and not candidates:
             found[name] = signature
     return found
 
 
-def collisions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def collisions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     for name, (first, *others) in definitions(program).items():
-        if name.isidentifier() and (problem := _hides_built_in(name, first, program)):
-            yield diagnostic_for(text, name, problem, "Give your predicate another name.")
+        is_function = isinstance(first, tree.Rule) and first.head.column(VALUE)
+        if name.isidentifier() and is_built_in(name):
+            used = (isinstance(call, tree.Call) and call.name == name for call in calls(program))
+            if is_function or any(used):
+                message = f"{name} is built in; this definition would be ignored"
+                yield diagnostic_for(text, name, message, "Give your predicate another name.")
         for other in others:
-            if difference := _difference(first, other):
-                line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
+            line = text.count("\n", 0, max(0, getattr(name, "start", 0))) + 1
+            if difference := _difference(first, other, line):
                 message, hint = difference
-                yield diagnostic_for(text, other.name, message.format(name, line), hint)
+                yield diagnostic_for(text, other.name, f"{name} {message}", hint)
                 break
 
 
 def wrong_calls(
-    program: Sequence[Statement], known: Mapping[str, Signature], text: str, runs: Runs
+    program: Sequence[tree.Statement], known: Mapping[str, Signature], text: str, runs: Runs
 ) -> Iterator[Diagnostic]:
     own = definitions(program)
     parameters = {name for each in program for name in substitutions(each)}
     used = {MAIN, *reach(own[MAIN], own)} if MAIN in own else {*own}
     for rule in rules_of(program):
         for call in calls(rule):
-            name, for_value = call.name, isinstance(call, Call)
+            name, for_value = call.name, isinstance(call, tree.Call)
             if name in known and not (for_value and is_built_in(name)):
                 is_given = name in parameters
                 yield from _wrong_call(call, known[name], text, is_given_elsewhere=is_given)
@@ -101,22 +90,22 @@ def wrong_calls(
                 yield from _wrong_built_in(call, text)
 
 
-def duplicates(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    for node in walk(program):
+def duplicates(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    for node in tree.walk(program):
         seen = set()
-        for each in children(node):
-            name = each.field if isinstance(each, Argument) else 0
-            if isinstance(name, str) and name in seen and name != REST:
+        for each in tree.children(node):
+            name = each.field if isinstance(each, tree.Argument) else 0
+            if isinstance(name, str) and name in seen and name != tree.REST:
                 hint = "Remove one, or join the conditions with ','."
                 yield diagnostic_for(text, name, f"{name} is given twice here", hint)
             seen.add(name)
 
 
-def _signature(rule: Rule | Functor) -> Signature | None:
-    if isinstance(rule, Functor):
+def _signature(rule: tree.Rule | tree.Functor) -> Signature | None:
+    if isinstance(rule, tree.Functor):
         return None
     columns = [each.field for each in rule.head.columns]
-    if REST in columns:
+    if tree.REST in columns:
         return None
     positional = sum(isinstance(c, int) for c in columns)
     while f"col{positional}" in columns:  # an aggregated one needs a name
@@ -127,81 +116,70 @@ def _signature(rule: Rule | Functor) -> Signature | None:
     return Signature(positional, named - {VALUE}, VALUE in named, required)
 
 
-def _in_value(rule: Rule) -> frozenset[int]:
+def _in_value(rule: tree.Rule) -> frozenset[int]:
     value = rule.head.column(VALUE)
-    mentioned = variables(value, inside=True) if value else ()
+    mentioned = tree.variables(value, inside=True) if value else ()
     return frozenset(
         each.field
         for each in rule.head.columns
-        if isinstance(each.field, int) and variable_of(each.expression) in mentioned
+        if isinstance(each.field, int) and tree.variable_of(each.expression) in mentioned
     )
 
 
-def _difference(first: Rule | Functor, other: Rule | Functor) -> tuple[str, str] | None:
-    if isinstance(first, Functor) or isinstance(other, Functor):
-        return "{0} is already defined in line {1}", "Give one of them another name."
+def _difference(
+    first: tree.Rule | tree.Functor, other: tree.Rule | tree.Functor, line: int
+) -> tuple[str, str] | None:
+    if isinstance(first, tree.Functor) or isinstance(other, tree.Functor):
+        return f"is already defined in line {line}", "Give one of them another name."
     one, two = _signature(first), _signature(other)
     if one is None or two is None:
         return None
     if one.has_value != two.has_value:
         what = "a function" if one.has_value else "without a value"
-        return "{0} is " + what + " in line {1}, but not here", "Give one of them another name."
+        return f"is {what} in line {line}, but not here", "Give one of them another name."
     if (one.count, one.named) != (two.count, two.named):
-        columns = str(one).replace("{", "{{")
-        hint = f"All rules of a predicate have the same columns; there it has {columns}."
+        hint = f"All rules of a predicate have the same columns; there it has {one}."
         if len(hint) > 120:
             hint = "All rules of a predicate have the same columns."
-        return "{0} has different columns in line {1}", hint
+        return f"has different columns in line {line}", hint
     if first.is_distinct != other.is_distinct:
-        where = "in line {1}, but not here" if first.is_distinct else "here only"
-        return "{0} is distinct " + where, "Write distinct in all of its heads, or in none."
+        where = f"in line {line}, but not here" if first.is_distinct else "here only"
+        return f"is distinct {where}", "Write distinct in all of its heads, or in none."
     return None
 
 
-def _hides_built_in(name: str, first: Rule | Functor, program: Sequence[Statement]) -> str:
-    if not is_built_in(name):
-        return ""
-    used = any(isinstance(call, Call) and call.name == name for call in calls(program))
-    if used or (isinstance(first, Rule) and first.head.column(VALUE)):
-        return f"{name} is built in; this definition would be ignored"
-    return ""
-
-
 def _wrong_call(
-    call: Call | Atom, signature: Signature, text: str, *, is_given_elsewhere: bool
+    call: tree.Call | tree.Atom, signature: Signature, text: str, *, is_given_elsewhere: bool
 ) -> Iterator[Diagnostic]:
     name = call.name
     given = [each.field for each in call.arguments]
     positional = sum(isinstance(field, int) for field in given)
-    allowed = {*signature.named, REST, VALUE, *(f"col{i}" for i in range(signature.count))}
+    allowed = {*signature.named, tree.REST, VALUE, *(f"col{i}" for i in range(signature.count))}
     if positional > signature.count:
         hint = "Compare with the rule that defines it." if signature.count else _shape(signature)
-        yield diagnostic_for(text, name, _too_many(name, positional, signature), hint)
+        message = f"{name} takes {_arguments(signature.count)}, here {_are(positional)}"
+        if not signature.count and signature.named:
+            message = f"the columns of {name} have names"
+        yield diagnostic_for(text, name, message, hint)
     for field in given:
         if isinstance(field, str) and field not in allowed:
             close = closest(field, signature.named, 0.6)
             hint = f"Did you mean {close}?" if close else _shape(signature)
             yield diagnostic_for(text, field, f"{name} has no column {field}", hint)
-    if isinstance(call, Call) and not signature.has_value and not is_given_elsewhere:
+    if isinstance(call, tree.Call) and not signature.has_value and not is_given_elsewhere:
         hint = f"Use {name}(...) as a condition, or give it a value: {name}(...) = ...;"
         message = f"{name} is not a function; it has no value"
         yield diagnostic_for(text, name, message, hint if len(hint) <= 120 else "")
 
 
-def _left_out(call: Call | Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
+def _left_out(call: tree.Call | tree.Atom, signature: Signature, text: str) -> Iterator[Diagnostic]:
     """Report a call without arguments that the value needs; leaving out others is allowed."""
     given = {each.field for each in call.arguments}
     missing = any(not {place, f"col{place}"} & given for place in signature.required)
-    if missing and REST not in given:
+    if missing and tree.REST not in given:
         here = sum(isinstance(field, int) for field in given)
         message = f"{call.name} takes {_arguments(signature.count)}, here {_are(here)}"
         yield diagnostic_for(text, call.name, message, "Add the missing arguments.")
-
-
-def _too_many(name: str, given: int, signature: Signature) -> str:
-    if not signature.count and signature.named:
-        return f"the columns of {name} have names"
-    return f"{name} takes {_arguments(signature.count)}, here {_are(given)}"
 
 
 def _shape(signature: Signature) -> str:
@@ -215,7 +193,7 @@ def _shape(signature: Signature) -> str:
     return hint if len(hint) <= 120 else ""
 
 
-def _wrong_built_in(call: Call | Atom, text: str) -> Iterator[Diagnostic]:
+def _wrong_built_in(call: tree.Call | tree.Atom, text: str) -> Iterator[Diagnostic]:
     name = call.name
     given = [each.field for each in call.arguments]
     least, most = arity(name)

@@ -17,7 +17,13 @@ _CLOSES = {")": "(", "}": "{", "]": "["}
 _BRACKET = re.compile(r"[(){}\[\]]")
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
-_SINGLE_QUOTED = re.compile(r"'(?:\\.|[^'\\\n])*'?")
+_TOKEN = re.compile(
+    r"(?P<comment>#[^\n]*|/\*(?:.*?\*/|.*))"
+    r'|(?P<text>"{3}(?:.*?"{3}|.*)|"[^"\n]*["\n]?|`[^`\n]*[`\n]?'
+    r"|'(?:\\[^\n]|[^'\\\n])*'?)"
+    r"|(?P<sign>[(){}\[\];])|[^#/\"'`(){}\[\];]+|.",
+    re.DOTALL,
+)
 
 # What stands in a text for the parser, which knows no single quotes.
 _INNER_QUOTE = "\ue022"
@@ -55,34 +61,32 @@ def prepare(source: str) -> Prepared:
     kept: list[str] = []
     skeleton: list[str] = []
     brackets = _Brackets(source)
-    at = 0
-    while at < len(source):
-        end, kind = _token(source, at)
-        token = source[at:end]
-        blank = "".join("\n" if c == "\n" else " " for c in token)
-        kept.append(blank if kind == "comment" else _in_double_quotes(token))
+    for found in _TOKEN.finditer(source):
+        token, kind, at = found.group(), found.lastgroup, found.start()
+        blank = "".join("\n" if c == "\n" else " " for c in token) if kind else ""
         if kind == "comment" and token.startswith("/*") and not _is_closed(token, "/*", "*/"):
             brackets.report(at, 2, "this comment is never closed", "Add */ at its end.")
-        if kind == "string":
-            brackets.string(at, token)
-        elif kind == "other":
+        if kind == "text":
+            brackets.text(at, token)
+        elif kind == "sign":
             brackets.see(at, token)
-        is_text = kind == "string" and token[0] != "`"
-        skeleton.append(blank if kind == "comment" or is_text else token)
-        at = end
+        kept.append(blank if kind == "comment" else _in_double_quotes(token))
+        is_blank = kind == "comment" or (kind == "text" and token[0] != "`")
+        skeleton.append(blank if is_blank else token)
     brackets.end_statement()
     bare = "".join(skeleton)
     for found in _IMPORT.finditer(bare):
-        brackets.report(
-            found.start(1),
-            6,
-            "robots can't import other files",
-            "Copy the predicates that you need into this program.",
-        )
-    text = _join_braces("".join(kept), bare)
-    return Prepared(
-        source, text, bare, tuple(brackets.problems), tuple(brackets.places), tuple(brackets.ends)
-    )
+        hint = "Copy the predicates that you need into this program."
+        brackets.report(found.start(1), 6, "robots can't import other files", hint)
+    # The parser's form of an aggregate is ``Name{ ``.
+    pieces, at = [], 0
+    text = "".join(kept)
+    for found in _SPACE_BEFORE_BRACE.finditer(bare):
+        pieces += [text[at : found.end(1)], "{", text[found.start(2) : found.end(2)]]
+        at = found.end()
+    text = "".join(pieces) + text[at:]
+    places, ends = tuple(brackets.places), tuple(brackets.ends)
+    return Prepared(source, text, bare, tuple(brackets.problems), places, ends)
 
 
 def statements(source: Prepared) -> Iterator[tuple[int, int]]:
@@ -131,7 +135,7 @@ class _Brackets:
         self.problems.append(diagnostic_at(self._source, at, length, message, hint))
         self.places.append(at)
 
-    def string(self, at: int, token: str) -> None:
+    def text(self, at: int, token: str) -> None:
         quote = '"""' if token.startswith('"""') else token[0]
         if not _is_closed(token, quote, quote):
             self._complained = True
@@ -143,45 +147,38 @@ class _Brackets:
                 hint = r"Write \\ for a backslash, or put the text in double quotes."
                 self.report(at + found.start(), len(found.group()), message, hint)
 
-    def see(self, at: int, character: str) -> None:
-        if character == ";":
+    def see(self, at: int, sign: str) -> None:
+        """Note a bracket or the end of a statement."""
+        if sign == ";":
             self.ends.append(at)
             self.end_statement()
-        elif character in _CLOSES.values():
-            self._opened.append((character, at))
-            if len(self._opened) > _DEEPEST and not self._complained:
-                self._complained = True
+        elif sign not in _CLOSES:
+            self._opened.append((sign, at))
+            if len(self._opened) > _DEEPEST:
                 hint = "Give parts of it names of their own."
-                self.report(at, 1, "brackets are nested too deeply here", hint)
-        elif character in _CLOSES:
-            self._close(at, character)
+                self._complain(at, "brackets are nested too deeply here", hint)
+        elif self._opened and self._opened[-1][0] == _CLOSES[sign]:
+            self._opened.pop()
+        elif not self._opened:
+            self._complain(at, f"this '{sign}' closes nothing", "Remove it.")
+        else:
+            bracket, place = self._opened[-1]
+            line = self._source.count("\n", 0, place) + 1
+            message = f"this '{sign}' does not match the '{bracket}' of line {line}"
+            self._complain(at, message, "Brackets close in the order in which they were opened.")
 
     def end_statement(self) -> None:
         """End a statement, and report its first bracket that was never closed."""
-        if self._opened and not self._complained:
+        if self._opened:
             bracket, place = self._opened[0]
-            self.report(place, 1, f"this '{bracket}' is never closed", "Add the closing bracket.")
+            self._complain(place, f"this '{bracket}' is never closed", "Add the closing bracket.")
         self._opened.clear()
         self._complained = False
 
-    def _close(self, at: int, character: str) -> None:
-        if self._opened and self._opened[-1][0] == _CLOSES[character]:
-            self._opened.pop()
-        elif self._complained:
-            return
-        elif not self._opened:
+    def _complain(self, at: int, message: str, hint: str) -> None:
+        if not self._complained:
             self._complained = True
-            self.report(at, 1, f"this '{character}' closes nothing", "Remove it.")
-        else:
-            self._complained = True
-            bracket, place = self._opened[-1]
-            line = self._source.count("\n", 0, place) + 1
-            self.report(
-                at,
-                1,
-                f"this '{character}' does not match the '{bracket}' of line {line}",
-                "Brackets close in the order in which they were opened.",
-            )
+            self.report(at, 1, message, hint)
 
 
 def _is_closed(token: str, opening: str, closing: str) -> bool:
@@ -221,26 +218,6 @@ def diagnostic_for(
     return diagnostic_at(source, start, len(piece), message, hint, severity)
 
 
-def _token(source: str, at: int) -> tuple[int, str]:
-    if source[at] == "#":
-        end = source.find("\n", at)
-        return (len(source) if end < 0 else end), "comment"
-    if source.startswith("/*", at):
-        end = source.find("*/", at + 2)
-        return (len(source) if end < 0 else end + 2), "comment"
-    if source.startswith('"""', at):
-        end = source.find('"""', at + 3)
-        return (len(source) if end < 0 else end + 3), "string"
-    if source[at] == "'" and (found := _SINGLE_QUOTED.match(source, at)):
-        return found.end(), "string"
-    if source[at] in '"`':
-        end = at + 1
-        while end < len(source) and source[end] not in (source[at], "\n"):
-            end += 1
-        return min(end + 1, len(source)), "string"
-    return at + 1, "other"
-
-
 def _in_double_quotes(token: str) -> str:
     if token[0] != "'" or len(token) < len("''"):
         return token
@@ -268,13 +245,3 @@ def _character(escape: str) -> str | None:
     else:
         return None if letter in "xuUN" else escape
     return chr(code) if 0 < code < _SURROGATES[0] or _SURROGATES[1] < code <= maxunicode else None
-
-
-def _join_braces(text: str, bare: str) -> str:
-    """Turn ``Name {`` into ``Name{ ``, the parser's form of an aggregate."""
-    pieces: list[str] = []
-    at = 0
-    for found in _SPACE_BEFORE_BRACE.finditer(bare):
-        pieces += [text[at : found.end(1)], "{", text[found.start(2) : found.end(2)]]
-        at = found.end()
-    return "".join(pieces) + text[at:]

@@ -34,7 +34,6 @@ class Name(str):
     start: int
 
     def __new__(cls, text: str, start: int = -1) -> Name:
-        """Make a name."""
         name = super().__new__(cls, text)
         name.start = start
         return name
@@ -42,8 +41,6 @@ class Name(str):
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A node of the tree."""
-
     parts: ClassVar[tuple[str, ...]] = ()
     span: Span | None = field(default=None, compare=False, kw_only=True)
 
@@ -93,15 +90,11 @@ class PredicateName(Expression):
 
 @dataclass(frozen=True, slots=True)
 class Variable(Expression):
-    """A variable."""
-
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class List(Expression):
-    """A list of its elements."""
-
     parts: ClassVar = ("elements",)
     elements: tuple[Expression, ...]
 
@@ -208,16 +201,12 @@ class Proposition(Node):
 
 @dataclass(frozen=True, slots=True)
 class Conjunction(Proposition):
-    """All of its members hold."""
-
     parts: ClassVar = ("members",)
     members: tuple[Proposition, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Disjunction(Proposition):
-    """Any of its alternatives holds."""
-
     parts: ClassVar = ("alternatives",)
     alternatives: tuple[Proposition, ...]
 
@@ -258,7 +247,6 @@ class Head(Node):
     columns: tuple[Argument, ...]
 
     def column(self, name: str) -> Argument | None:
-        """Return the column with a name in SQL."""
         return next((each for each in self.columns if each.column == name), None)
 
 
@@ -281,12 +269,10 @@ class Rule(Node):
 
     @property
     def name(self) -> str:
-        """The predicate that it defines."""
         return self.head.name
 
     @property
     def value(self) -> Expression | None:
-        """The value of a function, or None."""
         column = self.head.column(VALUE)
         return None if column is None else column.expression
 
@@ -301,13 +287,11 @@ class Annotation(Node):
 
     @property
     def subject(self) -> str:
-        """The predicate that it is about, or ""."""
         first = self.arguments[0].value if self.arguments else None
         return first.name if isinstance(first, PredicateName) else ""
 
     @property
     def values(self) -> tuple[Expression, ...]:
-        """What follows the subject."""
         return operands(self.arguments[1:])
 
 
@@ -328,7 +312,6 @@ class Functor(Node):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """The predicates that are replaced."""
         return tuple(str(each.field) for each in self.arguments)
 
 
@@ -354,7 +337,6 @@ N = TypeVar("N", bound=Node)
 
 
 def children(node: Node) -> Iterator[Node]:
-    """Yield the nodes directly inside a node."""
     for part in node.parts:
         value = getattr(node, part)
         if type(value) is tuple:
@@ -393,7 +375,6 @@ def rebuild(node: N, change: Callable[[Node], Node]) -> N:
 
 
 def is_aggregate(node: Node) -> bool:
-    """Return whether a node has variables of its own."""
     return isinstance(node, Aggregate)
 
 
@@ -425,7 +406,6 @@ def operands(arguments: Iterable[Argument]) -> tuple[Expression, ...]:
 
 
 def conjuncts(body: Proposition | None) -> list[Proposition]:
-    """Return the parts of a body without nesting."""
     if body is None:
         return []
     if not isinstance(body, Conjunction):
@@ -453,12 +433,10 @@ def text_of(node: Node | None) -> str | None:
 
 
 def call(name: str, *given: Expression, **named: Expression) -> Call:
-    """Make a call of a function or an operator."""
     return Call(name, (*arguments(dict(enumerate(given))), *arguments(named)))
 
 
 def arguments(values: Columns) -> tuple[Argument, ...]:
-    """Make arguments, columns or fields from values by place or name."""
     return tuple(Argument(name, value) for name, value in values.items())
 
 

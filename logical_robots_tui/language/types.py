@@ -1,4 +1,4 @@
-"""Types of values, as DuckDB knows them before a query runs.
+"""Types of values, as DuckDB knows them before a query runs, and what functions take and give.
 
 They serve messages about a program, and the SQL that computes what DuckDB would.
 """
@@ -6,13 +6,15 @@ They serve messages about a program, and the SQL that computes what DuckDB would
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import reduce
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from logical_robots_tui import schema
+from logical_robots_tui.language import tree
 
 
 class Plain(Enum):
@@ -181,70 +183,179 @@ def describe(kind: Kind) -> str:
 
 def spell(kind: Kind) -> str:
     """Return a type as `try_cast` reads it, all numbers real."""
-    return json.dumps(_spelling(kind), ensure_ascii=False, separators=(",", ":"))
-
-
-def _spelling(kind: Kind) -> Any:
-    if isinstance(kind, ListOf):
-        return [_spelling(kind.element)]
-    if isinstance(kind, RecordOf):
-        return {name: _spelling(of) for name, of in kind.fields}
-    if is_number(kind):
-        return Plain.REAL.value
-    return Plain.ANY.value if kind is Plain.NULL else kind.value  # type: ignore[union-attr]  # what has parts, went before
+    return json.dumps(dump_kind(kind, is_cast=True), ensure_ascii=False, separators=(",", ":"))
 
 
 def parse_spelling(text: str) -> Kind:
     """Return the type of what `try_cast` gives, from how that was spelled for it."""
-    return _kind(json.loads(text))
+    return load_kind(json.loads(text))
 
 
-def dump_kind(kind: Kind) -> Any:
+def dump_kind(kind: Kind, *, is_cast: bool = False) -> Any:
     """Return a type as JSON, which `load_kind` reads; a word becomes a text, titles are lost."""
+    if isinstance(kind, ListOf):
+        return [dump_kind(kind.element, is_cast=is_cast)]
+    if isinstance(kind, RecordOf):
+        return {name: dump_kind(of, is_cast=is_cast) for name, of in kind.fields}
+    if is_cast and (is_number(kind) or kind is Plain.NULL):
+        return Plain.ANY.value if kind is Plain.NULL else Plain.REAL.value
     if isinstance(kind, Decimal):
         return f"{kind.scale} {kind.whole}"
-    if isinstance(kind, ListOf):
-        return [dump_kind(kind.element)]
-    if isinstance(kind, RecordOf):
-        return {name: dump_kind(of) for name, of in kind.fields}
     return kind.value if isinstance(kind, Plain) else Plain.TEXT.value
 
 
 def load_kind(data: Any) -> Kind:
-    if isinstance(data, str) and data[:1].isdigit():
-        scale, whole = map(int, data.split())
-        return Decimal(scale, whole)
     if isinstance(data, list):
         return ListOf(load_kind(data[0]))
     if isinstance(data, dict):
         return RecordOf(tuple((name, load_kind(of)) for name, of in data.items()))
-    return Plain(data)
+    if data[:1].isdigit():
+        return Decimal(*map(int, data.split()))
+    return Plain.WHOLE if data == "Int" else Plain(data)
 
 
-def _kind(spelling: Any) -> Kind:
-    if isinstance(spelling, dict):
-        return RecordOf(tuple((name, _kind(of)) for name, of in spelling.items()))
-    if isinstance(spelling, list):
-        return ListOf(_kind(spelling[0]))
-    return Plain.WHOLE if spelling == "Int" else Plain(spelling)
+def _kind_of(field: schema.FieldType, words: Mapping[str, Word], name: str = "") -> Kind:
+    if isinstance(field, schema.Type):
+        return words.get(name, Plain[field.name])
+    if isinstance(field, schema.ListOf):
+        return ListOf(_kind_of(field.element, words), field.title)
+    fields = tuple((each.name, _kind_of(each.type, words, each.name)) for each in field.fields)
+    return RecordOf(fields, field.title)
 
 
-_SCHEMA_KINDS = {
-    schema.Type.TRUTH: Plain.TRUTH,
-    schema.Type.WHOLE: Plain.WHOLE,
-    schema.Type.REAL: Plain.REAL,
-    schema.Type.TEXT: Plain.TEXT,
+SENSOR = _kind_of(schema.SENSOR, {})
+"""A sensor as the world fills it."""
+
+ROBOT_NAME, LABEL, OBJECT = Word("robot_name"), Word("label"), Word("object")
+
+SENSED = _kind_of(
+    schema.SENSOR,
+    {"object": OBJECT, "forward_object": OBJECT, "label": LABEL, "forward_label": LABEL},
+)
+"""A sensor whose objects and labels are words."""
+
+
+# -- functions -----------------------------------------------------------------------------------
+
+
+class Function(NamedTuple):
+    """The types of a function.
+
+    Attributes:
+        takes: Those of its arguments; the last is that of all further ones.
+        gives: That of its value.
+    """
+
+    takes: tuple[Kind, ...]
+    gives: Kind
+
+    def wanted(self, place: int) -> Kind:
+        return self.takes[min(place, len(self.takes) - 1)] if self.takes else Plain.ANY
+
+
+_KINDS: dict[str, Kind] = {
+    "any": Plain.ANY,
+    "bool": Plain.TRUTH,
+    "list": ListOf(Plain.ANY),
+    "num": Plain.REAL,
+    "nums": ListOf(Plain.REAL),
+    "text": Plain.TEXT,
+    "texts": ListOf(Plain.TEXT),
 }
 
+_TABLE = """
+num -> num: Abs Acos Acosh Asin Asinh Atan Atanh Atan2 Ceil Cos Cosh Exp Floor Ln Log Log10 Mod
+num -> num: Num Pow Round Sign Sin Sinh Sqrt Tan Tanh Trunc CumulativeSum
+num -> nums: GenerateArray Range
+num -> text: Chr
+text -> num: CharLength Length Ord Strpos
+text -> text: Lower Ltrim RegexpExtract Replace Reverse Rtrim Str Trim Upper
+text -> bool: EndsWith Like StartsWith
+text -> texts: Split
+text num -> text: Repeat Substr
+text num text -> text: Lpad Rpad
+text any -> text: Format
+list -> num: ArrayLength Size
+list text -> text: ArrayToString Join
+list num -> any: Element
+list -> any: Sort Unique
+any -> num: Count ExactCount Fingerprint NaturalHash ToFloat64 ToInt64 UniqueNumber
+any -> text: RecordAsJson StringAgg ToString TruthToString
+any -> bool: IsNull
+bool any -> any: If
+bool -> bool: ! && ||
+any -> bool: != < <= == > >= in is
+any -> num: % * + - / ^ Avg Sum WeightedAverage
+"""
 
-def _kind_of(field: schema.FieldType) -> Kind:
-    if isinstance(field, schema.Type):
-        return _SCHEMA_KINDS[field]
-    if isinstance(field, schema.ListOf):
-        return ListOf(_kind_of(field.element), field.title)
-    kinds = tuple((each.name, _kind_of(each.type)) for each in field.fields)
-    return RecordOf(kinds, field.title)
+
+def _functions() -> dict[str, Function]:
+    found: dict[str, Function] = {}
+    for line in _TABLE.strip().splitlines():
+        kinds, _, names = line.partition(": ")
+        takes, _, gives = kinds.partition(" -> ")
+        function = Function(tuple(_KINDS[each] for each in takes.split()), _KINDS[gives])
+        found |= dict.fromkeys(names.split(), function)
+    return {**found, "is not": found["is"]}
 
 
-SENSOR = _kind_of(schema.SENSOR)
-"""A sensor as the world fills it."""
+FUNCTIONS = _functions()
+"""By name."""
+
+ARITHMETIC = frozenset({"%", "*", "+", "-", "/", "^", "Avg", "Sum"})
+"""What computes with numbers, also as an aggregate; on DuckDB texts make it fail."""
+
+COMPARISONS = frozenset({"!=", "<", "<=", ">", ">="})
+
+ALIKE = frozenset(
+    {"++", "ArrayConcat", "Coalesce", "Concat", "Greatest", "Ifnull", "Least", "Nullif"}
+)
+"""Functions whose arguments have one type."""
+
+_FIRST = frozenset({"AnyValue", "Max", "Min", "1", "Nullif", "SomeValue", "Sort", "Unique"})
+_LISTING = frozenset({"List", "Set"})
+
+
+def result_of(name: str, kinds: Sequence[Kind]) -> Kind:
+    """Return the type of what a built-in function, operator or aggregate gives."""
+    first = kinds[0] if kinds else Plain.ANY
+    if name == "Element" and isinstance(first, ListOf):
+        return first.element
+    if name in _FIRST:
+        return first
+    if name in _LISTING:
+        return ListOf(first)
+    if name == "If":
+        return common(kinds[1:])
+    if name in ALIKE:
+        return common(kinds)
+    return FUNCTIONS[name].gives if name in FUNCTIONS else Plain.ANY
+
+
+LONGEST = 40  # characters of a quotation
+_NUMERAL = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*", re.IGNORECASE)
+
+
+def repair(node: tree.Expression, wanted: Kind, given: Kind) -> str:
+    """Return how an expression, or what it meets, becomes one of the wanted type."""
+    is_short = isinstance(node, tree.Literal) and len(node.value) <= LONGEST
+    if is_short and isinstance(node, tree.Number) and is_text(wanted):
+        return f'Put it in quotes: "{node.value}".'
+    if is_short and is_number(wanted) and isinstance(node, tree.Text) and is_numeral(node):
+        return f"Write {node.value} without quotes."
+    match family(wanted), family(given):
+        case "number", "text":
+            return "ToFloat64 makes a number of a text."
+        case "text", "number":
+            return "ToString makes a text of a number."
+        case ("list", "list") | ("record", "record"):
+            return "Their parts must have the same type."
+        case (_, "list") | ("list", _):
+            return "A list's elements are taken one by one: x in list."
+        case (_, "record") | ("record", _):
+            return "A field is taken from a record with a point: record.field."
+    return "A Boolean is true or false, or what a comparison gives."
+
+
+def is_numeral(node: tree.Text) -> bool:
+    return _NUMERAL.fullmatch(node.value) is not None

@@ -6,50 +6,34 @@ is said here (`tests/mind/differential/test_web.py`).
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from itertools import product
 
 from logica.type_inference.research import infer, reference_algebra
 
-from logical_robots_tui.language import error_messages
+from logical_robots_tui.language import error_messages, tree
 from logical_robots_tui.language.adapter import types_on_duckdb
 from logical_robots_tui.language.definitions import calls, definitions, reach, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for
-from logical_robots_tui.language.tree import (
-    Aggregate,
-    Aggregation,
-    Annotation,
-    Atom,
-    Boolean,
-    Call,
-    Choice,
-    Expression,
-    FieldAccess,
-    List,
-    Node,
-    Number,
-    Record,
-    Rule,
-    Statement,
-    Variable,
-    equation_sides,
-    operands,
-    variable_of,
-    walk,
-)
 from logical_robots_tui.schema import VALUE
 
 _remark = partial(diagnostic_for, severity="warning")
 _remark_at = partial(diagnostic_at, severity="warning")
 
 
-def web_remarks(program: Sequence[Statement], source: Prepared) -> list[Diagnostic]:
+def web_remarks(program: Sequence[tree.Statement], source: Prepared) -> list[Diagnostic]:
     """Return what the web platform would refuse or understand otherwise, in text order."""
     text = source.original
+    message = "the web platform has no @Visible: there all robots see everything"
     found = [
-        *_own_annotations(program, text),
+        *(
+            _remark(text, each.name, message, "Leave it out there.")
+            for each in program
+            if isinstance(each, tree.Annotation) and each.name == "@Visible"
+        ),
         *_recursions(program, text),
         *_field_names(program, text),
         *_formats(program, text),
@@ -61,22 +45,15 @@ def web_remarks(program: Sequence[Statement], source: Prepared) -> list[Diagnost
     return sorted(unique.values(), key=lambda each: (each.line, each.column))
 
 
-def _own_annotations(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
-    for each in program:
-        if isinstance(each, Annotation) and each.name == "@Visible":
-            message = "the web platform has no @Visible: there all robots see everything"
-            yield _remark(text, each.name, message, "Leave it out there.")
-
-
 # -- recursion ------------------------------------------------------------------------------------
 
 _EXACT = (4, 5)  # depths that a predicate which calls itself has there too
 
 
-def _recursions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _recursions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     own = {name: rules_of(each) for name, each in definitions(program).items()}
     below = {name: reach(rules, own) for name, rules in own.items()}
-    annotations = [e for e in program if isinstance(e, Annotation) and e.name == "@Recursive"]
+    annotations = [e for e in program if isinstance(e, tree.Annotation) and e.name == "@Recursive"]
     seen: set[str] = set()
     for name in own:
         if name in seen or name not in below[name]:
@@ -86,8 +63,8 @@ def _recursions(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]
         annotation = next((e for e in annotations if e.subject in circle), None)
         options = {} if annotation is None else {a.field: a.value for a in annotation.arguments}
         unrolled, depth = options.get("iterative"), options.get(1)
-        steps = float(depth.value) if isinstance(depth, Number) else 0
-        is_unrolled = isinstance(unrolled, Boolean) and unrolled.value == "false"
+        steps = float(depth.value) if isinstance(depth, tree.Number) else 0
+        is_unrolled = isinstance(unrolled, tree.Boolean) and unrolled.value == "false"
         if not is_unrolled and (len(circle) > 1 or steps not in _EXACT):
             message = "the web platform ends this recursion after four to six steps"
             hint = f"@Recursive({name}, 30, iterative: false); makes it take 30 steps there too."
@@ -115,12 +92,12 @@ _OF_THE_COMPILER = "variable"  # it takes such a record for one of its own
 _MOST_VALUES = 6  # of Format, besides its text
 
 
-def _field_names(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _field_names(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     seen = set()
-    for node in walk(program):
-        if isinstance(node, Record):
+    for node in tree.walk(program):
+        if isinstance(node, tree.Record):
             names = [each.field for each in node.arguments if isinstance(each.field, str)]
-        elif isinstance(node, FieldAccess) and node.field == _OF_THE_COMPILER:
+        elif isinstance(node, tree.FieldAccess) and node.field == _OF_THE_COMPILER:
             names = [node.field]
         else:
             continue
@@ -136,7 +113,7 @@ def _field_names(program: Sequence[Statement], text: str) -> Iterator[Diagnostic
                 yield _remark(text, name, message, "Choose another name.")
 
 
-def _formats(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _formats(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     if "Format" in definitions(program):
         return
     for call in calls(program):
@@ -149,11 +126,7 @@ def _formats(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
 # -- whole numbers --------------------------------------------------------------------------------
 
 _MOST = 2**31 - 1
-_CALCULATIONS = {
-    "+": lambda left, right: left + right,
-    "-": lambda left, right: left - right,
-    "*": lambda left, right: left * right,
-}
+_CALCULATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul}
 
 
 class _Wholes:
@@ -162,54 +135,50 @@ class _Wholes:
     What is sensed, remembered, counted or summed up has 64 bits, and no bounds.
     """
 
-    def __init__(self, program: Sequence[Statement], text: str) -> None:
+    def __init__(self, program: Sequence[tree.Statement], text: str) -> None:
         self._program, self._text = program, text
         self._columns: dict[tuple[str, int | str], tuple[int, int] | None] = {}
         for name, each in definitions(program).items():
             rules = rules_of(each)
             if len(rules) == len(each) and not any(rule.body for rule in rules):
-                for field in {column.field for rule in rules for column in rule.head.columns}:
-                    self._columns[name, field] = self._column(rules, field)
+                columns = [column for rule in rules for column in rule.head.columns]
+                for field in {column.field for column in columns}:
+                    given = [column.expression for column in columns if column.field == field]
+                    bounds = [None if each is None else self._bounds(each, {}) for each in given]
+                    self._columns[name, field] = _union(bounds)
 
     def overflows(self) -> Iterator[Diagnostic]:
         for rule in rules_of(self._program):
             scope = self._scope(rule)
-            for node in walk(rule):
-                if isinstance(node, Call) and node.span and self._overflows(node, scope):
+            for node in tree.walk(rule):
+                bounds = self._calculated(node, scope) if isinstance(node, tree.Call) else None
+                if bounds is not None and not _fits(bounds) and node.span:
                     start, stop = node.span
                     message = "this may exceed 32 bits, where the web platform fails"
                     hint = "Write one of the numbers with a point, such as 1000.0."
                     yield _remark_at(self._text, start, stop - start, message, hint)
 
-    def _column(self, rules: Sequence[Rule], field: int | str) -> tuple[int, int] | None:
-        given = [c.expression for r in rules for c in r.head.columns if c.field == field]
-        return _union([None if each is None else self._bounds(each, {}) for each in given])
-
-    def _scope(self, rule: Rule) -> dict[str, tuple[int, int]]:
+    def _scope(self, rule: tree.Rule) -> dict[str, tuple[int, int]]:
         scope: dict[str, tuple[int, int]] = {}
-        for node in walk(rule):
-            pairs: list[tuple[Expression | None, tuple[int, int] | None]] = []
-            if sides := equation_sides(node):
+        for node in tree.walk(rule):
+            pairs: list[tuple[tree.Expression | None, tuple[int, int] | None]] = []
+            if sides := tree.equation_sides(node):
                 one, other = sides
                 pairs = [(one, self._bounds(other, scope)), (other, self._bounds(one, scope))]
-            elif isinstance(node, Atom):
+            elif isinstance(node, tree.Atom):
                 pairs = [
                     (a.expression, self._columns.get((node.name, a.field))) for a in node.arguments
                 ]
             for variable, bounds in pairs:
-                if isinstance(variable, Variable) and bounds is not None:
+                if isinstance(variable, tree.Variable) and bounds is not None:
                     scope.setdefault(variable.name, bounds)
         return scope
 
-    def _overflows(self, node: Call, scope: Mapping[str, tuple[int, int]]) -> bool:
-        found = self._calculated(node, scope)
-        return found is not None and not _fits(found)
-
     def _calculated(
-        self, node: Call, scope: Mapping[str, tuple[int, int]]
+        self, node: tree.Call, scope: Mapping[str, tuple[int, int]]
     ) -> tuple[int, int] | None:
         calculate = _CALCULATIONS.get(node.name)
-        given = [self._bounds(each, scope) for each in operands(node.arguments)]
+        given = [self._bounds(each, scope) for each in tree.operands(node.arguments)]
         sides = [each for each in given if each is not None]
         if calculate is None or len(given) != 2 or len(sides) != 2:
             return None
@@ -217,31 +186,28 @@ class _Wholes:
         return min(results), max(results)
 
     def _bounds(
-        self, node: Expression, scope: Mapping[str, tuple[int, int]]
+        self, node: tree.Expression, scope: Mapping[str, tuple[int, int]]
     ) -> tuple[int, int] | None:
         found: tuple[int, int] | None = None
         match node:
-            case Number():
-                found = _exact(node.value)
-            case Variable():
+            case tree.Number():
+                digits, is_short = node.value, len(node.value) <= len(f"-{_MOST}")
+                if is_short and digits.lstrip("-").isdecimal():
+                    found = (int(digits), int(digits))
+            case tree.Variable():
                 found = scope.get(node.name)
-            case Choice():
+            case tree.Choice():
                 values = [*(each.value for each in node.branches), node.otherwise]
                 found = _union([self._bounds(each, scope) for each in values])
-            case Call() if node.name in _CALCULATIONS:
+            case tree.Call() if node.name in _CALCULATIONS:
                 found = self._calculated(node, scope)
-            case Call():
+            case tree.Call():
                 found = self._columns.get((node.name, VALUE))
         return found if found is not None and _fits(found) else None
 
 
 def _fits(bounds: tuple[int, int]) -> bool:
     return bounds[0] >= -_MOST - 1 and bounds[1] <= _MOST
-
-
-def _exact(digits: str) -> tuple[int, int] | None:
-    is_short = len(digits) <= len(f"-{_MOST}")
-    return (int(digits),) * 2 if is_short and digits.lstrip("-").isdecimal() else None
 
 
 def _union(bounds: Sequence[tuple[int, int] | None]) -> tuple[int, int] | None:
@@ -257,14 +223,14 @@ _COLLECTING = frozenset({"Array", "List", "Set"})
 _NESTED = "belongs to a list, but is implied to be"
 
 
-def _lists(program: Sequence[Statement], source: Prepared) -> Iterator[Diagnostic]:
+def _lists(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diagnostic]:
     """Yield a remark for each empty list without a type, and each list of lists.
 
     The package's own inference, which the platform runs, finds them.
     """
     rules = rules_of(program)
-    lists = [node for node in walk(rules) if _is_list(node)]
-    empty = {each.span for each in lists if isinstance(each, List) and not each.elements}
+    lists = [node for node in tree.walk(rules) if _is_list(node)]
+    empty = {each.span for each in lists if isinstance(each, tree.List) and not each.elements}
     try:
         found = [*types_on_duckdb(rules, source)] if lists else []
     except (infer.TypeErrorCaughtException, *error_messages.COMPLAINTS):
@@ -284,10 +250,10 @@ def _lists(program: Sequence[Statement], source: Prepared) -> Iterator[Diagnosti
         yield _remark_at(source.original, span.start, length, message, hint)
 
 
-def _is_list(node: Node) -> bool:
-    if isinstance(node, Aggregate | Aggregation):
+def _is_list(node: tree.Node) -> bool:
+    if isinstance(node, tree.Aggregate | tree.Aggregation):
         return node.operator in _COLLECTING
-    return isinstance(node, List)
+    return isinstance(node, tree.List)
 
 
 # -- ties -----------------------------------------------------------------------------------------
@@ -296,22 +262,25 @@ _CHOOSING = frozenset({"ArgMax", "ArgMin"})
 _COUNTING = frozenset({"Ceil", "Count", "Floor", "Length", "Round", "Size", "ToInt64"})
 
 
-def _ties(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
+def _ties(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
     """Yield a remark for the first choice whose values are likely to be equal."""
     for rule in rules_of(program):
         values = {
-            variable_of(one): other
-            for node in walk(rule)
-            if (sides := equation_sides(node))
+            tree.variable_of(one): other
+            for node in tree.walk(rule)
+            if (sides := tree.equation_sides(node))
             for one, other in (sides, sides[::-1])
         }
-        for node in walk(rule):
-            if not isinstance(node, Aggregate | Aggregation) or node.operator not in _CHOOSING:
+        for node in tree.walk(rule):
+            if (
+                not isinstance(node, tree.Aggregate | tree.Aggregation)
+                or node.operator not in _CHOOSING
+            ):
                 continue
             pair = node.argument
-            if isinstance(pair, Call) and pair.name == "->" and len(pair.arguments) == 2:
+            if isinstance(pair, tree.Call) and pair.name == "->" and len(pair.arguments) == 2:
                 value = pair.arguments[1].expression
-                if name := variable_of(value):
+                if name := tree.variable_of(value):
                     value = values.get(name)
                 if _is_coarse(value) and pair.span:
                     message = (
@@ -323,17 +292,17 @@ def _ties(program: Sequence[Statement], text: str) -> Iterator[Diagnostic]:
                     return
 
 
-def _is_coarse(value: Node | None) -> bool:
+def _is_coarse(value: tree.Node | None) -> bool:
     """Return whether an expression is a constant or a count, so that ties are likely."""
     match value:
-        case Number():
+        case tree.Number():
             return True
-        case FieldAccess():
+        case tree.FieldAccess():
             return value.field == "clock"
-        case Call() | Aggregate():
-            name = value.name if isinstance(value, Call) else value.operator
+        case tree.Call() | tree.Aggregate():
+            name = value.name if isinstance(value, tree.Call) else value.operator
             return name in _COUNTING
-        case Choice():
+        case tree.Choice():
             values = [*(each.value for each in value.branches), value.otherwise]
             return all(map(_is_coarse, values))
     return False

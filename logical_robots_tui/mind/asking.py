@@ -1,24 +1,27 @@
-"""Querying a program's predicates at a moment: tuned, or plain where the difference matters."""
+"""Queries about a moment, tuned, or plain where the difference matters; their failures in words."""
 
 from __future__ import annotations
 
+import logging
+import re
+import sqlite3
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
 from typing import Any, TypeAlias
 
-from logical_robots_tui.language.diagnostics import Stopped
-from logical_robots_tui.mind.failures import FailureError, failures_in_words
+from logical_robots_tui.language.diagnostics import Stopped, printable
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.program import TRUTH_MARK, Program, Question, Tuned
+from logical_robots_tui.mind.sqlite.budget import TooHeavyError, Within
 from logical_robots_tui.mind.sqlite.database import Answer as RawAnswer
-from logical_robots_tui.mind.sqlite.database import Scalar
+from logical_robots_tui.mind.sqlite.database import Scalar, TooMuchError, TooSlowError
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, LISTS_LAYOUT
-from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-from logical_robots_tui.mind.sqlite.stored import Interner, from_sql
+from logical_robots_tui.mind.sqlite.moment import Moment, View
+from logical_robots_tui.mind.sqlite.stored import Interner, TooDeepError, from_sql
 from logical_robots_tui.mind.sqlite.tables import PlainTables, TunedTables
-from logical_robots_tui.mind.table import plan_lines
 from logical_robots_tui.values import Value
 
 _PLAN = "EXPLAIN QUERY PLAN "
@@ -26,6 +29,18 @@ _MOST_TOGETHER = 20_000  # rows for all views from one query
 
 Answer: TypeAlias = "tuple[tuple[str, ...], list[tuple[Value, ...]]]"
 """Column names and rows."""
+
+
+class FailureError(Exception):
+    """A query failed; the message is for the player.
+
+    `slow` means that trying again would take too long, too; `late`, that a time limit ended it.
+    """
+
+    def __init__(self, message: str, *, slow: bool = False, late: bool = False) -> None:
+        self.slow = slow
+        self.late = late
+        super().__init__(message)
 
 
 class _OrPlainly:
@@ -51,88 +66,71 @@ class Asking:
     def __init__(
         self, program: Program, limits: Limits, *, plain: bool, frozen: bool = False
     ) -> None:
-        self._program = program
+        self.program = program
         self.plain_tables = PlainTables(limits)
-        self._tuned = None if plain else _tables(program, limits, frozen=frozen)
+        self._tuned: TunedTables | None = None
+        if program.tuned and not plain:
+            robot = program.tuned.get("Robot")
+            few = LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
+            self._tuned = TunedTables(limits, frozen=frozen, few=few)
         self._deepest = limits.depth
         self._read_value = Interner().read if frozen else from_sql
 
+    def asked(self, predicate: str) -> Question:
+        """Return the question for the rows of a predicate of the program."""
+        of = self.program
+        sql, truths = of.statements.get(predicate, ""), of.truths.get(predicate, ())
+        labels, tuned = of.labels.get(predicate, {}), of.tuned.get(predicate)
+        return Question(predicate, sql, truths=truths, labels=labels, tuned=tuned)
+
     def each(
-        self, predicate: str, moment: Moment, within: Within, *, in_order: bool = True
+        self, question: Question, moment: Moment, within: Within, *, in_order: bool = True
     ) -> Iterator[tuple[View, Answer | FailureError]]:
+        """Yield each view's rows, truncated to the limits, or why there are none."""
         # All at once: the caller may query something else in between.
-        tuned = self._program.tuned.get(predicate)
-        answers = self._quick_answers(tuned, moment, within, in_order=in_order)
+        answers = self._quick_answers(question.tuned, moment, within, in_order=in_order)
         for view, answer in zip(moment.views, answers, strict=False):
-            yield view, _with_truths(self._program.truths.get(predicate), answer)
+            yield view, _with_truths(question.truths, answer)
         for view in moment.views[len(answers) :]:
             try:
-                yield view, self.rows(predicate, moment, view, within)
+                yield view, self.rows(question, moment, view, within)
             except FailureError as failure:
                 yield view, failure
 
-    def question(
-        self, question: Question, moment: Moment, within: Within, *, in_order: bool
-    ) -> Iterator[tuple[View, Answer]]:
-        """Yield each view's rows, truncated to the limits; raise FailureError."""
-        tuned = question.tuned
-        answers = self._quick_answers(tuned, moment, within, in_order=in_order)
-        for view, answer in zip(moment.views, answers, strict=False):
-            yield view, _with_truths(question.truths, answer)
-        for view in moment.views[len(answers) :]:
-            answer = self._ask(tuned, question.sql, moment, view, within)
-            yield view, _with_truths(question.truths, answer)
-
-    def rows(self, predicate: str, moment: Moment, view: View, within: Within) -> Answer:
-        """Return a predicate's rows for one view; raise FailureError, also for too many."""
-        tuned, sql = self._program.tuned.get(predicate), self._program.statements.get(predicate)
-        if sql is None:
-            raise FailureError(f"{predicate} can't be computed")
-        columns, rows = self._ask(tuned, sql, moment, view, within)
-        if len(rows) > within.rows and not within.cut:
-            raise FailureError(f"{predicate} has more than {within.rows:,} rows")
-        return _with_truths(self._program.truths.get(predicate), (columns, rows))
+    def rows(self, question: Question, moment: Moment, view: View, within: Within) -> Answer:
+        """Return the rows for one view; raise FailureError, also for too many."""
+        if not question.sql:
+            raise FailureError(f"{question.text} can't be computed")
+        answer = self._quick_answer(question.tuned, moment, view, within)
+        if answer is None:
+            answer = self.plainly(question.sql, moment, view, within)
+        if len(answer[1]) > within.rows and not within.cut:
+            raise FailureError(f"{question.text} has more than {within.rows:,} rows")
+        return _with_truths(question.truths, answer)
 
     def plan(
         self, predicate: str, moment: Moment, view: View, within: Within
     ) -> tuple[str, tuple[str, ...]]:
         """Return the tuned SQL, or "", and SQLite's plan for the SQL run; raise FailureError."""
-        tuned = None if self._tuned is None else self._program.tuned.get(predicate)
+        tuned = self.program.tuned.get(predicate)
         if self._tuned is not None and tuned is not None:
             with _OR_PLAINLY:
                 tuned = self._tuned.fitting(tuned, moment)
                 planned = replace(tuned, sql=f"{_PLAN}{tuned.sql}", result=())
                 return tuned.sql, plan_lines(self._tuned.ask(planned, moment, view, within)[1])
-        sql = self._program.statements[predicate]
+        sql = self.program.statements[predicate]
         return "", plan_lines(self.plainly(f"{_PLAN}{sql}", moment, view, within)[1])
 
     def still_grew(self, moment: Moment, view: View, within: Within) -> Iterator[tuple[str, int]]:
-        for predicate, (steps, sql) in self._program.recursions.items():
+        """Yield each recursion that was cut off, with the number of its steps."""
+        for predicate, (steps, sql) in self.program.recursions.items():
+            grows = Question("", sql, tuned=self.program.tuned.get(f"{predicate} grows"))
             try:
-                tuned = self._program.tuned.get(f"{predicate} grows")
-                _, rows = self._ask(tuned, sql, moment, view, within)
+                _, rows = self.rows(grows, moment, view, within)
             except FailureError:
                 continue
             if rows[0][0]:
                 yield predicate, steps
-
-    def reach(self, predicate: str) -> set[str]:
-        """Return a predicate and all that it mentions, directly or through others."""
-        found, waiting = {predicate}, [predicate]
-        while waiting:
-            new = set(self._program.uses.get(waiting.pop(), ())) - found
-            found |= new
-            waiting += new
-        return found
-
-    def label(self, predicate: str, column: str) -> str:
-        return self._program.label(predicate, column)
-
-    def place_of(self, predicate: str) -> str:
-        """Return "Line 4: " for a predicate of the program, or "" for others."""
-        found = (each.line for each in self._program.predicates if each.name == predicate)
-        line = next(found, None)
-        return f"Line {line}: " if line else ""
 
     def close(self) -> None:
         self.plain_tables.close()
@@ -149,26 +147,25 @@ class Asking:
     ) -> Answer:
         """Return the rows of any query over ``Sensor`` and ``Memory``; raise FailureError."""
         with failures_in_words(within):
-            columns, rows = self.plain_tables.ask(sql, moment, view, within, parameters)
+            columns, rows = self.plain_tables.ask_of(sql, moment, view, within, parameters)
             return columns, self._read_all(rows, within)
 
     # -- inside --------------------------------------------------------------------------------
 
-    def _ask(
-        self, tuned: Tuned | None, sql: str, moment: Moment, view: View, within: Within
-    ) -> Answer:
-        answer = self._quick_answer(tuned, moment, view, within)
-        return self.plainly(sql, moment, view, within) if answer is None else answer
-
     def _quick_answers(
-        self, tuned: Tuned | None, moment: Moment, within: Within, *, in_order: bool = True
+        self, tuned: Tuned | None, moment: Moment, within: Within, *, in_order: bool
     ) -> Sequence[Answer]:
         if self._tuned is None or tuned is None:
             return ()
         if tuned.together and moment.apart and len(moment.views) > 1:
-            answers = self._joint_answers(tuned, moment, within, in_order=in_order)
-            if answers is not None:
-                return answers
+            # With one query for all views, or not where that may lose the order of rows.
+            most = len(moment.views) if in_order else _MOST_TOGETHER
+            with _OR_PLAINLY:
+                columns, found = self._tuned.ask_together(tuned, moment, within, most + 1)
+                if len(found) <= most and (
+                    each := self._by_viewer(columns[:-1], found, tuned, moment, within, in_order)
+                ):
+                    return each
         answers = []
         for view in moment.views:
             answer = self._quick_answer(tuned, moment, view, within)
@@ -177,19 +174,6 @@ class Asking:
             answers.append(answer)
         return answers
 
-    def _joint_answers(
-        self, tuned: Tuned, moment: Moment, within: Within, *, in_order: bool
-    ) -> list[Answer] | None:
-        """Answer all views with one query, or return None where that may lose the row order."""
-        assert self._tuned is not None
-        most = len(moment.views) if in_order else _MOST_TOGETHER
-        with _OR_PLAINLY:
-            columns, found = self._tuned.ask_together(tuned, moment, within, most + 1)
-            if len(found) > most:
-                return None
-            return self._by_viewer(columns[:-1], found, tuned, moment, within, in_order=in_order)
-        return None
-
     def _by_viewer(
         self,
         columns: tuple[str, ...],
@@ -197,7 +181,6 @@ class Asking:
         tuned: Tuned,
         moment: Moment,
         within: Within,
-        *,
         in_order: bool,
     ) -> list[Answer] | None:
         """Split rows that end with a viewer's number into answers; None if that isn't safe."""
@@ -241,7 +224,11 @@ class Asking:
             values = self._read(row, within)
             for place in truths:
                 values[place] = None if values[place] is None else bool(values[place])
-            found.append(_put_together(values, places))
+            parts = [
+                dict(zip(fields, values[first:last], strict=True)) if fields else values[first]
+                for fields, first, last in places
+            ]
+            found.append(tuple(parts))
         return names, found
 
     def _read_all(self, rows: Sequence[tuple[Any, ...]], within: Within) -> list[tuple[Value, ...]]:
@@ -250,29 +237,11 @@ class Asking:
     def _read(self, row: Sequence[Any], within: Within) -> list[Value]:
         read, deepest = self._read_value, self._deepest
         if within.is_much:
-            row = within.each(row)
+            within.weigh(row)
         return [v if v.__class__ in _READY else read(v, deepest) for v in row]
 
 
-def _tables(program: Program, limits: Limits, *, frozen: bool) -> TunedTables | None:
-    if not program.tuned:
-        return None
-    robot = program.tuned.get("Robot")
-    few = LISTS_LAYOUT if robot is not None and robot.crowd else COLUMNS_LAYOUT
-    return TunedTables(limits, frozen=frozen, few=few)
-
-
 _READY = frozenset({float, int, type(None)})
-
-
-def _put_together(values: Sequence[Value], places: Sequence[_Place]) -> tuple[Value, ...]:
-    return tuple(
-        [
-            dict(zip(fields, values[first:last], strict=True)) if fields else values[first]
-            for fields, first, last in places
-        ]
-    )
-
 
 _Place: TypeAlias = "tuple[tuple[str, ...], int, int]"
 """The fields of a record, or () if it is not a record, and its first and last place in a row."""
@@ -292,7 +261,7 @@ def _places(
     return tuple(name for name, _ in result), places, truths
 
 
-def _with_truths(names: Sequence[str] | None, answer: Answer) -> Answer:
+def _with_truths(names: Sequence[str], answer: Answer) -> Answer:
     """Return an answer with true and false in boolean columns, where SQLite has 1 and 0."""
     if not names:
         return answer
@@ -305,3 +274,85 @@ def _with_truths(names: Sequence[str] | None, answer: Answer) -> Answer:
         )
         for row in rows
     ]
+
+
+def plan_lines(rows: Sequence[Sequence[Any]]) -> tuple[str, ...]:
+    """Return the steps of a plan, indented, from SQLite's rows: number, parent, unused, text."""
+    depths = {0: -1}
+    lines = []
+    for number, parent, _, words in rows:
+        depths[number] = depths.get(parent, -1) + 1
+        lines.append("  " * depths[number] + str(words))
+    return tuple(lines)
+
+
+# -- failures ------------------------------------------------------------------------------------
+
+_log = logging.getLogger(__name__)
+_logged: set[type[Exception]] = set()  # each class of our bugs is logged once
+
+
+@contextmanager
+def failures_in_words(within: Within) -> Iterator[None]:
+    """Turn any exception of a query but `Stopped` into a `FailureError` for the player."""
+    try:
+        yield
+    except TooSlowError:
+        is_late, message = within.budget.is_late, f"thinking took more than {within.steps:,} steps"
+        if is_late:
+            message = f"a guard ended it after {within.seconds:g} seconds, "
+            message += "elsewhere it may go otherwise"
+        raise FailureError(message, slow=True, late=is_late) from None
+    except TooHeavyError as error:
+        raise FailureError(str(error), slow=True) from None
+    except (TooMuchError, TooDeepError) as error:
+        raise FailureError(str(error)) from None
+    except (sqlite3.Error, sqlite3.Warning) as error:
+        raise FailureError(printable(in_plain_words(error))) from None
+    except (FailureError, Stopped):
+        raise
+    except Exception as error:
+        if type(error) not in _logged:
+            _logged.add(type(error))
+            _log.exception("a query failed in our own code")
+        raise FailureError("it can't be computed; this is a bug in the game") from error
+
+
+def in_plain_words(error: Exception) -> str:
+    text = str(error)
+    for pattern, words in _WORDS:
+        if found := re.search(pattern, text):
+            return found.expand(words)
+    return "it can't be computed"
+
+
+_WORDS = (
+    (r"malformed JSON", "a field was read from something that is neither a record nor a list"),
+    (r"user-defined: '?utf", "a text holds half of a character, as Chr(55296) makes it"),
+    (
+        r"user-defined",
+        "a function was given a value that it can't use, such as text instead of a list",
+    ),
+    (
+        r"parser stack overflow|too many levels|too large|tree is too|too many terms",
+        "an expression is nested too deeply; give parts of it names of their own",
+    ),
+    (
+        r"too many references|tables in a join",
+        "it combines too many predicates; mention long ones less often",
+    ),
+    (r"too many arguments", "a list or a call has too many parts"),
+    (r"not authorized|prohibited|not a query", "it uses something that robots may not use"),
+    (r"too big|out of memory", "a value became too large"),
+    (r"integer overflow", "an integer became too large"),
+    (r"no such function: (\w+)", r"there is no function \1"),
+    (r"wrong number of arguments to function (\w+)", r"\1 has the wrong number of arguments"),
+    (r"misuse of aggregate", "an aggregate is used where a plain value is needed"),
+    (r"misuse of window", "a function is used that needs an order of rows"),
+    (r"no such column: (?:\w+\.)?(col\d+)", "a positional column is used that does not exist"),
+    (r"no such column: (?:\w+\.)?(\w+)", r"a column \1 is used that does not exist"),
+    (r"no such table: (?:\w+\.)?(\w+)", r"there is no predicate \1"),
+    (r"same number of result columns", "its rules have different columns"),
+    (r'near "\.": syntax', "it passes on a whole record (..r); name the fields instead"),
+    (r"circular reference", "it depends on itself in a way that can't be computed"),
+)

@@ -1,4 +1,4 @@
-"""Compiling in a separate process that can be killed; results are cached by content."""
+"""Compiling in a separate process that can be killed; results are cached, also on disk."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ import signal
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
+from logical_robots_tui import schema
+from logical_robots_tui.caching import CacheFolder, cache_place, digest_of_code
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, Stopped
-from logical_robots_tui.mind import cache
-from logical_robots_tui.mind.failures import NO_MEMORY
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.processes.helper import Helper
 from logical_robots_tui.records import record
@@ -36,25 +39,15 @@ _KEPT = 64
 _LOOK_SECONDS = 0.02
 _PATIENCE = 20  # seconds to wait for each processor second, on a busy machine
 _LARGEST_ANSWER = 32_000_000  # bytes
+MAX_ENTRIES = 5_000
+MAX_BYTES = 50_000_000
+_LARGEST_ENTRY = 5_000_000  # bytes of one entry
+
+NO_MEMORY = 3
+"""The exit status of a compile process that ran out of memory."""
+
 _LACKS_MEMORY = {NO_MEMORY, -signal.SIGSEGV, -signal.SIGBUS, -signal.SIGABRT, -signal.SIGKILL}
 """Exit statuses: a stack that can't grow, a failed allocation, or the system's own choice."""
-
-
-def compile_request(
-    request: Mapping[str, Any],
-    kind: type[T],
-    *,
-    stop: threading.Event | None = None,
-    limits: Limits | None = None,
-    report: Report | None = None,
-) -> T:
-    """Return the compile process's result, possibly from the cache. Blocks.
-
-    Raises:
-        ProgramError: The program has errors, is too large, or takes too long to compile.
-        Stopped: `stop` was set.
-    """
-    return _compiler.answer(request, kind, limits or Limits(), stop, report)
 
 
 def check_text(text: str, limits: Limits | None) -> None:
@@ -66,13 +59,14 @@ def check_text(text: str, limits: Limits | None) -> None:
             "have",
             "A robot's program is a short text; is this the right file?",
         )
-    if (at := _not_text(text)) is not None:
+    try:
+        text.encode()
+        at = text.find("\0")
+    except UnicodeEncodeError as error:  # a lone surrogate
+        at = error.start
+    if at >= 0:
         line = text.count("\n", 0, at) + 1
         raise _refusal("this is not text", "Is this the right file?", line)
-
-
-def stop_compiling() -> None:
-    _compiler.close()
 
 
 class _Compiler:
@@ -86,11 +80,18 @@ class _Compiler:
         self,
         request: Mapping[str, Any],
         kind: type[T],
-        limits: Limits,
-        stop: threading.Event | None,
-        report: Report | None,
+        *,
+        stop: threading.Event | None = None,
+        limits: Limits | None = None,
+        report: Report | None = None,
     ) -> T:
-        """Return the compiler's result for a request, cached if possible."""
+        """Return the compile process's result for a request, cached if possible. Blocks.
+
+        Raises:
+            ProgramError: The program has errors, is too large, or takes too long to compile.
+            Stopped: `stop` was set.
+        """
+        limits = limits or Limits()
         line = json.dumps(request).encode()
         key = hashlib.sha256(line).digest()
         deadline = monotonic() + _PATIENCE * limits.compile_seconds
@@ -101,10 +102,10 @@ class _Compiler:
                 self._kept.move_to_end(key)
             else:
                 _check(stop)
-                made = cache.find(line, kind)
+                made = find_compiled(line, kind)
                 if made is None:
                     made = self._ask(line, kind, limits, deadline, stop, report)
-                    cache.keep(line, made)
+                    keep_compiled(line, made)
                 self._kept[key] = made
                 while len(self._kept) > _KEPT:
                     self._kept.popitem(last=False)
@@ -200,15 +201,6 @@ def _check(stop: threading.Event | None) -> None:
         raise Stopped("The compilation was stopped.")
 
 
-def _not_text(text: str) -> int | None:
-    """Return the offset of a lone surrogate or a NUL in a text, or None."""
-    try:
-        text.encode()
-    except UnicodeEncodeError as error:
-        return error.start
-    return text.index("\0") if "\0" in text else None
-
-
 def _too_slow(limits: Limits) -> ProgramError:
     return _refusal(
         f"compiling took longer than {limits.compile_seconds:g} seconds",
@@ -244,3 +236,56 @@ def _refusal(
 
 
 _compiler = _Compiler()
+compile_request, stop_compiling = _compiler.answer, _compiler.close
+
+
+# -- on disk -------------------------------------------------------------------------------------
+
+
+def find_compiled(request: bytes, kind: type[T]) -> T | None:
+    entries, name = compiled_programs(), _name(request)
+    content = entries.read(name, _LARGEST_ENTRY)
+    if content is None:
+        return None
+    digest, _, body = content.partition(b"\n")
+    try:
+        if digest != _digest(body):
+            raise ValueError("not an entry")
+        asked, made = json.loads(body)
+        if asked != request.decode():
+            raise ValueError("the entry of another request")
+        return record(kind, made)
+    except (ValueError, TypeError, RecursionError):
+        entries.drop(name)
+        return None
+
+
+def keep_compiled(request: bytes, made: DataclassInstance) -> None:
+    entries = compiled_programs()
+    if entries.place is None:
+        return
+    entry: list[Any] = [request.decode(), asdict(made)]
+    body = json.dumps(entry, separators=(",", ":")).encode()
+    content = _digest(body) + b"\n" + body
+    if len(content) <= min(_LARGEST_ENTRY, MAX_BYTES):
+        entries.keep(_name(request), [content])
+
+
+def compiled_programs() -> CacheFolder:
+    """Return the folder on disk; its place is None if there is no cache."""
+    return CacheFolder(cache_place("compiled"), ".program", MAX_ENTRIES, MAX_BYTES)
+
+
+def _name(request: bytes) -> str:
+    return hashlib.sha256(_maker() + request).hexdigest()
+
+
+def _digest(body: bytes) -> bytes:
+    return hashlib.sha256(body).hexdigest().encode()
+
+
+@cache
+def _maker() -> bytes:
+    package = Path(schema.__file__).parent
+    places = [package / part for part in ("language", "mind", "explain", "schema.py")]
+    return digest_of_code(places, ("logica", "sqlglot"))

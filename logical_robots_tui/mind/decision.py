@@ -5,19 +5,18 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import Asking, FailureError
 from logical_robots_tui.mind.limits import HEAVIEST_CHARACTER, Limits, weight_of
-from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+from logical_robots_tui.mind.sqlite.budget import Within
+from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import size_of, to_json
 from logical_robots_tui.schema import DESIRE
 from logical_robots_tui.values import Desire, Value
-
-if TYPE_CHECKING:
-    from logical_robots_tui.mind.asking import Asking
-
+from logical_robots_tui.wording import clip
 
 NoticeKind: TypeAlias = Literal[
     "no row",
@@ -97,24 +96,24 @@ def decide(
             Notice("several rows", f"Robot has {len(rows)} rows for {name}: the last one counts.")
         )
     row = rows[-1]
+    kept, weight = memory, 0
     if "memory" not in row:
         notices.append(Notice("no memory", "Robot has no memory column: the memory is unchanged."))
-        return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
-    new = row["memory"]
-    size = size_of(new)
-    weight = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
-    if size > limits.memory_bytes:
-        too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
-    elif weight > heaviest and (weight := weight_of(new, heaviest)) > heaviest:
-        too_much = (
-            f"takes more than the {heaviest:,} bytes available to each robot, "
-            "counting its records and lists"
-        )
     else:
-        return Decision(name, _desire(row.get("desire"), notices), new, tuple(notices), weight)
-    said = f"The new memory {too_much}: the memory is unchanged."
-    notices.append(Notice("no memory", said))
-    return Decision(name, _desire(row.get("desire"), notices), memory, tuple(notices))
+        new, too_much = row["memory"], ""
+        size = size_of(new)
+        heavy = size if isinstance(new, str) else size * HEAVIEST_CHARACTER
+        if size > limits.memory_bytes:
+            too_much = f"has {size:,} bytes, more than {limits.memory_bytes:,}"
+        elif heavy > heaviest and (heavy := weight_of(new, heaviest)) > heaviest:
+            too_much = f"takes more than the {heaviest:,} bytes available to each robot, "
+            too_much += "counting its records and lists"
+        if too_much:
+            said = f"The new memory {too_much}: the memory is unchanged."
+            notices.append(Notice("no memory", said))
+        else:
+            kept, weight = new, heavy
+    return Decision(name, _desire(row.get("desire"), notices), kept, tuple(notices), weight)
 
 
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:
@@ -129,7 +128,11 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     for engine in DESIRE.names:
         power = _power(value.get(engine))
         if power is None:
-            what = _short(value[engine]) if engine in value else "missing"
+            given = value.get(engine)
+            what = "null" if given is None else clip(to_json(given), 40)
+            if isinstance(given, float) and math.isinf(given):
+                what = "infinite"
+            what = what if engine in value else "missing"
             notices.append(Notice("bad engine", f"{engine} is {what}: it stops."))
         engines[engine] = power or 0.0
     return Desire(**engines)
@@ -144,18 +147,9 @@ def _power(value: Value) -> float | None:
         isinstance(value, str) and _SPELLED.fullmatch(value)
     ):
         return None
-    try:
-        power = float(value)
-    except OverflowError:
-        return None
-    return power if math.isfinite(power) else None
-
-
-def _short(value: Value) -> str:
-    if isinstance(value, float) and math.isinf(value):
-        return "infinite"
-    text = "null" if value is None else to_json(value)
-    return text if len(text) <= 40 else text[:39] + "…"
+    with suppress(OverflowError):
+        return power if math.isfinite(power := float(value)) else None
+    return None
 
 
 def blame(
@@ -173,38 +167,34 @@ def blame(
     if failure.slow:
         kind: NoticeKind = "late" if failure.late else "failed"
         return Notice(kind, f"The thought about {whose} failed: {failure}.")
+
+    def failure_of(predicate: str, seen: View) -> FailureError | None:
+        try:
+            asking.rows(asking.asked(predicate), moment, seen, within)
+        except FailureError as found:
+            return found
+        return None
+
     culprit, reason = "Robot", str(failure)
     for predicate in needed:
-        try:
-            asking.rows(predicate, moment, view, within)
-        except FailureError as found:
+        if found := failure_of(predicate, view):
             if not found.slow:
                 culprit, reason = predicate, str(found)
             break
-    alone = [
-        only.viewers[0]
-        for only in moment.one_by_one(view)
-        if _fails(culprit, asking, moment, only, within)
-    ]
+    alone = [one.viewers[0] for one in moment.one_by_one(view) if failure_of(culprit, one)]
     if 0 < len(alone) <= 3:
         whose = " and ".join(alone)
     return Notice("failed", f"{culprit} failed on the rows of {whose}: {reason}.")
 
 
-def _fails(predicate: str, asking: Asking, moment: Moment, view: View, within: Within) -> bool:
-    try:
-        asking.rows(predicate, moment, view, within)
-    except FailureError:
-        return True
-    return False
-
-
 def cut_offs(asking: Asking, moment: Moment, view: View, within: Within) -> Iterator[Notice]:
     """Yield a notice for each recursion that still changed at its last step."""
     for predicate, steps in asking.still_grew(moment, view, within):
+        known = asking.program.predicate(predicate)
+        place = f"Line {known.line}: " if known and known.line else ""
         yield Notice(
             "recursion",
-            f"{asking.place_of(predicate)}the recursion of {predicate} was still growing after "
+            f"{place}the recursion of {predicate} was still growing after "
             f"{steps} steps; later rows are missing. Add a condition that ends it, or allow more "
             f"steps with @Recursive({predicate}, N).",
         )

@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import repeat
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
 
 from logical_robots_tui.confinement import check_room
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.asking import Answer, Asking
-from logical_robots_tui.mind.decision import (
-    Decision,
-    Notice,
-    blame,
-    cut_offs,
-    decide,
-    note_stranger,
-)
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind import decision
+from logical_robots_tui.mind.asking import Answer, Asking, FailureError
+from logical_robots_tui.mind.decision import Decision, Notice
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.program import Program, Question
-from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
-from logical_robots_tui.mind.table import QueryPlan, Table, table_of
+from logical_robots_tui.mind.program import Program, QueryPlan, Question, Table
+from logical_robots_tui.mind.sqlite.budget import Within
+from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
@@ -73,6 +66,7 @@ class Mind:
         # What `Robot` returned at that moment, as far as known.
         self._thought: list[tuple[View, Answer]] = []
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
+        self._robot = self._asking.asked("Robot")
         self._within = Within.of_thought(self.limits)
 
     def think(
@@ -113,13 +107,15 @@ class Mind:
         failures: dict[str, Notice] = {}
         cut_off: dict[str, list[Notice]] = {}
         self._thought = []
-        for view, answer in self._asking.each("Robot", moment, within):
+        for view, answer in self._asking.each(self._robot, moment, within):
             if isinstance(answer, FailureError):
-                notice = blame(answer, self._asking, self.program.needed, moment, view, within)
+                notice = decision.blame(
+                    answer, self._asking, self.program.needed, moment, view, within
+                )
                 failures |= dict.fromkeys(view.viewers, notice)
                 continue
             if self.program.recursions:
-                ended = [*cut_offs(self._asking, moment, view, within)]
+                ended = [*decision.cut_offs(self._asking, moment, view, within)]
                 cut_off |= dict.fromkeys(view.viewers, ended)
             columns, found = answer
             mine = view.viewers if len(view.viewers) == 1 else frozenset(view.viewers)
@@ -130,21 +126,16 @@ class Mind:
                 if isinstance(name, str) and name in mine:
                     answers[name].append(row)
                 elif not isinstance(name, str) or name not in answers:
-                    note_stranger(name, strangers.setdefault(view.viewers[0], []))
+                    decision.note_stranger(name, strangers.setdefault(view.viewers[0], []))
         notices: dict[str, Sequence[Notice]] = {}
         if failures or strangers or cut_off:
             for name in names:
                 notices[name] = (*strangers.get(name, ()), *cut_off.get(name, ()))
             notices |= {name: (notice,) for name, notice in failures.items()}
-        heaviest = self.limits.weight_of_each(len(names))
+        limits, heaviest = self.limits, self.limits.weight_of_each(len(names))
         return [
-            decide(
-                name,
-                answers[name],
-                memories.get(name),
-                notices.get(name, ()),
-                self.limits,
-                heaviest,
+            decision.decide(
+                name, answers[name], memories.get(name), notices.get(name, ()), limits, heaviest
             )
             for name in names
         ]
@@ -176,7 +167,14 @@ class Mind:
             raise QueryError(f"The program has no predicate {predicate}.")
         if not known.has_rows:
             raise QueryError(known.reason)
-        return self._table(predicate, rows, memories, stop)
+        moment = self._moment_of(rows, memories)
+        has_thought = moment is self._moment and len(self._thought) == len(moment.views)
+        if predicate == "Robot" and has_thought:
+            return self._table(self._thought, {})
+        try:
+            return self._answered(self._asking.asked(predicate), moment, stop)
+        except FailureError as failure:
+            raise QueryError(f"{predicate} failed: {failure}") from None
 
     def ask(
         self,
@@ -201,12 +199,8 @@ class Mind:
             Stopped: `stop` was set before the question was answered.
         """
         moment = self._moment_of(rows, memories)
-
-        def answers(within: Within) -> Iterator[tuple[View, Answer]]:
-            return self._asking.question(question, moment, within, in_order=in_order)
-
         try:
-            return self._counted(answers, question.labels, stop)
+            return self._answered(question, moment, stop, in_order=in_order)
         except FailureError as failure:
             what = question.text if question.text.isidentifier() else "This"
             raise QueryError(f"{what} failed: {failure}.") from None
@@ -230,13 +224,14 @@ class Mind:
             Stopped: `stop` was set.
         """
         moment = self._new_moment(rows, memories)
+        asked = [(name, self._asking.asked(name)) for name in predicates]
         for view in moment.views:
             if viewers is not None and not any(name in viewers for name in view.viewers):
                 continue
-            for name in predicates:
+            for name, question in asked:
                 try:
                     within = self._within_query(self.limits.rows, stop, cut=False)
-                    columns, found = self._asking.rows(name, moment, view, within)
+                    columns, found = self._asking.rows(question, moment, view, within)
                 except (FailureError, QueryError):
                     yield name, None
                 else:
@@ -267,7 +262,8 @@ class Mind:
             for name in predicates:
                 found: dict[int, list[list[dict[str, Value]]] | None] = {}
                 within = self._within_query(self.limits.rows, stop, cut=False)
-                answers = self._asking.each(name, moment, within, in_order=False)
+                question = self._asking.asked(name)
+                answers = self._asking.each(question, moment, within, in_order=False)
                 for number, (_, answer) in zip(of or repeat(first), answers, strict=False):
                     if isinstance(answer, FailureError):
                         found[number] = None
@@ -360,47 +356,44 @@ class Mind:
             return rows
         return [row for row in rows if row["robot_name"] in self._robots]
 
-    def _table(
+    def _answered(
         self,
-        predicate: str,
-        rows: Sequence[SensorRow],
-        memories: Memories,
+        question: Question,
+        moment: Moment,
         stop: threading.Event | None,
-    ) -> Table:
-        moment = self._moment_of(rows, memories)
-        has_thought = moment is self._moment and len(self._thought) == len(moment.views)
-        if predicate == "Robot" and has_thought:
-            return self._collected(self._thought, {})
-
-        def answers(within: Within) -> Iterator[tuple[View, Answer]]:
-            for view, answer in self._asking.each(predicate, moment, within):
-                if isinstance(answer, FailureError):
-                    raise QueryError(f"{predicate} failed: {answer}")
-                yield view, answer
-
-        return self._counted(answers, self.program.labels.get(predicate, {}), stop)
-
-    def _counted(
-        self,
-        answers: Callable[[Within], Iterable[tuple[View, Answer]]],
-        labels: Mapping[str, str],
-        stop: threading.Event | None,
+        *,
+        in_order: bool = True,
     ) -> Table:
         """Return the answers for all views; recounted exactly if the budget is nearly used up."""
         within = self._within_query(self.limits.rows, stop)
         try:
-            table = self._collected(answers(within), labels)
-        except (QueryError, FailureError):
+            answers = self._asking.each(question, moment, within, in_order=in_order)
+            table = self._table(answers, question.labels)
+        except FailureError:
             if not within.is_close:
                 raise
         else:
             if not within.is_close:
                 return table
-        return self._collected(answers(within.again()), labels)
+        answers = self._asking.each(question, moment, within.again(), in_order=in_order)
+        return self._table(answers, question.labels)
 
-    def _collected(
-        self, answers: Iterable[tuple[View, Answer]], labels: Mapping[str, str]
+    def _table(
+        self, answers: Iterable[tuple[View, Answer | FailureError]], labels: Mapping[str, str]
     ) -> Table:
-        separate = not (self.memory == "all" and self.sensor == "all")
-        by_viewer = ((view.viewers[0], *answer) for view, answer in answers)
-        return table_of(by_viewer, self.limits.rows, labels, separate=separate)
+        columns: Sequence[str] = ()
+        rows: list[tuple[Value, ...]] = []
+        viewers: list[str] = []
+        for view, answer in answers:
+            if isinstance(answer, FailureError):
+                raise answer
+            columns, found = answer
+            rows += found
+            viewers += [view.viewers[0]] * len(found)
+        most, is_separate = self.limits.rows, (self.memory, self.sensor) != ("all", "all")
+        return Table(
+            tuple(labels.get(column, column) for column in columns),
+            tuple(rows[:most]),
+            tuple(viewers[:most]) if is_separate else (),
+            truncated=len(rows) > most,
+        )

@@ -1,4 +1,4 @@
-"""Programs: Logica text, compiled."""
+"""Programs: Logica text, compiled; questions about them, and the form of the answers."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.inference.names import Mention
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, ProgramError
+from logical_robots_tui.values import Value
 
 if TYPE_CHECKING:
     import threading
@@ -260,3 +260,42 @@ class Program:
         if team == self.team or team not in self.teams:
             return self
         return replace(self.teams[team], team=team, teams=self.teams)
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows of a predicate; records are dicts, lists are lists.
+
+    Attributes:
+        viewers: For each row the robot in whose mind it holds; () if all think alike.
+        truncated: Whether further rows were left out.
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Value, ...], ...]
+    viewers: tuple[str, ...] = ()
+    truncated: bool = False
+
+    def in_mind_of(self, robot: str | None) -> Table:
+        """Return the rows in one robot's mind; all if no robot is named, or if all think alike."""
+        if not robot or not self.viewers:
+            return self
+        kept = [n for n, viewer in enumerate(self.viewers) if viewer == robot]
+        return replace(self, rows=tuple(self.rows[n] for n in kept), viewers=(robot,) * len(kept))
+
+
+@dataclass(frozen=True, slots=True)
+class QueryPlan:
+    """How a predicate is computed at a moment, for one robot or for all that think alike.
+
+    Attributes:
+        tuned: The tuned SQL that is run instead of `generated`, or "".
+        plan: SQLite's plan for the SQL that is run, one indented step per line.
+        milliseconds: The time for all robots together.
+    """
+
+    predicate: str
+    generated: str
+    tuned: str
+    plan: tuple[str, ...]
+    milliseconds: float

@@ -8,11 +8,11 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 
 from logical_robots_tui.language.diagnostics import Stopped
-from logical_robots_tui.mind.failures import failures_in_words
+from logical_robots_tui.mind.asking import failures_in_words
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL
+from logical_robots_tui.mind.sqlite.budget import STEPS_OF_A_CALL, Within
 from logical_robots_tui.mind.sqlite.database import Answer, Scalar, TooSlowError
-from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.values import Value
 
@@ -63,7 +63,7 @@ class Relations:
         self._asking, self._plain = asking, asking.plain_tables
         self._moment, self._view, self.within = moment, view, within
         self._plain.offer(SAME, _same_in_sql, 2)
-        self._plain.offer(ALIKE, _alike_in_sql, 2)
+        self._plain.offer(ALIKE, lambda one, other: alike(from_sql(one), from_sql(other)), 2)
         self._rows: dict[str, tuple[dict[str, Value], ...]] = {}
         self._columns: dict[str, Sequence[str]] = {}
         self._loaded: dict[str, Sequence[Mapping[str, Value]]] = {}
@@ -75,7 +75,7 @@ class Relations:
             if sql:
                 columns, rows = self._asking.plainly(sql, *self._where)
             else:
-                columns, rows = self._asking.rows(predicate, *self._where)
+                columns, rows = self._asking.rows(self._asking.asked(predicate), *self._where)
             self._columns[predicate] = columns
             self._rows[predicate] = tuple(dict(zip(columns, row, strict=True)) for row in rows)
         found = self._rows[predicate]
@@ -89,7 +89,12 @@ class Relations:
         """
         if self._cut_off is None:
             self._cut_off = [*self._asking.still_grew(*self._where)]
-        return [each for each in self._cut_off if each[0] in self._asking.reach(predicate)]
+        found, waiting = {predicate}, [predicate]
+        while waiting:
+            new = set(self._asking.program.uses.get(waiting.pop(), ())) - found
+            found |= new
+            waiting += new
+        return [each for each in self._cut_off if each[0] in found]
 
     def answer(self, program: Program, query: str, limits: Limits) -> list[dict[str, Value]]:
         """Return a question's rows, about any program; raise ProgramError or FailureError."""
@@ -99,8 +104,7 @@ class Relations:
         return [dict(zip(columns, row, strict=True)) for row in rows]
 
     def label(self, predicate: str, column: str) -> str:
-        """Return what a column of a predicate is called in the program."""
-        return self._asking.label(predicate, column)
+        return self._asking.program.label(predicate, column)
 
     def owners(self, what: Literal["sensor", "memory"], value: Value) -> list[str]:
         """Return the robots in sight whose sensor or memory is a value."""
@@ -137,7 +141,8 @@ class Relations:
             self.spend(_steps_of(stored))
             with failures_in_words(self.within):
                 columns = self._columns[predicate]
-                self._plain.define(table, columns, stored, self._moment, self._view)
+                self._plain.see(self._moment, self._view)
+                self._plain.define(table, columns, stored)
             self._loaded[table] = rows
 
     def ways(
@@ -190,7 +195,7 @@ class Relations:
 
     def _ask(self, sql: str, parameters: Sequence[Scalar]) -> Answer:
         with failures_in_words(self.within):
-            return self._plain.ask(sql, *self._where, parameters)
+            return self._plain.ask_of(sql, *self._where, parameters)
 
 
 def _limited(
@@ -239,10 +244,6 @@ def _sort(value: Value) -> Value:
     if isinstance(value, list):
         return sorted(map(_sort, value), key=repr)
     return value
-
-
-def _alike_in_sql(one: Scalar, other: Scalar) -> bool:
-    return alike(from_sql(one), from_sql(other))
 
 
 def _same_in_sql(one: Scalar, other: Scalar) -> bool:

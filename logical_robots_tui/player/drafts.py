@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Generic, Literal, NamedTuple, TypeAlias, TypeVar, get_args
 
 from logical_robots_tui.game.source import Source
+from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.player.session_state import Ui
 from logical_robots_tui.wording import clip, one_line
-from logical_robots_tui.writing import write_atomically
 
 OLD_DRAFTS_KEPT = 50
 """How many discarded drafts are kept in the folder ``old``."""

@@ -11,9 +11,8 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias, get_origin, g
 from platformdirs import user_config_path
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.paths import read_text
+from logical_robots_tui.paths import read_text, write_atomically
 from logical_robots_tui.toml_files import Bounds, Kind, TomlFile, TomlFileError, parse_toml
-from logical_robots_tui.writing import write_atomically
 
 Keys: TypeAlias = Mapping[str, tuple[str, ...]]  # by the names of commands
 Complain: TypeAlias = Callable[[str, str], None]  # takes a name in [keys], and what is wrong

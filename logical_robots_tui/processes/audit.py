@@ -61,16 +61,16 @@ class _AuditHook:
         self._own = "" if own is None else str(own)
         self._may_start = may_start
         # Not sys.prefix: that may be /usr, which holds much else.
-        code: set[str | Path] = {Path(__file__).parents[1]}
-        code |= {
-            sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")
+        code: set[str | Path] = {
+            Path(__file__).parents[1],
+            *map(sysconfig.get_path, ("stdlib", "platstdlib", "purelib", "platlib")),
+            *(shipped_folder("levels"), shipped_folder("programs")),
         }
         code |= {
             path
             for path in sys.path
             if own is None or Path(path).name in _PACKAGES or path.endswith(".zip")
         }
-        code |= {shipped_folder("levels"), shipped_folder("programs")}
         real = {os.path.realpath(os.fspath(folder)) for folder in code if folder}
         # A folder that contains the player's would also contain those of others.
         self._code = tuple(

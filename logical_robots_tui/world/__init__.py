@@ -26,13 +26,12 @@ if TYPE_CHECKING:
     )
     from logical_robots_tui.world.world import World
 
-_NAMES = {
-    "dynamics": "AreaState RobotState WorldState",
-    "level": "Area Beacon Level LevelError Robot Score Team Visibility",
-    "levels.load": "list_arenas list_levels list_shipped load_level",
-    "world": "World",
-}
-
 __getattr__ = lazy_exports(
-    __name__, {name: module for module, names in _NAMES.items() for name in names.split()}
+    __name__,
+    {
+        "dynamics": "AreaState RobotState WorldState",
+        "level": "Area Beacon Level LevelError Robot Score Team Visibility",
+        "levels.load": "list_arenas list_levels list_shipped load_level",
+        "world": "World",
+    },
 )

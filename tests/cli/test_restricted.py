@@ -78,7 +78,7 @@ attempt("ask for an address by name", lambda: socket.gethostbyname("localhost"))
 attempt("load", lambda: ctypes.CDLL("libc.so.6"))
 attempt("fill the disk", lambda: (own / "big").write_bytes(bytes(65 * 1024**2)))
 attempt("fill memory", lambda: bytearray(3 * 1024**3))
-from logical_robots_tui.writing import write_atomically
+from logical_robots_tui.paths import write_atomically
 packages = own / ".local/lib/python3.11/site-packages"
 attempt("own hidden folder", lambda: packages.mkdir(parents=True))
 (own / ".local").mkdir(exist_ok=True)
@@ -347,11 +347,11 @@ FILLS_CACHES = """if True:
     from logical_robots_tui.confinement import MOST_BYTES, MOST_FILES, check_quota, confine
     from logical_robots_tui.game.debugging import matches
     from logical_robots_tui.game.history import recording
-    from logical_robots_tui.mind import cache
+    from logical_robots_tui.mind import compilation
 
     own = Path(sys.argv[1])
     confine(own)
-    folders = recording._folder(), cache._entries(), matches._folder()
+    folders = recording._folder(), compilation.compiled_programs(), matches._folder()
     for folder, count in zip(folders, (20, 400, 400)):
         for number in range(count):
             folder.keep(f"e{number}", [bytes(folder.most_bytes // count * 2)])

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from logical_robots_tui.explain.diagnosis.telling import Finding
-    from logical_robots_tui.mind.table import Table
+    from logical_robots_tui.mind.program import Table
     from logical_robots_tui.values import Value
     from logical_robots_tui.world import Level
     from tests.explain.teams import Team

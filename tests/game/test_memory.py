@@ -25,7 +25,7 @@ ADDRESSES = 2 * 1024**3  # bytes, as in restricted mode
 PLAYS = """if True:
     import asyncio, re, resource, sys
     from logical_robots_tui import Game, Program, load_level
-    from logical_robots_tui.mind import cache
+    from logical_robots_tui.mind import compilation
     level, text, ticks, addresses = sys.argv[1:]
     program = Program.compile(text)
     resource.setrlimit(resource.RLIMIT_AS, (int(addresses),) * 2)

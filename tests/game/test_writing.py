@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from logical_robots_tui.writing import write_atomically
+from logical_robots_tui.paths import write_atomically
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import pytest
 
 from logical_robots_tui.language import package_patches
 from logical_robots_tui.language.adapter import parse
-from logical_robots_tui.language.inference.names import Mention, Names, unknown_names
-from logical_robots_tui.language.inference.tracing import Inference
+from logical_robots_tui.language.diagnostics import Mention, Names, unknown_names
+from logical_robots_tui.language.inference import Inference
 from logical_robots_tui.language.source_text import prepare
 
 package_patches.install()

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from logical_robots_tui import Level
-    from logical_robots_tui.mind.table import Table
+    from logical_robots_tui.mind.program import Table
     from logical_robots_tui.world.dynamics import WorldState
 
 STEPS = Path(__file__).with_name("steps")

@@ -13,15 +13,7 @@ from pathlib import Path
 import pytest
 
 from logical_robots_tui import caching
-from logical_robots_tui.mind import (
-    Diagnostic,
-    Mind,
-    Predicate,
-    Program,
-    ProgramError,
-    cache,
-    compilation,
-)
+from logical_robots_tui.mind import Diagnostic, Mind, Predicate, Program, ProgramError, compilation
 from tests.mind.rows import ROBOT, row
 from tests.waiting import PATIENCE
 
@@ -52,11 +44,11 @@ def request(text: str) -> bytes:
 
 
 def keep(program: Program) -> None:
-    cache.keep(request(program.text), program)
+    compilation.keep_compiled(request(program.text), program)
 
 
 def find(text: str) -> Program | None:
-    return cache.find(request(text), Program)
+    return compilation.find_compiled(request(text), Program)
 
 
 def written(made: object, text: str = PROGRAM.text) -> bytes:
@@ -65,7 +57,7 @@ def written(made: object, text: str = PROGRAM.text) -> bytes:
 
 
 def signed(body: bytes) -> bytes:
-    return cache._digest(body) + b"\n" + body
+    return compilation._digest(body) + b"\n" + body
 
 
 def test_what_is_kept_is_found_again() -> None:
@@ -174,11 +166,11 @@ def test_a_poisoned_entry_can_do_no_more_than_a_program(tmp_path: Path) -> None:
 def test_the_oldest_go_when_there_are_too_many(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "MAX_ENTRIES", 3)
+    monkeypatch.setattr(compilation, "MAX_ENTRIES", 3)
     programs = [replace(PROGRAM, text=f"program {number}") for number in range(5)]
     for number, program in enumerate(programs[:3]):
         keep(program)
-        os.utime(folder / f"{cache._name(request(program.text))}.program", (number, number))
+        os.utime(folder / f"{compilation._name(request(program.text))}.program", (number, number))
     assert find(programs[0].text)  # used just now, so it is not the oldest any more
     keep(programs[3])
     keep(programs[4])
@@ -187,7 +179,7 @@ def test_the_oldest_go_when_there_are_too_many(
 
 
 def test_it_never_grows_beyond_its_size(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "MAX_BYTES", 5_000)
+    monkeypatch.setattr(compilation, "MAX_BYTES", 5_000)
     for number in range(20):
         keep(replace(PROGRAM, text=str(number) * 1_000))
         assert sum(path.stat().st_size for path in folder.iterdir()) <= 5_000
@@ -197,7 +189,7 @@ def test_it_never_grows_beyond_its_size(folder: Path, monkeypatch: pytest.Monkey
 def test_leftovers_of_killed_processes_go_too(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "MAX_ENTRIES", 1)
+    monkeypatch.setattr(compilation, "MAX_ENTRIES", 1)
     folder.mkdir()
     leftover = folder / f"x{caching._UNFINISHED}"
     leftover.write_bytes(b"half")
@@ -234,19 +226,19 @@ def test_a_full_disk_is_no_hindrance(folder: Path, monkeypatch: pytest.MonkeyPat
 
 def test_another_compiler_finds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     keep(PROGRAM)
-    monkeypatch.setattr(cache, "_maker", lambda: b"of tomorrow")
+    monkeypatch.setattr(compilation, "_maker", lambda: b"of tomorrow")
     assert find(PROGRAM.text) is None
 
 
 @pytest.mark.slow
 def test_many_processes_share_it(folder: Path) -> None:
     script = (
-        "from logical_robots_tui.mind import cache; from logical_robots_tui.mind import Program\n"
-        "cache.MAX_ENTRIES = 4\n"
+        "from logical_robots_tui.mind import Program, compilation\n"
+        "compilation.MAX_ENTRIES = 4\n"
         "for n in range(200):\n"
         "    text = str(n % 8) * 1000\n"
-        "    cache.keep(text.encode(), Program(text, (), {'Robot': text}))\n"
-        "    found = cache.find(text.encode(), Program)\n"
+        "    compilation.keep_compiled(text.encode(), Program(text, (), {'Robot': text}))\n"
+        "    found = compilation.find_compiled(text.encode(), Program)\n"
         "    assert found is None or found.statements['Robot'] == text\n"
     )
     with ThreadPoolExecutor(6) as pool:

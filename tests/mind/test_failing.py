@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from logical_robots_tui.mind.failures import in_plain_words
+from logical_robots_tui.mind.asking import in_plain_words
 from tests.mind.rows import ROBOT, row, think
 
 if TYPE_CHECKING:

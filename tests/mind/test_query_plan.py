@@ -7,7 +7,7 @@ from contextlib import closing
 import pytest
 
 from logical_robots_tui.mind import Mind, Program, QueryError
-from logical_robots_tui.mind.table import plan_lines
+from logical_robots_tui.mind.asking import plan_lines
 from tests.mind.rows import PAPER, row
 
 

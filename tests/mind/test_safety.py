@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError, Stopped
+from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Work
 from logical_robots_tui.mind.sqlite.database import Database
-from logical_robots_tui.mind.sqlite.functions import registry
 from tests.mind.rows import ROBOT, row, think
 from tests.waiting import PATIENCE
 

@@ -13,7 +13,7 @@ import pytest
 import logical_robots_tui
 from logical_robots_tui import World, load_level
 from logical_robots_tui.game.run import simulation_digest
-from logical_robots_tui.mind.cache import _maker
+from logical_robots_tui.mind.compilation import _maker
 from logical_robots_tui.schema import DESIRE, SENSOR, FieldType, ListOf, Type
 from logical_robots_tui.values import Desire
 from tests.waiting import PATIENCE
@@ -49,7 +49,7 @@ USES = """if True:
     from docs.reference import page, programs
     from logical_robots_tui import Mind, Program, ProgramError, World, load_level
     from logical_robots_tui.game.run import simulation_digest
-    from logical_robots_tui.mind.cache import _maker
+    from logical_robots_tui.mind.compilation import _maker
     from logical_robots_tui.tui.program.completion import Place, words_for
 
     program = '''

@@ -11,9 +11,8 @@ import pytest
 from logical_robots_tui.explain import Explainer
 from logical_robots_tui.mind import Limits, Mind, Program, QueryError
 from logical_robots_tui.mind.sqlite import budget
-from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Work
+from logical_robots_tui.mind.sqlite.budget import STEPS_AT_ONCE, Budget, Within, Work
 from logical_robots_tui.mind.sqlite.database import Database, TooSlowError
-from logical_robots_tui.mind.sqlite.moment import Within
 from tests.mind.rows import ROBOT, row
 from tests.waiting import PATIENCE, until
 

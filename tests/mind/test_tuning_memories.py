@@ -16,7 +16,7 @@ from benchmarks.schemas import EXAMPLE, TYPE
 from benchmarks.subjects import program_text
 from logical_robots_tui.mind import Mind, Program
 from logical_robots_tui.mind.sqlite import tables
-from logical_robots_tui.mind.sqlite.filling import fillings
+from logical_robots_tui.mind.sqlite.layouts import fillings
 from logical_robots_tui.mind.tuning import tune
 from tests.mind.rows import ROBOT, nearly_same, remembered, row, think
 

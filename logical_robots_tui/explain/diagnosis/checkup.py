@@ -11,7 +11,7 @@ from logical_robots_tui.explain.diagnosis.sites import Checkup, Field, RuleSite
 from logical_robots_tui.explain.diagnosis.tracing import Tracer
 from logical_robots_tui.explain.diagnosis.watching import Sources, decisive_columns
 from logical_robots_tui.language.definitions import definitions, is_constant, names_used, rules_of
-from logical_robots_tui.language.functors import expand
+from logical_robots_tui.language.expansion import expand
 from logical_robots_tui.language.source_text import Prepared
 from logical_robots_tui.language.tree import (
     COMPARISONS,
@@ -38,7 +38,7 @@ from logical_robots_tui.language.tree import (
     text_of,
     walk,
 )
-from logical_robots_tui.mind.compiling.compiler import read_program, statements_of
+from logical_robots_tui.mind.compiling.compiler import compile_statements, read_program
 from logical_robots_tui.mind.program import Program
 from logical_robots_tui.schema import INPUTS, MAIN
 
@@ -68,7 +68,8 @@ def check_up(text: str, functions: frozenset[str], is_quick: Callable[[str, int]
     asked = dict(list(tracer.probes.items())[:_MOST_PROBES])
     copied = [rule for mine in expanded.rules.values() for rule in mine]
     probed = [rule for rule, _ in asked.values()]
-    compiled = statements_of([*asked], [*expanded.annotations, *copied, *probed], source)
+    together: list[Statement] = [*expanded.annotations, *copied, *probed]
+    compiled = compile_statements(together, source).statements(asked)
     statements = {name: sql for name, sql in compiled.items() if is_quick(sql, 0)}
     probes = [asked[name][1] for name in statements]
     for name in tracer.probes.keys() - statements.keys():

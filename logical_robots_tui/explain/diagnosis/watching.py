@@ -45,7 +45,7 @@ from logical_robots_tui.language.tree import (
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 if TYPE_CHECKING:
-    from logical_robots_tui.language.functors import Expanded
+    from logical_robots_tui.language.expansion import Expanded
 
 PROBE = "DiagnosisProbe"
 """The prefix of the generated predicates."""

@@ -15,7 +15,7 @@ from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, value_of
 from logical_robots_tui.explain.why.explanation import Ask, Explanation
 from logical_robots_tui.explain.why.probing import Body, Clause, Probing, RuleParts, Span
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.relations import ALIKE, Relations, Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.schema import MAIN

@@ -23,10 +23,10 @@ from logical_robots_tui.explain.why.probing import Call, Clause, Probing, Span, 
 from logical_robots_tui.explain.why.proving import explain, prove
 from logical_robots_tui.explain.why.sourcing import source_of
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import FailureError
+from logical_robots_tui.mind.program import Table
 from logical_robots_tui.mind.relations import Way
 from logical_robots_tui.mind.sqlite.database import Scalar
-from logical_robots_tui.mind.table import Table
 from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from logical_robots_tui.explain.why.deriving import value_of
 from logical_robots_tui.explain.why.probing import ORDERING, Call, Probing, RuleParts, Span, Term
 from logical_robots_tui.explain.why.refuting import Refuting, Stop
 from logical_robots_tui.language.diagnostics import ProgramError, QueryError, closest, distance
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.limits import Limits
 from logical_robots_tui.mind.relations import Way
 from logical_robots_tui.schema import INPUTS, VALUE

@@ -25,7 +25,7 @@ from logical_robots_tui.explain.why.explanation import (
 from logical_robots_tui.explain.why.probing import AggregateInput, Clause, Probing, RuleParts
 from logical_robots_tui.explain.why.refuting import Refuting
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.relations import Way, same
 from logical_robots_tui.schema import MAIN
 

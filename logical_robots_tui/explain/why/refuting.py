@@ -27,7 +27,7 @@ from logical_robots_tui.explain.why.probing import (
     Term,
 )
 from logical_robots_tui.language.diagnostics import distance
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.relations import Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql

@@ -32,7 +32,7 @@ from logical_robots_tui.explain.why.probing import (
     Term,
 )
 from logical_robots_tui.language.diagnostics import QueryError
-from logical_robots_tui.mind.failures import FailureError
+from logical_robots_tui.mind.asking import FailureError
 from logical_robots_tui.mind.relations import Way, alike
 from logical_robots_tui.schema import INPUTS, VALUE
 from logical_robots_tui.values import Value

@@ -6,7 +6,7 @@ The package keeps global state, so one process compiles one program at a time.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any, cast
 from logica.compiler import dialects, functors, universe
 from sqlglot import exp
 
-from logical_robots_tui.language import error_messages, package_patches
+from logical_robots_tui.language import error_messages, package_patches, tree
 from logical_robots_tui.language.adapter import Raw, parse, to_package
-from logical_robots_tui.language.annotations import IGNORED
-from logical_robots_tui.language.checks import check
+from logical_robots_tui.language.checks import IGNORED, check
 from logical_robots_tui.language.definitions import (
     column_labels,
     definitions,
@@ -26,34 +25,20 @@ from logical_robots_tui.language.definitions import (
     names_used,
     prelude,
     reach,
+    rules_of,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.functors import expand_functors
-from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
-from logical_robots_tui.language.spelling import expand_rows, spell_out
-from logical_robots_tui.language.tree import (
-    Annotation,
-    Functor,
-    Rule,
-    Statement,
-    text_of,
-    variables,
-)
+from logical_robots_tui.language.expansion import expand_functors, expand_rows, spell_out
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at, diagnostic_for, prepare
+from logical_robots_tui.language.tree import Annotation, Functor, Rule, Statement
 from logical_robots_tui.language.types import Kind, Plain, Tables, dump_kind
 from logical_robots_tui.language.web import web_remarks
-from logical_robots_tui.mind.compiling import unbound
+from logical_robots_tui.mind.compiling import fixpoint
 from logical_robots_tui.mind.compiling.dialect import RobotDialect, runs
-from logical_robots_tui.mind.compiling.fixpoint import (
-    DEPTH,
-    Fixpoint,
-    fixpoints,
-    grows,
-    growth_check,
-    with_fixpoints,
-)
+from logical_robots_tui.mind.compiling.duckdb_types import as_on_duckdb
+from logical_robots_tui.mind.compiling.fixpoint import Fixpoint, fixpoints
 from logical_robots_tui.mind.program import Predicate, Program
 from logical_robots_tui.mind.tuning import MOST_TUNED
-from logical_robots_tui.mind.typed import as_on_duckdb
 from logical_robots_tui.schema import INPUTS, MAIN
 
 if TYPE_CHECKING:
@@ -78,7 +63,11 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
     _refuse([*found, *problems])
     uses, own = _uses(rest), definitions(rest)
     needed = _order_needed(uses, statements)
-    inputs = tuple(Predicate(name, "input", None, has_rows=True) for name in INPUTS)
+    inputs = (Predicate(name, "input", None, has_rows=True) for name in INPUTS)
+    kinds = {
+        name: {column: dump_kind(kind) for column, kind in compiled.kinds[name].items()}
+        for name in statements
+    }
     program = Program(
         text,
         (*inputs, *sorted(predicates, key=lambda p: p.line or len(text))),
@@ -91,12 +80,7 @@ def compile_text(text: str, report: Report | None = None) -> tuple[Program, dict
         uses=uses,
         truths={name: truths for name in statements if (truths := compiled.truths(name))},
         labels={name: labels for name in own if (labels := column_labels(name, own))},
-        kinds=json.dumps(
-            {
-                name: {column: dump_kind(kind) for column, kind in compiled.kinds[name].items()}
-                for name in statements
-            }
-        ),
+        kinds=json.dumps(kinds),
         recursions=compiled.growth_checks({name: statements[name] for name in needed}),
     )
     return program, compiled.trees
@@ -126,27 +110,22 @@ def compile_statements(
     """
     try:
         expanded = expand_rows(expand_functors([*program]))
-        spelled = spell_out(map(_compute_in_query, expanded), source.original)
+        # A grounded predicate is computed once per query instead of in a table.
+        grounded = (
+            replace(each, name="@With", arguments=each.arguments[:1])
+            if isinstance(each, Annotation) and each.name == "@Ground"
+            else each
+            for each in expanded
+        )
+        spelled = spell_out(grounded, source.original)
         own = definitions(spelled)
         library = [rule for rule in prelude() if rule.name not in own]
         iterated, found = fixpoints([*spelled, *library])
         flags = {"logica_default_engine": "sqlite"}
         return RobotProgram(to_package(iterated, source), found, tables or {}, user_flags=flags)
     except error_messages.COMPLAINTS as error:
-        raise ProgramError(
-            (_endless(error, program, source.original) or error_messages.explain(error, source),)
-        ) from None
-
-
-def statements_of(
-    wanted: Sequence[str], program: Sequence[Statement], source: Prepared
-) -> dict[str, str]:
-    """Return SQL for the rows of those predicates that can be computed alone.
-
-    Raises:
-        ProgramError: The program can't be compiled.
-    """
-    return compile_statements(program, source).statements(wanted)
+        problem = _endless(error, program, source.original)
+        raise ProgramError((problem or error_messages.explain(error, source),)) from None
 
 
 def _refuse(found: list[Diagnostic]) -> None:
@@ -174,22 +153,25 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
 
     def growth_checks(self, statements: Mapping[str, str]) -> dict[str, tuple[int, str]]:
         checks = {
-            name: (steps, growth_check(statements[name], name, steps))
+            name: (steps, fixpoint.growth_check(statements[name], name, steps))
             for name, steps in self.steps.items()
             if name in statements
         }
-        for fixpoint in self.fixpoints:
-            if any(name in statements for name in fixpoint.names):
-                checks[fixpoint.names[0]] = (fixpoint.depth, grows(fixpoint, self._steps()))
+        for each in self.fixpoints:
+            if any(name in statements for name in each.names):
+                grows = fixpoint.grows(each, self._steps())
+                checks[each.names[0]] = (each.depth, grows)
         return {name: check for name, check in checks.items() if check[1]}
 
     def FormattedPredicateSql(self, name: str) -> str:
         """Return a predicate's SQL with DuckDB's types; raise the package's exceptions."""
         iterated = next((each for each in self.fixpoints if name in each.names), None)
         sql = iterated.all_rows(name) if iterated else super().FormattedPredicateSql(name)
-        text, tree, self.kinds[name] = as_on_duckdb(with_fixpoints(sql, self._steps()), self.tables)
-        if tree is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
-            self.trees[text] = tree
+        text, read, self.kinds[name] = as_on_duckdb(
+            fixpoint.with_fixpoints(sql, self._steps()), self.tables
+        )
+        if read is not None and sum(map(len, self.trees)) + len(text) <= MOST_TUNED:
+            self.trees[text] = read
         return text
 
     def truths(self, name: str) -> tuple[str, ...]:
@@ -208,9 +190,7 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
     def _steps(self) -> dict[Fixpoint, tuple[str, ...]]:
         if not self._step_queries:
             compiled = super().FormattedPredicateSql
-            self._step_queries = {
-                fixpoint: tuple(map(compiled, fixpoint.asked)) for fixpoint in self.fixpoints
-            }
+            self._step_queries = {each: tuple(map(compiled, each.asked)) for each in self.fixpoints}
         return self._step_queries
 
     def UnfoldRecursion(self, rules: list[Raw]) -> list[Raw]:
@@ -220,15 +200,15 @@ class RobotProgram(universe.LogicaProgram):  # type: ignore[misc]  # the package
         for options in depths.values():
             options.pop("stop", None)
             if options.get("1") == -1:
-                options["1"] = DEPTH
+                options["1"] = fixpoint.DEPTH
         unfolding = functors.Functors(rules)
-        recursive, _ = unfolding.RecursiveAnalysis(depths, False, DEPTH)
+        recursive, _ = unfolding.RecursiveAnalysis(depths, False, fixpoint.DEPTH)
         for name in recursive:
             options = depths.setdefault(name, {})
             options["iterative"] = False
-            options["1"] = min(options.get("1", DEPTH), _DEEPEST_RECURSION)
+            options["1"] = min(options.get("1", fixpoint.DEPTH), _DEEPEST_RECURSION)
             self.steps[name] = options["1"]
-        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, DEPTH))
+        return cast("list[Raw]", unfolding.UnfoldRecursions(depths, False, fixpoint.DEPTH))
 
 
 def _endless(error: BaseException, program: Sequence[Statement], text: str) -> Diagnostic | None:
@@ -248,9 +228,8 @@ def _compile_predicates(
     statements: dict[str, str] = {}
     predicates = []
     problems: list[Diagnostic] = []
-    own = definitions(program)
-    names = {name: name for name in own}
-    left_open = lacking(program)
+    own, left_open = definitions(program), lacking(program)
+    starts = {name: max(0, getattr(name, "start", 0)) for name in own}
     for done, name in enumerate((MAIN, *(n for n in own if n != MAIN))):
         report(done, len(own))
         is_function = False
@@ -260,24 +239,23 @@ def _compile_predicates(
                 statements[name] = compiled.FormattedPredicateSql(name)
         except error_messages.COMPLAINTS as error:
             reason = error_messages.FUNCTION.format(name)
-            is_function = name != MAIN and _lacks_arguments(error, own[name])
+            heads = [each.head if isinstance(each, Rule) else each for each in own[name]]
+            lacking_ones = error_messages.unbound_variables(error)
+            is_function = (
+                name != MAIN
+                and error_messages.is_function(error)
+                and tree.variables(heads, inside=True).issuperset(lacking_ones)
+            )
             if not is_function:
                 reason = f"{name} can't be computed: {error_messages.plain_message(error)}"
-                problems.append(unbound.explain(error, source, program))
-        line = source.original.count("\n", 0, max(0, getattr(names[name], "start", 0))) + 1
+                problems.append(explain(error, source, program))
+        line = source.original.count("\n", 0, starts[name]) + 1
         predicates.append(Predicate(name, "program", line, not reason, reason, is_function))
     for name in definitions(prelude()):
         if name not in own and name.isidentifier():
             reason = error_messages.FUNCTION.format(name)
             predicates.append(Predicate(name, "prelude", None, has_rows=False, reason=reason))
     return statements, predicates, problems if MAIN not in statements else []
-
-
-def _compute_in_query(statement: Statement) -> Statement:
-    """Compute a grounded predicate once per query instead of in a table."""
-    if isinstance(statement, Annotation) and statement.name == "@Ground":
-        return replace(statement, name="@With", arguments=statement.arguments[:1])
-    return statement
 
 
 def _take_visibility(
@@ -291,25 +269,15 @@ def _take_visibility(
             if each.name not in IGNORED:
                 rest.append(each)
             continue
-        wanted = "".join(text_of(value) or "" for value in each.values[:1])
+        wanted = "".join(tree.text_of(value) or "" for value in each.values[:1])
         if wanted in _VISIBILITY.get(each.subject, ()):
             visibility[each.subject.lower()] = wanted
         else:
             message = "this is not a visibility that robots can have"
-            hint = (
-                'Write @Visible(Memory, "own"), "seen" or "all", or '
-                '@Visible(Sensor, "own") or "all".'
-            )
+            hint = 'Write @Visible(Memory, "own"), "seen" or "all", '
+            hint += 'or @Visible(Sensor, "own") or "all".'
             problems.append(diagnostic_for(text, each.name, message, hint))
     return rest, visibility, problems
-
-
-def _lacks_arguments(error: BaseException, rules: Sequence[Rule | Functor]) -> bool:
-    """Return whether a predicate can't be computed only because it is a function."""
-    heads = [each.head if isinstance(each, Rule) else each for each in rules]
-    return error_messages.is_function(error) and variables(heads, inside=True).issuperset(
-        error_messages.unbound_variables(error)
-    )
 
 
 def _uses(program: Sequence[Statement]) -> dict[str, tuple[str, ...]]:
@@ -345,6 +313,45 @@ def _order_needed(
 
     visit(MAIN)
     return tuple(ordered)
+
+
+def explain(error: BaseException, source: Prepared, program: Sequence[Statement]) -> Diagnostic:
+    """Return the diagnostic for an exception raised for a program that could be parsed."""
+    found = error_messages.explain(error, source)
+    names = error_messages.unbound_variables(error)
+    start, _ = error_messages.rule_of(error, source)
+    rules = (each for each in program if isinstance(each, Rule))
+    rule = next((r for r in rules if r.span and r.span.start <= start < r.span.stop), None)
+    if not names or rule is None:
+        return found
+    name = found.excerpt if found.excerpt in names else names[0]
+    own = definitions(program)
+    called = [n for n in tree.walk(rule) if isinstance(n, tree.Atom | tree.Call) and n.name in own]
+    if name not in tree.variables(rule, inside=True):
+        for each in called:
+            heads = [other.head for other in rules_of(own[each.name])]
+            if name in tree.variables(heads, inside=True) and each.span:
+                message = f"{each.name} needs a value for {name}"
+                hint, length = "Add the missing argument.", len(each.name)
+                return diagnostic_at(source.original, each.span.start, length, message, hint)
+    elif isinstance(rule.body, tree.Disjunction):
+        hint = "A '|' divides the whole body: put the alternatives in brackets, (a | b)."
+        at = next(n.span.start for n in _uses_of(name, rule) if n.span)
+        message = f"nothing says what {name} is in one of the alternatives"
+        return diagnostic_at(source.original, at, len(name), message, hint)
+    takers = [
+        e.name for e in called for v in tree.operands(e.arguments) if tree.variable_of(v) == name
+    ]
+    is_given_only = len(takers) == sum(1 for _ in _uses_of(name, rule.body or ()))
+    if len({*takers}) == 1 and is_given_only and not found.hint.startswith("Did you mean"):
+        taker = takers[0]
+        hint = f"{taker} leaves it open: it needs a value here, or in the rule of {taker}."
+        return replace(found, hint=hint)
+    return found
+
+
+def _uses_of(name: str, part: tree.Tree) -> Iterator[tree.Variable]:
+    return (n for n in tree.walk(part) if isinstance(n, tree.Variable) and n.name == name)
 
 
 dialects.DIALECTS["sqlite"] = RobotDialect

@@ -17,65 +17,63 @@ from logical_robots_tui.mind.sqlite.database import Database
 _COLUMN = re.compile(r"\w+\.\w+")
 _ALWAYS_JSON = (".sensor", ".value")
 
+_FUNCTIONS = {
+    # An expression that the optimizer can't move out of its subquery.
+    "MagicalEntangle": "IIF({1} = 0, {0}, NULL)",
+    "Set": "list_of_distinct({0})",
+    "Join": "join_list({0}, {1})",
+    "Sort": "sort_list({0})",
+    "Agg++": "concat_lists(%s)",
+    "Concat": "concat_some_lists(%s)",
+    "ArrayConcat": "concat_some_lists(%s)",
+    "ArrayConcatAgg": "concat_lists(%s)",
+    "ArrayLength": "JSON_ARRAY_LENGTH(%s)",
+    "ArrayToString": "join_list(%s)",
+    "GenerateArray": "generate_array(%s)",
+    "CharLength": "LENGTH(%s)",
+    "Lpad": "pad_left(%s)",
+    "RegexpExtract": "regexp_extract(%s)",
+    "Repeat": "repeat_text(%s)",
+    "Rpad": "pad_right(%s)",
+    "Strpos": "instr(%s)",
+    "Split": "split_text(%s)",
+    "If": "IIF(%s)",
+    # MIN, but also for records; it need not be the least of them.
+    "1": "any_value(%s)",
+    "AnyValue": "any_value(%s)",
+    "SomeValue": "any_value(%s)",
+    "Format": "formatted(%s)",
+    "Log": "LN(%s)",
+    "Element": "json_extract({0}, '$[' || CAST({1} AS INTEGER) || ']')",
+    "ToInt64": "to_whole(%s)",
+    "ToFloat64": "CAST(%s AS REAL)",
+    "Range": "number_range({0})",
+    "Unique": "unique_list({0})",
+    # Like DuckDB, return null instead of an empty list.
+    "List": "NULLIF(json_group_array({0}), '[]')",
+    "Least": "least(%s)",
+    "Greatest": "greatest(%s)",
+    "Mod": "modulo(%s)",
+    "Upper": "upper_text(%s)",
+    "Lower": "lower_text(%s)",
+    "ToString": "to_text(%s)",
+}
+_OPERATORS = {
+    "/": "divide(%s, %s)",
+    "%": "modulo(%s, %s)",
+    "++": "concatenate(%s, %s)",
+    "in": "%s IN (SELECT value FROM json_each(%s))",
+}
+
 
 class RobotDialect(dialects.SqLiteDialect):  # type: ignore[misc]  # the package has no types
     """SQLite with DuckDB's division, no errors on null, and only our own functions."""
 
     def BuiltInFunctions(self) -> dict[str, str | None]:
-        functions: dict[str, str | None] = dict(super().BuiltInFunctions())
-        functions.update(
-            {
-                # An expression that the optimizer can't move out of its subquery.
-                "MagicalEntangle": "IIF({1} = 0, {0}, NULL)",
-                "Set": "list_of_distinct({0})",
-                "Join": "join_list({0}, {1})",
-                "Sort": "sort_list({0})",
-                "Agg++": "concat_lists(%s)",
-                "Concat": "concat_some_lists(%s)",
-                "ArrayConcat": "concat_some_lists(%s)",
-                "ArrayConcatAgg": "concat_lists(%s)",
-                "ArrayLength": "JSON_ARRAY_LENGTH(%s)",
-                "ArrayToString": "join_list(%s)",
-                "GenerateArray": "generate_array(%s)",
-                "CharLength": "LENGTH(%s)",
-                "Lpad": "pad_left(%s)",
-                "RegexpExtract": "regexp_extract(%s)",
-                "Repeat": "repeat_text(%s)",
-                "Rpad": "pad_right(%s)",
-                "Strpos": "instr(%s)",
-                "Split": "split_text(%s)",
-                "If": "IIF(%s)",
-                # MIN, but also for records; it need not be the least of them.
-                "1": "any_value(%s)",
-                "AnyValue": "any_value(%s)",
-                "SomeValue": "any_value(%s)",
-                "Format": "formatted(%s)",
-                "Log": "LN(%s)",
-                "Element": "json_extract({0}, '$[' || CAST({1} AS INTEGER) || ']')",
-                "ToInt64": "to_whole(%s)",
-                "ToFloat64": "CAST(%s AS REAL)",
-                "Range": "number_range({0})",
-                "Unique": "unique_list({0})",
-                # Like DuckDB, return null instead of an empty list.
-                "List": "NULLIF(json_group_array({0}), '[]')",
-                "Least": "least(%s)",
-                "Greatest": "greatest(%s)",
-                "Mod": "modulo(%s)",
-                "Upper": "upper_text(%s)",
-                "Lower": "lower_text(%s)",
-                "ToString": "to_text(%s)",
-            }
-        )
-        return functions
+        return {**super().BuiltInFunctions(), **_FUNCTIONS}
 
     def InfixOperators(self) -> dict[str, str]:
-        return {
-            **super().InfixOperators(),
-            "/": "divide(%s, %s)",
-            "%": "modulo(%s, %s)",
-            "++": "concatenate(%s, %s)",
-            "in": "%s IN (SELECT value FROM json_each(%s))",
-        }
+        return {**super().InfixOperators(), **_OPERATORS}
 
     def Subscript(self, record: str, subscript: str, record_is_table: bool) -> str:
         """Return the SQL of `record.subscript`; null for a column that may hold plain text."""
@@ -121,33 +119,24 @@ def runs(name: str) -> bool:
         return False
     least, most = arity(name)
     counts = range(least, min(int(most), least + 2) + 1) if most < math.inf else range(2, 3)
-    return any(_compiles(_fill(template, count)) for count in counts)
-
-
-def _fill(template: str, count: int) -> str:
-    nulls = ["NULL"] * count
-    try:
-        return template % ", ".join(nulls) if "%s" in template else template.format(*nulls)
-    except (IndexError, TypeError):
-        return ""
+    return any(_compiles(template, count) for count in counts)
 
 
 @functools.cache
 def _templates() -> dict[str, str | None]:
     built_in_names()  # reads the package's own table
-    return {
-        **_QL.BULK_FUNCTIONS,
-        **_QL.BUILT_IN_FUNCTIONS,
-        **RobotDialect().BuiltInFunctions(),
-    }
+    ours = RobotDialect().BuiltInFunctions()
+    return {**_QL.BULK_FUNCTIONS, **_QL.BUILT_IN_FUNCTIONS, **ours}
 
 
-def _compiles(expression: str) -> bool:
+def _compiles(template: str, arguments: int = 0) -> bool:
+    nulls = ["NULL"] * arguments
     try:
-        _database().prepare(f"SELECT {expression}")
-    except sqlite3.Error:
+        text = template % ", ".join(nulls) if "%s" in template else template.format(*nulls)
+        _database().prepare(f"SELECT {text}")
+    except (IndexError, TypeError, sqlite3.Error):
         return False
-    return bool(expression)
+    return True
 
 
 @functools.cache

@@ -25,20 +25,10 @@ from typing import Any
 
 from sqlglot import exp
 
-from logical_robots_tui.language.annotations import MOST_STEPS
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.checks import MOST_STEPS
 from logical_robots_tui.language.definitions import functor_names, names_used
-from logical_robots_tui.language.functors import rename
-from logical_robots_tui.language.tree import (
-    Aggregate,
-    Annotation,
-    List,
-    Number,
-    PredicateName,
-    Rule,
-    Statement,
-    text_of,
-    walk,
-)
+from logical_robots_tui.language.expansion import rename
 from logical_robots_tui.mind.program import STEPS
 from logical_robots_tui.mind.tuning import sql
 
@@ -53,7 +43,7 @@ class Fixpoint:
         names: The predicates whose rows are passed from step to step.
         depth: The most steps after the first one.
         stop: The predicate that ends the iteration when it has a row, or "".
-        orders: The columns by which some of them are ordered, as in SQL.
+        orders: The columns by which some of them are ordered, as in SQL, with their directions.
     """
 
     names: tuple[str, ...]
@@ -68,7 +58,8 @@ class Fixpoint:
 
     def all_rows(self, name: str) -> str:
         """Return the query for the final rows of a predicate."""
-        order = dict(self.orders).get(name)
+        order = dict(self.orders).get(name, "")
+        order = order.replace(", DESC", " DESC").replace(", ASC", " ASC")
         return f"SELECT * FROM {name}" + (f" ORDER BY {order}" if order else "")  # noqa: S608 - names
 
 
@@ -80,18 +71,18 @@ def _last(name: str) -> str:
     return f"{name}_LastStep"
 
 
-def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpoint]]:
+def fixpoints(program: Sequence[tree.Statement]) -> tuple[list[tree.Statement], list[Fixpoint]]:
     """Extract the recursions from a program; the package unrolls those that can't be extracted.
 
     Returns:
         The program, with rules for one step in place of each recursion; and the recursions.
     """
-    own: dict[str, list[Rule]] = {}
+    own: dict[str, list[tree.Rule]] = {}
     for each in program:
-        if isinstance(each, Rule):
+        if isinstance(each, tree.Rule):
             own.setdefault(str(each.name), []).append(each)
     search = _Search(program, own)
-    annotated = {each.subject for each in program if isinstance(each, Annotation)}
+    annotated = {each.subject for each in program if isinstance(each, tree.Annotation)}
     for name in sorted(own, key=lambda name: name not in annotated):  # those may have satellites
         search.extract(name)
     return search.statements, search.found
@@ -100,12 +91,14 @@ def fixpoints(program: Sequence[Statement]) -> tuple[list[Statement], list[Fixpo
 class _Search:
     """Extracts recursions one after the other; `statements` is what is left of the program."""
 
-    def __init__(self, program: Sequence[Statement], own: Mapping[str, list[Rule]]) -> None:
+    def __init__(
+        self, program: Sequence[tree.Statement], own: Mapping[str, list[tree.Rule]]
+    ) -> None:
         self.statements = list(program)
         self.found: list[Fixpoint] = []
         self._own = own
         self._uses = {n: {str(c) for c in names_used(mine) if c in own} for n, mine in own.items()}
-        self._annotations = [each for each in program if isinstance(each, Annotation)]
+        self._annotations = [each for each in program if isinstance(each, tree.Annotation)]
         self._done: set[str] = set()
         made = functor_names(program)
         times = Counter((each.name, each.subject) for each in self._annotations)
@@ -114,17 +107,24 @@ class _Search:
         self._excluded = made | limited | repeated
 
     def extract(self, name: str) -> None:
-        circle = _circle(name, self._uses)
+        # The predicates mutually recursive with it, itself included.
+        circle = {other for other in _below(name, self._uses) if name in _below(other, self._uses)}
         if not circle or circle & (self._done | self._excluded):
             return
-        options = self._options(circle)
-        stop = next((_name_of(o.value) for o in options if o.field == "stop"), "")
+        recursive = [
+            each
+            for each in self._annotations
+            if each.name == "@Recursive" and each.subject in circle
+        ]
+        options = [argument for each in recursive for argument in each.arguments[1:]]
+        stops = (o.value for o in options if o.field == "stop")
+        stop = next((str(v.name) for v in stops if isinstance(v, tree.PredicateName)), "")
         beside = {
             str(each.name)
             for option in options
-            if option.field == "satellites" and isinstance(option.value, List)
+            if option.field == "satellites" and isinstance(option.value, tree.List)
             for each in option.value.elements
-            if isinstance(each, PredicateName) and each.name in self._own
+            if isinstance(each, tree.PredicateName) and each.name in self._own
         }
         # These are read from the step before, so that a stop can compare a step with it.
         beside |= {
@@ -132,47 +132,28 @@ class _Search:
             for other in _below(stop, self._uses) - circle - {stop}
             if circle & _below(other, self._uses)
         }
-        if not _begins(circle | beside, self._own):
-            return
+        together = circle | beside
+        if not any(not together & _needs(rule) for each in together for rule in self._own[each]):
+            return  # nothing to begin with
         names = (*self._cuts(circle), *sorted(beside - circle))
-        depth = self._depth(options, is_stopped=bool(stop))
-        fixpoint = Fixpoint(names, depth, stop, tuple(self._orders(names)))
+        given = (o.value for o in options if o.field == 1 and isinstance(o.value, tree.Number))
+        depth = next((int(float(each.value)) for each in given), -1 if stop else DEPTH)
+        depth = min(depth, MOST_STEPS) if depth >= 0 else MOST_STEPS  # -1: as many as it takes
+        orders = tuple(
+            (each.subject, ", ".join(filter(None, map(tree.text_of, each.values))))
+            for each in self._annotations
+            if each.name == "@OrderBy" and each.subject in names
+        )
+        fixpoint = Fixpoint(names, depth, stop, orders)
         self.statements = [
             each
             for each in self.statements
-            if (each.subject if isinstance(each, Annotation) else each.name) not in names
-            and not (
-                isinstance(each, Annotation)
-                and each.name == "@Recursive"
-                and each.subject in circle
-            )
+            if each not in recursive
+            and (each.subject if isinstance(each, tree.Annotation) else each.name) not in names
         ]
         self.statements += self._step(fixpoint, circle)
         self.found.append(fixpoint)
-        self._done |= circle | beside
-
-    def _options(self, circle: Collection[str]) -> list[Any]:
-        """Return the arguments of ``@Recursive`` for any member of a circle."""
-        return [
-            argument
-            for each in self._annotations
-            if each.name == "@Recursive" and each.subject in circle
-            for argument in each.arguments[1:]
-        ]
-
-    def _depth(self, options: Sequence[Any], *, is_stopped: bool) -> int:
-        """Return the steps that ``@Recursive`` allows; -1 stands for as many as it takes."""
-        for option in options:
-            if isinstance(option.value, Number) and option.field == 1:
-                depth = int(float(option.value.value))
-                return min(depth, MOST_STEPS) if depth >= 0 else MOST_STEPS
-        return MOST_STEPS if is_stopped else DEPTH
-
-    def _orders(self, names: Collection[str]) -> Iterator[tuple[str, str]]:
-        for each in self._annotations:
-            if each.name == "@OrderBy" and each.subject in names:
-                columns = ", ".join(filter(None, map(text_of, each.values)))
-                yield each.subject, columns.replace(", DESC", " DESC").replace(", ASC", " ASC")
+        self._done |= together
 
     def _cuts(self, circle: Collection[str]) -> list[str]:
         """Return members without which there is no circle, as few as are easily found."""
@@ -191,7 +172,7 @@ class _Search:
         """Return the names that still are in a circle."""
         return [n for n in names if n not in cuts and n in _below(n, self._uses, cuts)]
 
-    def _step(self, fixpoint: Fixpoint, circle: set[str]) -> Iterator[Rule]:
+    def _step(self, fixpoint: Fixpoint, circle: set[str]) -> Iterator[tree.Rule]:
         copies = {name: f"{name}_For_{fixpoint.asked[0]}" for name in circle}
         calls = {**copies, **{name: _last(name) for name in fixpoint.names}}
         heads = {**copies, **dict(zip(fixpoint.names, fixpoint.asked, strict=False))}
@@ -201,16 +182,6 @@ class _Search:
             for rule in self._own.get(name, ()):
                 copied = rename(rule, calls)
                 yield replace(copied, head=replace(copied.head, name=head))
-
-
-def _name_of(value: object) -> str:
-    return str(value.name) if isinstance(value, PredicateName) else ""
-
-
-def _circle(name: str, uses: Mapping[str, set[str]]) -> set[str]:
-    """Return the predicates mutually recursive with one, itself included, or none."""
-    below = _below(name, uses)
-    return {other for other in below if name in _below(other, uses)}
 
 
 def _below(name: str, uses: Mapping[str, set[str]], without: Collection[str] = ()) -> set[str]:
@@ -224,15 +195,13 @@ def _below(name: str, uses: Mapping[str, set[str]], without: Collection[str] = (
     return seen
 
 
-def _begins(circle: set[str], own: Mapping[str, list[Rule]]) -> bool:
-    """Return whether a member has a rule that needs no rows of the circle."""
-    return any(not circle & _needs(rule) for name in circle for rule in own[name])
-
-
-def _needs(rule: Rule) -> set[str]:
+def _needs(rule: tree.Rule) -> set[str]:
     """Return the predicates that a rule calls outside aggregates, which may be of nothing."""
     return {*names_used(rule)} - {
-        name for node in walk(rule) if isinstance(node, Aggregate) for name in names_used(node)
+        name
+        for node in tree.walk(rule)
+        if isinstance(node, tree.Aggregate)
+        for name in names_used(node)
     }
 
 
@@ -241,10 +210,10 @@ def with_fixpoints(statement: str, steps: Mapping[Fixpoint, Sequence[str]]) -> s
     names = {name for fixpoint in steps for name in fixpoint.names}
     if not any(name in statement for name in names):
         return statement
-    tree = sql.parse(statement)
-    if not names & {table.name for table in tree.find_all(exp.Table)}:
+    query = sql.parse(statement)
+    if not names & {table.name for table in query.find_all(exp.Table)}:
         return statement
-    return f"{sql.render(_with_steps(tree, steps), pretty=True)};"
+    return f"{sql.render(_with_steps(query, steps), pretty=True)};"
 
 
 def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, Sequence[str]]) -> str:
@@ -255,21 +224,22 @@ def grows(fixpoint: Fixpoint, steps: Mapping[Fixpoint, Sequence[str]]) -> str:
     return sql.render(_with_steps(sql.parse(query), steps), pretty=True)
 
 
-def _with_steps(tree: exp.Query, steps: Mapping[Fixpoint, Sequence[str]]) -> exp.Query:
-    queries: list[exp.Expr] = []
-    for fixpoint, statements in steps.items():
-        queries += _queries(fixpoint, [sql.parse(statement) for statement in statements])
-    named = tree.args.get("with_")
-    queries += named.expressions if named else []
-    tree.set("with_", exp.With(expressions=queries, recursive=True))
+def _with_steps(query: exp.Query, steps: Mapping[Fixpoint, Sequence[str]]) -> exp.Query:
+    queries = [
+        each
+        for fixpoint, statements in steps.items()
+        for each in _queries(fixpoint, [*map(sql.parse, statements)])
+    ]
+    both = [*queries, *sql.named_queries(query)]
+    query.set("with_", exp.With(expressions=both, recursive=True))
     for fixpoint in steps:
         for name in fixpoint.names:
-            _read_instead(tree, name, f"t_0_{name}")
-    return tree
+            _read_instead(query, name, f"t_0_{name}")
+    return query
 
 
-def _read_instead(tree: exp.Query, name: str, other: str) -> bool:
-    tables = [table for table in tree.find_all(exp.Table) if table.name == name]
+def _read_instead(query: exp.Query, name: str, other: str) -> bool:
+    tables = [table for table in query.find_all(exp.Table) if table.name == name]
     for table in tables:
         table.replace(exp.alias_(exp.to_table(other), table.alias_or_name, table=True))
     return bool(tables)
@@ -280,7 +250,7 @@ def _found(fixpoint: Fixpoint, table: str) -> str:
     return " || ".join(f"{table}.found{number}" for number, _ in enumerate(fixpoint.names))
 
 
-def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.Expr]:
+def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.CTE]:
     """Return the common table expressions for a recursion's steps and its final rows."""
     name = f"{STEPS}{fixpoint.names[0]}"
     columns = {each: _columns(query) for each, query in zip(fixpoint.names, asked, strict=False)}
@@ -295,8 +265,9 @@ def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.Expr]:
     if fixpoint.stop:
         stopped = f"EXISTS (SELECT 1 FROM ({sql.render(asked[-1])}) AS stop)"  # noqa: S608 - our own SQL
         goes_on += f" AND ({name}.step = 0 OR NOT {stopped})"
+    last = f"FROM {name} ORDER BY step DESC LIMIT 1"
     rows = ", ".join(
-        f"t_0_{each} AS ({_rows(columns[each], f'({_last_list(name, number)})')})"
+        f"t_0_{each} AS ({_rows(columns[each], f'(SELECT found{number} {last})')})"
         for number, each in enumerate(fixpoint.names)
     )
     text = f"""
@@ -307,7 +278,7 @@ def _queries(fixpoint: Fixpoint, asked: Sequence[exp.Query]) -> list[exp.Expr]:
       FROM {name} WHERE {goes_on}),
     {rows}
     SELECT 1"""  # noqa: S608 - the compiler's own SQL
-    return list(sql.parse(text).args["with_"].expressions)
+    return sql.named_queries(sql.parse(text))
 
 
 def _read_last_step(query: exp.Query, steps: str, columns: Mapping[str, list[str]]) -> None:
@@ -322,9 +293,8 @@ def _read_last_step(query: exp.Query, steps: str, columns: Mapping[str, list[str
                 materialized=True,  # or it would be evaluated again for each joined row
             )
             tables.append(rows)
-    named = query.args.get("with_")
     if tables:
-        query.set("with_", exp.With(expressions=[*tables, *(named.expressions if named else [])]))
+        query.set("with_", exp.With(expressions=[*tables, *sql.named_queries(query)]))
 
 
 def _as_list(query: exp.Query, columns: Sequence[str]) -> str:
@@ -332,10 +302,6 @@ def _as_list(query: exp.Query, columns: Sequence[str]) -> str:
     order = ", ".join(map(str, range(1, len(columns) + 1)))
     ordered = f"SELECT * FROM ({sql.render(query)}) AS step ORDER BY {order}"  # noqa: S608 - our own SQL
     return f"(SELECT json_group_array(json_array({made})) FROM ({ordered}) AS made)"  # noqa: S608 - our own SQL
-
-
-def _last_list(steps: str, number: int) -> str:
-    return f"SELECT found{number} FROM {steps} ORDER BY step DESC LIMIT 1"  # noqa: S608 - our own SQL
 
 
 def _rows(columns: list[str], listed: str) -> str:

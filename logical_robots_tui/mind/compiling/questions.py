@@ -7,35 +7,19 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
-from logical_robots_tui.language import error_messages
-from logical_robots_tui.language.adapter import (
-    is_rule,
-    parse,
-    parse_expression,
-    parse_proposition,
-)
+from logical_robots_tui.language import error_messages, tree
+from logical_robots_tui.language.adapter import is_rule, parse, parse_expression, parse_proposition
 from logical_robots_tui.language.checks import NO_VALUE, check
 from logical_robots_tui.language.definitions import column_labels, definitions
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError
-from logical_robots_tui.language.source_text import diagnostic_for, prepare
-from logical_robots_tui.language.tree import (
-    CONDITIONS,
-    Atom,
-    Disjunction,
-    Membership,
-    Rule,
-    Variable,
-    operands,
-    variable_of,
-    variables,
-    walk,
-)
-from logical_robots_tui.mind.compiling import unbound
+from logical_robots_tui.language.source_text import Prepared, diagnostic_for, prepare
 from logical_robots_tui.mind.compiling.compiler import (
     compile_statements,
+    explain,
     read_program,
     without_visibility,
 )
@@ -43,14 +27,7 @@ from logical_robots_tui.mind.compiling.dialect import runs
 from logical_robots_tui.mind.program import Question
 from logical_robots_tui.schema import INPUTS, VALUE
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from logical_robots_tui.language.source_text import Prepared
-    from logical_robots_tui.language.tree import Expression, Functor, Node, Proposition
-
-    Own = Mapping[str, Sequence[Rule | Functor]]
-
+Own: TypeAlias = Mapping[str, Sequence[tree.Rule | tree.Functor]]
 Gives: TypeAlias = Literal["rows", "value", "truth"]
 
 
@@ -71,7 +48,8 @@ def compile_question(text: str, query: str) -> Question:
     elif bare in own:
         asked, query = bare, ""
     else:
-        asked = next(name for name in _names() if name not in own)
+        names = itertools.chain(["Asked"], (f"Asked{number}" for number in itertools.count(2)))
+        asked = next(name for name in names if name not in own)
         if bare in INPUTS:
             query = f"{bare}({', '.join(f'{column}:' for column in INPUTS[bare])})"
             source = prepare(query)
@@ -84,11 +62,6 @@ def compile_question(text: str, query: str) -> Question:
         return replace(compiled, text=query or bare, gives=gives)
     except ProgramError as error:
         raise ProgramError(tuple(_place(d, first, query) for d in error.diagnostics)) from None
-
-
-def _names() -> Iterator[str]:
-    yield "Asked"
-    yield from (f"Asked{number}" for number in itertools.count(2))
 
 
 def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
@@ -109,10 +82,9 @@ def _compile(whole: str, asked: str, first: int, *, is_bare: bool) -> Question:
     except error_messages.COMPLAINTS as error:
         if is_bare and error_messages.is_function(error):
             hint = f"Call it with values, such as {asked}(1)."
-            raise ProgramError(
-                (Diagnostic(1, 1, error_messages.FUNCTION.format(asked), hint),)
-            ) from None
-        raise ProgramError((unbound.explain(error, source, parsed.statements),)) from None
+            message = error_messages.FUNCTION.format(asked)
+            raise ProgramError((Diagnostic(1, 1, message, hint),)) from None
+        raise ProgramError((explain(error, source, parsed.statements),)) from None
     return Question(
         "", sql, "rows", compiled.truths(asked), column_labels(asked, definitions(rest))
     )
@@ -135,15 +107,15 @@ def _define(source: Prepared, own: Own) -> str:
     parsed = parse(source)
     if parsed.problems:
         raise ProgramError(tuple(parsed.problems))
-    defined = definitions(parsed.statements)
+    defined = [*definitions(parsed.statements)]
     for name in defined:
         if name in own or name in INPUTS:
             message = f"the program already defines {name}"
-            hint = "Use another name."
-            raise ProgramError((diagnostic_for(source.original, name, message, hint),))
+            problem = diagnostic_for(source.original, name, message, "Use another name.")
+            raise ProgramError((problem,))
     if not defined:
         raise ProgramError((Diagnostic(1, 1, "this defines no predicate"),))
-    return str(list(defined)[-1])
+    return str(defined[-1])
 
 
 def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
@@ -156,7 +128,7 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
         except error_messages.COMPLAINTS:
             raise ProgramError((error_messages.explain(error, source),)) from None
         return _value_frame(name, _open_inputs(expression))
-    found, left_open = variables(body), _open_inputs(body)
+    found, left_open = tree.variables(body), _open_inputs(body)
     columns = [each for each in _in_text(body) if each in found and each not in left_open]
     if not columns and _is_value(body, own):
         return _value_frame(name, left_open)
@@ -164,11 +136,11 @@ def _frame(name: str, source: Prepared, own: Own) -> tuple[str, str, Gives]:
         columns += {"robot_name"} - {*columns}
         return f"{name}({_columns(columns)}) :- {_supply(left_open)},", "", "rows"
     if not columns:
-        denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
-        if isinstance(body, Disjunction):  # the package can't negate it in place
+        if isinstance(body, tree.Disjunction):  # the package can't negate it in place
             both = f'; {name}(holds: "true") :- {name}Ways(one:); '
             denied = f'{both}{name}(holds: "false") :- ~{name}Ways(one:)'
             return f"{name}Ways(one: 1) distinct :-", denied, "truth"
+        denied = f'; {name}(holds: "false") :- ~({source.original}\n)'
         return f'{name}(holds: "true") :-', denied, "truth"
     return f"{name}({_columns(columns)}) :-", "", "rows"
 
@@ -179,18 +151,18 @@ def _value_frame(name: str, left_open: Sequence[str]) -> tuple[str, str, Gives]:
     return f"{name}(value:", f", robot_name:) :- {_supply(left_open)}", "value"
 
 
-def _columns(variables: Iterable[str]) -> str:
-    return ", ".join(f"{each}:" for each in variables)
+def _columns(names: Iterable[str]) -> str:
+    return ", ".join(f"{each}:" for each in names)
 
 
-def _open_inputs(asked: Expression | Proposition) -> list[str]:
+def _open_inputs(asked: tree.Expression | tree.Proposition) -> list[str]:
     """Return the input columns that a question uses as unbound variables."""
     given = set()
-    for node in walk(asked):
-        if isinstance(node, Membership):
-            given.add(variable_of(node.element))
-        elif isinstance(node, Atom) and node.name not in CONDITIONS:
-            given |= {variable_of(value) for value in operands(node.arguments)}
+    for node in tree.walk(asked):
+        if isinstance(node, tree.Membership):
+            given.add(tree.variable_of(node.element))
+        elif isinstance(node, tree.Atom) and node.name not in tree.CONDITIONS:
+            given |= {tree.variable_of(value) for value in tree.operands(node.arguments)}
     columns = {column for inputs in INPUTS.values() for column in inputs}
     return [name for name in _in_text(asked) if name in columns and name not in given]
 
@@ -204,16 +176,16 @@ def _supply(left_open: Sequence[str]) -> str:
     return ", ".join(calls) or f"Sensor({_columns(INPUTS['Sensor'])})"
 
 
-def _is_value(body: Proposition, own: Own) -> bool:
+def _is_value(body: tree.Proposition, own: Own) -> bool:
     """Return whether a possible condition is meant as a value: a function or calculation."""
-    name = body.name if isinstance(body, Atom) else ""
+    name = body.name if isinstance(body, tree.Atom) else ""
     if name in own:
-        return any(isinstance(each, Rule) and each.head.column(VALUE) for each in own[name])
-    return bool(name) and name not in INPUTS and name not in CONDITIONS
+        return any(isinstance(each, tree.Rule) and each.head.column(VALUE) for each in own[name])
+    return bool(name) and name not in INPUTS and name not in tree.CONDITIONS
 
 
-def _in_text(asked: Node) -> Iterator[str]:
+def _in_text(asked: tree.Node) -> Iterator[str]:
     """Yield the names of the variables in text order, once each."""
-    found = [node for node in walk(asked) if isinstance(node, Variable)]
+    found = [node for node in tree.walk(asked) if isinstance(node, tree.Variable)]
     found.sort(key=lambda node: node.span or (0, 0))
     yield from dict.fromkeys(str(node.name) for node in found)

@@ -23,14 +23,13 @@ from functools import partial
 from time import process_time
 from typing import IO, TYPE_CHECKING, Any
 
-from sqlglot import exp
-
 from logical_robots_tui.language.definitions import with_constants
 from logical_robots_tui.language.diagnostics import Diagnostic, ProgramError, printable
+from logical_robots_tui.mind.asking import in_plain_words
+from logical_robots_tui.mind.compilation import NO_MEMORY
 from logical_robots_tui.mind.compiling import compiler
 from logical_robots_tui.mind.compiling.questions import compile_question
-from logical_robots_tui.mind.failures import NO_MEMORY, in_plain_words
-from logical_robots_tui.mind.program import Program, Question, Tuned
+from logical_robots_tui.mind.program import Program, Tuned
 from logical_robots_tui.mind.sqlite.database import Database
 from logical_robots_tui.mind.sqlite.layouts import COLUMNS_LAYOUT, WHOLE_RAY
 from logical_robots_tui.mind.tuning import MemoryColumns, tune, tune_all
@@ -74,7 +73,11 @@ def serve(jobs: Mapping[str, Job]) -> None:
     requests: queue.Queue[str] = queue.Queue()
     threading.Thread(target=_read, args=(sys.stdin, requests), daemon=True).start()
     warm_up()
-    _drop_permissions(address_space)
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limit(resource.RLIMIT_AS, address_space)
+    limit(resource.RLIMIT_NOFILE, 0)
+    if hasattr(resource, "RLIMIT_NPROC"):
+        limit(resource.RLIMIT_NPROC, 0)
     while True:
         request = json.loads(requests.get())
         signal.setitimer(signal.ITIMER_PROF, max(seconds, _LEAST_SECONDS))  # ends the process
@@ -102,14 +105,6 @@ def warm_up() -> None:
     gc.freeze()
 
 
-def _drop_permissions(address_space: int) -> None:
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    limit(resource.RLIMIT_AS, address_space)
-    limit(resource.RLIMIT_NOFILE, 0)
-    if hasattr(resource, "RLIMIT_NPROC"):
-        limit(resource.RLIMIT_NPROC, 0)
-
-
 def _read(lines: IO[str], requests: queue.Queue[str]) -> None:
     for line in lines:
         requests.put(line)
@@ -126,10 +121,20 @@ def answer(
             return job(request)
         program, trees = compiler.compile_text(request["text"], report)
         _try_out(program)
-        return {"program": asdict(_tune_program(program, trees))}
+        order = sorted(program.statements, key=lambda name: name not in program.needed)
+        statements = {
+            MAIN: program.statements[MAIN],
+            **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
+            **{name: program.statements[name] for name in order},
+        }
+        tuned = keep_preparable(tune_all(statements, trees))
+        return {"program": asdict(replace(program, tuned=tuned))}
     except ProgramError as error:
-        shown = error.diagnostics[:_MOST_DIAGNOSTICS]
-        return {"diagnostics": [asdict(_plain(d)) for d in shown]}
+        shown = [asdict(each) for each in error.diagnostics[:_MOST_DIAGNOSTICS]]
+        for each in shown:
+            for part in ("message", "hint", "excerpt"):
+                each[part] = printable(each[part][:_LONGEST_MESSAGE])
+        return {"diagnostics": shown}
     except MemoryError:
         raise
     except RecursionError:
@@ -138,10 +143,6 @@ def answer(
         return {"diagnostics": [asdict(deep)]}
     except Exception:  # the package may raise anything, and the process must survive
         return {"trace": traceback.format_exc()}
-
-
-def _settle(request: dict[str, Any]) -> dict[str, object]:
-    return {"settled": {"text": with_constants(request["text"], request["constants"])}}
 
 
 def _ask(request: dict[str, Any]) -> dict[str, object]:
@@ -154,10 +155,18 @@ def _ask(request: dict[str, Any]) -> dict[str, object]:
     with closing(Database()) as database:
         if not is_prepared_soon(database, question.sql):
             raise _too_large()
-    return {"question": asdict(_tune_question(question, request["columns"]))}
+    # For a table with the columns that there are already.
+    tuned = tune(question.sql, MemoryColumns.closed(request["columns"]), for_all=True)
+    found = {} if tuned is None else keep_preparable({"": tuned})
+    return {"question": asdict(replace(question, tuned=found.get("")))}
 
 
-_JOBS: Mapping[str, Job] = {"constants": _settle, "query": _ask}
+_JOBS: Mapping[str, Job] = {
+    "constants": lambda asked: {
+        "settled": {"text": with_constants(asked["text"], asked["constants"])}
+    },
+    "query": _ask,
+}
 
 
 def _try_out(program: Program) -> None:
@@ -188,23 +197,6 @@ def _try_out(program: Program) -> None:
             raise ProgramError((Diagnostic(predicate.line or 1, 1, message, hint),))
 
 
-def _tune_program(program: Program, trees: dict[str, exp.Query]) -> Program:
-    order = sorted(program.statements, key=lambda name: name not in program.needed)
-    statements = {
-        "Robot": program.statements["Robot"],
-        **{f"{name} grows": sql for name, (_, sql) in program.recursions.items()},
-        **{name: program.statements[name] for name in order},
-    }
-    return replace(program, tuned=keep_preparable(tune_all(statements, trees)))
-
-
-def _tune_question(question: Question, columns: dict[str, Any]) -> Question:
-    """Add a tuned query for a table with the given columns, if SQLite can prepare it."""
-    tuned = tune(question.sql, MemoryColumns.closed(columns), for_all=True)
-    found = {} if tuned is None else keep_preparable({"": tuned})
-    return replace(question, tuned=found.get(""))
-
-
 def keep_preparable(every: dict[str, Tuned]) -> dict[str, Tuned]:
     """Return the tuned queries that SQLite can prepare in reasonable time."""
     kept = {}
@@ -229,22 +221,5 @@ def is_prepared_soon(database: Database, sql: str, bounds: int = 0) -> bool:
 
 
 def _too_large() -> ProgramError:
-    return ProgramError(
-        (
-            Diagnostic(
-                1,
-                1,
-                "the program becomes too large when its predicates are inlined",
-                "Mention long predicates less often.",
-            ),
-        )
-    )
-
-
-def _plain(diagnostic: Diagnostic) -> Diagnostic:
-    return replace(
-        diagnostic,
-        message=printable(diagnostic.message[:_LONGEST_MESSAGE]),
-        hint=printable(diagnostic.hint[:_LONGEST_MESSAGE]),
-        excerpt=printable(diagnostic.excerpt[:_LONGEST_MESSAGE]),
-    )
+    message = "the program becomes too large when its predicates are inlined"
+    return ProgramError((Diagnostic(1, 1, message, "Mention long predicates less often."),))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
 from time import process_time
 from typing import Any, ClassVar, Protocol
 
-from logical_robots_tui.mind.limits import weight_of_scalar
+from logical_robots_tui.language.diagnostics import Stopped
+from logical_robots_tui.mind.limits import Limits, weight_of_row, weight_of_scalar
 
 STEPS_AT_ONCE = 20_000
 """Steps of SQLite's virtual machine between two counts: a fifth of a millisecond or more."""
@@ -42,6 +43,82 @@ class Budget:
     is_late: bool = False
 
 
+class TooHeavyError(Exception):
+    """Rows would take too much memory; the message says how much."""
+
+
+LONG = 10_000
+"""Characters of an answer that is weighed row by row."""
+
+_CLOSE = 0.1  # of all steps; far more than the error of an inexact count
+
+
+@dataclass(slots=True, eq=False)
+class Within:
+    """The budget of steps and rows that several evaluations share.
+
+    Attributes:
+        steps: Steps for all of them, as a `Budget` counts them.
+        seconds: The time limit.
+        rows: The most rows of one evaluation.
+        stop: Ends them when set.
+        cut: Whether further rows are left out instead of being an error.
+        anew: Whether to prepare statements again. SQLite continues counting the steps of a prepared
+            statement from its last run; only a new one gives the same count each time.
+        weight: The most bytes of objects in the rows of all evaluations.
+        budget: The rest of the budget.
+        is_much: Whether the last answer is so large that each of its rows must be checked.
+    """
+
+    steps: int
+    seconds: float
+    rows: int
+    stop: threading.Event | None
+    _: KW_ONLY
+    cut: bool = False
+    anew: bool = False
+    weight: int = 96_000_000
+    is_much: bool = field(default=True, init=False)
+    budget: Budget = field(init=False)
+    _left: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.renew()
+
+    @classmethod
+    def of_thought(cls, limits: Limits) -> Within:
+        steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
+        return cls(steps, seconds, rows, None, weight=limits.think_weight)
+
+    @classmethod
+    def of_query(
+        cls, limits: Limits, rows: int, stop: threading.Event | None, *, cut: bool = True
+    ) -> Within:
+        steps, seconds = limits.query_steps, limits.query_seconds
+        return cls(steps, seconds, rows, stop, cut=cut, weight=limits.think_weight)
+
+    @property
+    def is_close(self) -> bool:
+        """Return whether so little is left that only an exact count can find the cause."""
+        return not self.anew and self.budget.steps < self.steps * _CLOSE
+
+    def renew(self) -> None:
+        self._left = self.weight
+        self.budget = Budget(self.steps, self.seconds)
+
+    def again(self) -> Within:
+        """Return the same budget unused, counted exactly."""
+        return replace(self, seconds=max(self.budget.seconds, 0.0), anew=True)
+
+    def weigh(self, row: Sequence[Any]) -> None:
+        """Count the bytes of a row; raise Stopped, or TooHeavyError if all take too many."""
+        if self.stop is not None and self.stop.is_set():
+            raise Stopped("The program was stopped while its answer was read.")
+        self._left -= weight_of_row(row)
+        if self._left < 0:
+            raise TooHeavyError(f"all results together take more than {self.weight:,} bytes")
+
+
 class Work:
     """Work that can be halted: `halt` is called in another thread repeatedly until it ends."""
 
@@ -52,21 +129,17 @@ class Work:
 
     def __init__(self, halt: Callable[[], None], most_bytes: int = _UNCOUNTED) -> None:
         self._halt = halt
-        self._most_bytes = self.bytes = most_bytes
-        self._budget = Budget(0, 0.0)
-        self._stop: threading.Event | None = None
-        self.steps = _UNCOUNTED
-        self._number = 0
-        self.is_full = self.halted = False
+        self._most_bytes = most_bytes
+        self._renew(Budget(_UNCOUNTED, 0.0), None)
 
     def begin(self, budget: Budget, stop: threading.Event | None) -> None:
-        self._budget = budget
-        self._stop = stop
-        self.steps = budget.steps
-        self._number = 0
-        self.bytes = self._most_bytes
-        self.is_full = self.halted = False
+        self._renew(budget, stop)
         _watcher.add(self)
+
+    def _renew(self, budget: Budget, stop: threading.Event | None) -> None:
+        self._budget, self._stop = budget, stop
+        self.steps, self.bytes, self._number = budget.steps, self._most_bytes, 0
+        self.is_full = self.halted = False
 
     def end(self) -> None:
         _watcher.remove(self)
@@ -134,45 +207,37 @@ class _Watcher:
         with self._lock:
             self._works.add(work)
             if not self._looks:
-                self._wake()
+                self._looks = True
+                self._awake.set()
+                if self._thread is None or not self._thread.is_alive():
+                    name = "logical-robots-watch"
+                    self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+                    self._thread.start()
 
     def remove(self, work: Work) -> None:
         with self._lock:
             self._works.discard(work)
 
-    def _wake(self) -> None:
-        self._awake.set()
-        self._looks = True
-        if self._thread is None or not self._thread.is_alive():
-            self._thread = threading.Thread(
-                target=self._run, name="logical-robots-watch", daemon=True
-            )
-            self._thread.start()
-
     def _run(self) -> None:
+        quiet, last = 0, process_time()
         try:
-            self._look()
+            while True:
+                if not self._awake.is_set():
+                    self._awake.wait()
+                    last = process_time()  # what was computed meanwhile is nobody's work
+                now = process_time()
+                with self._lock:
+                    quiet = 0 if self._works else quiet + 1
+                    for work in self._works:
+                        work.look(now - last)
+                    if quiet > _QUIET_LOOKS:
+                        quiet = 0
+                        self._looks = False
+                        self._awake.clear()
+                last = now
+                self._never.wait(_LOOK_SECONDS)
         finally:
             self._looks = False
-
-    def _look(self) -> None:
-        quiet = 0
-        last = process_time()
-        while True:
-            if not self._awake.is_set():
-                self._awake.wait()
-                last = process_time()  # what was computed meanwhile is nobody's work
-            now = process_time()
-            with self._lock:
-                quiet = 0 if self._works else quiet + 1
-                for work in self._works:
-                    work.look(now - last)
-                if quiet > _QUIET_LOOKS:
-                    quiet = 0
-                    self._looks = False
-                    self._awake.clear()
-            last = now
-            self._never.wait(_LOOK_SECONDS)
 
 
 _watcher = _Watcher()
@@ -240,16 +305,17 @@ def charge(
 
 
 class Aggregate(Protocol):
-    """An aggregate; `compares` if each step compares its values with those held."""
+    """An aggregate; `compares` if each step compares its values with those held.
+
+    A step takes a row, and returns by how many bytes of objects the aggregate grew.
+    """
 
     compares: ClassVar[bool]
 
     @property
-    def step(self) -> Callable[..., int]:
-        """Take a row, and return by how many bytes of objects the aggregate grew."""
+    def step(self) -> Callable[..., int]: ...
 
-    def finalize(self) -> Any:
-        """Return the result."""
+    def finalize(self) -> Any: ...
 
 
 class ChargedAggregate:
@@ -272,7 +338,6 @@ class ChargedAggregate:
         self._work.hold(grown)
 
     def finalize(self) -> Any:
-        """Return the result, and release the bytes held."""
         self._work.charge(STEPS_OF_A_CALL + self._held // _BYTES_OF_A_STEP)
         result = self._aggregate.finalize()
         self._work.hold(-self._held)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import secrets
 import sqlite3
 from collections.abc import Callable, Iterable, Sequence
@@ -10,16 +11,38 @@ from typing import Any, TypeAlias
 
 from logical_robots_tui.language.diagnostics import Stopped
 from logical_robots_tui.mind.limits import Limits
-from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, STEPS_AT_ONCE, Work, charge
-from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import BUILT_IN, NAMED_QUERY, PLAIN_LAYOUT, Layout
-from logical_robots_tui.mind.sqlite.moment import LONG, Within
+from logical_robots_tui.mind.sqlite import budget, registry
+from logical_robots_tui.mind.sqlite.budget import Within, Work
+from logical_robots_tui.mind.sqlite.layouts import PLAIN_LAYOUT, Layout
 
 Answer: TypeAlias = "tuple[tuple[str, ...], Sequence[tuple[Any, ...]]]"
 """Column names and rows."""
 
 Scalar: TypeAlias = int | float | str | None
 """A value as stored in a table."""
+
+_NAMED_QUERY = re.compile(r"t_\d+_\w+|the_last_step|WhyGiven")
+"""Names of the named queries of a statement."""
+
+_BUILT_IN = """
+    abs acos acosh asin asinh atan atan2 atanh avg ceil ceiling char coalesce concat concat_ws
+    cos cosh count cume_dist degrees dense_rank exp first_value floor format group_concat if
+    ifnull iif instr json json_array json_array_length json_each json_extract json_group_array
+    json_group_object json_object json_quote json_type json_valid lag last_value lead length
+    like likelihood likely ln log log10 log2 lower ltrim max median min mod nth_value ntile
+    nullif percent_rank percentile pi pow power printf quote radians rank replace round
+    row_number rtrim sign sin sinh sqrt string_agg substr substring sum tan tanh total trim
+    trunc typeof unicode unlikely upper
+"""
+
+BUILT_IN = frozenset(_BUILT_IN.split())
+"""SQLite's own functions that may be called.
+
+Excluded are functions that reach beyond the query (``load_extension``, ``readfile``), reveal the
+machine (``random``, ``date``, ``sqlite_version``), or only create large values (``randomblob``,
+``zeroblob``, ``hex``). Functions that can take very long in a single call are replaced by our
+own.
+"""
 
 _ALLOWED_ACTIONS = frozenset({sqlite3.SQLITE_SELECT, sqlite3.SQLITE_RECURSIVE})
 
@@ -67,7 +90,7 @@ class Database:
         )
         self._work = Work(self._halt, self._limits.aggregate_bytes)
         self._numbers = count()
-        self._connection.set_progress_handler(self._work.count, STEPS_AT_ONCE)
+        self._connection.set_progress_handler(self._work.count, budget.STEPS_AT_ONCE)
         registry.install(self._connection, self._work)
         self._connection.executescript(
             f"""
@@ -91,11 +114,7 @@ class Database:
         """Whether the tables are empty; SQLite rolls back when it runs out of memory."""
         return not self._connection.in_transaction
 
-    def load(
-        self,
-        sensors: Sequence[tuple[str, Any]],
-        memories: Sequence[tuple[str, Any]],
-    ) -> None:
+    def load(self, sensors: Sequence[tuple[str, Any]], memories: Sequence[tuple[str, Any]]) -> None:
         """Replace ``Sensor`` and ``Memory`` in the plain layout; TooMuchError for large values."""
         self.fill("Sensor", (("INSERT INTO Sensor VALUES (?, ?)", sensors),))
         self.fill("Memory", (("INSERT INTO Memory VALUES (?, ?)", memories),))
@@ -151,20 +170,20 @@ class Database:
         """
         if within is None:
             within = Within.of_thought(self._limits)
-        budget, stop = within.budget, within.stop
+        left, stop = within.budget, within.stop
         if stop is not None and stop.is_set():
             raise Stopped("The program was stopped before it started thinking.")
-        if budget.is_late or budget.steps < 0:
+        if left.is_late or left.steps < 0:
             raise TooSlowError
         if within.anew:
             sql = f"/* {next(self._numbers)} */ {sql}"
         self._trusted = False
         self._bytes = 0
         work = self._work
-        work.begin(budget, stop)
+        work.begin(left, stop)
         try:
             answer = self._fetch(sql, parameters, most)
-            within.is_much = self._bytes > LONG or len(answer[1]) > _MANY
+            within.is_much = self._bytes > budget.LONG or len(answer[1]) > _MANY
             return answer
         except TooMuchError:
             raise
@@ -204,7 +223,7 @@ class Database:
     def offer(self, name: str, function: Callable[..., Any], arguments: int = 1) -> None:
         """Register a function for queries, once; its errors and steps count as the query's."""
         if name not in self._offered:
-            self._connection.create_function(name, arguments, charge(function, self._work))
+            self._connection.create_function(name, arguments, budget.charge(function, self._work))
             self._offered.add(name)
 
     def prepare(self, sql: str, parameters: Sequence[int] = ()) -> None:
@@ -254,7 +273,7 @@ class Database:
             return TooMuchError(f"aggregates collect more than {most:,} bytes at a time")
         return TooMuchError(
             f"a value became too large; a text, list or record may have "
-            f"{self._limits.value_bytes:,} bytes, a list in a function {MAX_ITEMS:,} items"
+            f"{self._limits.value_bytes:,} bytes, a list in a function {budget.MAX_ITEMS:,} items"
         )
 
     def _halt(self) -> None:
@@ -278,7 +297,7 @@ class Database:
             return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_READ and first is not None:
             # A named query is only mentioned here when its rows are counted.
-            counted = second == "" and NAMED_QUERY.fullmatch(first) is not None
+            counted = second == "" and _NAMED_QUERY.fullmatch(first) is not None
             if counted or first.lower() in self._readable:
                 return sqlite3.SQLITE_OK
         if action == sqlite3.SQLITE_FUNCTION and second is not None:

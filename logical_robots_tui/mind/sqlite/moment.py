@@ -1,16 +1,11 @@
-"""The sensors and memories of one tick, who sees which of them, and the budget of evaluations."""
+"""The sensors and memories of one tick, and who sees which of them."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field, replace
 from operator import itemgetter
 from typing import Any, Literal, NamedTuple
 
-from logical_robots_tui.language.diagnostics import Stopped
-from logical_robots_tui.mind.limits import Limits, weight_of_row
-from logical_robots_tui.mind.sqlite.budget import Budget
 from logical_robots_tui.values import SensorRow, Value
 
 
@@ -136,80 +131,3 @@ def _pick(
 ) -> Sequence[tuple[int, Mapping[str, Any]]]:
     radar = row["sensor"]["radar"]
     return [(n, radar[n]) for n, found in enumerate(objects) if found == kind]
-
-
-class TooHeavyError(Exception):
-    """Rows would take too much memory; the message says how much."""
-
-
-LONG = 10_000
-"""Characters of an answer that is weighed row by row."""
-
-_CLOSE = 0.1  # of all steps; far more than the error of an inexact count
-
-
-@dataclass(slots=True, eq=False)
-class Within:
-    """The budget of steps and rows that several evaluations share.
-
-    Attributes:
-        steps: Steps for all of them, as a `Budget` counts them.
-        seconds: The time limit.
-        rows: The most rows of one evaluation.
-        stop: Ends them when set.
-        cut: Whether further rows are left out instead of being an error.
-        anew: Whether to prepare statements again. SQLite continues counting the steps of a prepared
-            statement from its last run; only a new one gives the same count each time.
-        weight: The most bytes of objects in the rows of all evaluations.
-        budget: The rest of the budget.
-        is_much: Whether the last answer is so large that each of its rows must be checked.
-    """
-
-    steps: int
-    seconds: float
-    rows: int
-    stop: threading.Event | None
-    _: KW_ONLY
-    cut: bool = False
-    anew: bool = False
-    weight: int = 96_000_000
-    is_much: bool = field(default=True, init=False)
-    budget: Budget = field(init=False)
-    _left: int = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.renew()
-
-    @classmethod
-    def of_thought(cls, limits: Limits) -> Within:
-        steps, seconds, rows = limits.think_steps, limits.think_seconds, limits.think_rows
-        return cls(steps, seconds, rows, None, weight=limits.think_weight)
-
-    @classmethod
-    def of_query(
-        cls, limits: Limits, rows: int, stop: threading.Event | None, *, cut: bool = True
-    ) -> Within:
-        steps, seconds = limits.query_steps, limits.query_seconds
-        return cls(steps, seconds, rows, stop, cut=cut, weight=limits.think_weight)
-
-    @property
-    def is_close(self) -> bool:
-        """Return whether so little is left that only an exact count can find the cause."""
-        return not self.anew and self.budget.steps < self.steps * _CLOSE
-
-    def renew(self) -> None:
-        self._left = self.weight
-        self.budget = Budget(self.steps, self.seconds)
-
-    def again(self) -> Within:
-        """Return the same budget unused, counted exactly."""
-        return replace(self, seconds=max(self.budget.seconds, 0.0), anew=True)
-
-    def each(self, row: Sequence[Any]) -> Sequence[Any]:
-        """Return the row, or raise Stopped or TooHeavyError (bytes of all rows together)."""
-        if self.stop is not None and self.stop.is_set():
-            raise Stopped("The program was stopped while its answer was read.")
-        self._left -= weight_of_row(row)
-        if self._left < 0:
-            raise TooHeavyError(f"all results together take more than {self.weight:,} bytes")
-        return row

@@ -28,11 +28,10 @@ class TooDeepError(ValueError):
     """Records and lists are nested too deeply."""
 
 
-_encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
+_TOO_DEEP = "records and lists are nested too deeply in its result"
 
-
-def to_json(value: Any) -> str:
-    return _encode(value)
+to_json = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
+"""Writes a value as JSON text."""
 
 
 def to_input(value: Any) -> str:
@@ -40,19 +39,19 @@ def to_input(value: Any) -> str:
     try:
         return orjson.dumps(value).decode()
     except TypeError:
-        return _encode(value)  # integers of more than 64 bits, lone surrogates
+        return to_json(value)  # integers of more than 64 bits, lone surrogates
 
 
 def size_of(value: Value) -> int:
     """Return the bytes of the JSON text of a value; 0 for a number or null."""
     if isinstance(value, str) and len(value) > _LONG:
-        return len(_encode(value).encode("utf-8", "replace"))  # orjson crashes when memory runs out
+        return len(to_json(value).encode("utf-8", "replace"))  # orjson crashes when memory runs out
     if not isinstance(value, str | list | dict):
         return 0
     try:
         return len(orjson.dumps(value))
     except TypeError:
-        return len(_encode(value).encode("utf-8", "replace"))
+        return len(to_json(value).encode("utf-8", "replace"))
 
 
 def to_sql(value: Value) -> int | float | str | None:
@@ -76,32 +75,22 @@ def from_sql(value: Any, deepest: int = _DEEPEST) -> Value:
 
 def _from_json(text: str, deepest: int) -> Value:
     try:
-        parsed = _parse(text)
-        if _is_shallow(text, deepest) and not _may_hide(text):
-            return parsed  # type: ignore[no-any-return]  # there is nothing to unescape
+        try:
+            parsed: Value = orjson.loads(text)
+        except ValueError:
+            # Older SQLite writes infinity as Inf, which is not JSON.
+            parsed = json.loads(_INFINITE.sub("Infinity", text))
+        opened = text.count("[") + text.count("{")
+        if opened > deepest:  # of siblings one counts
+            opened -= text.count("},{") + text.count("],[")
+        is_shallow = opened <= deepest
+        if is_shallow and not any(map(text.__contains__, _HIDING)) and not _ENDLESS.search(text):
+            return parsed
     except RecursionError:
-        raise _too_deep() from None
+        raise TooDeepError(_TOO_DEEP) from None
     except ValueError:
         return _whole(text)
     return _unescape(parsed, deepest)
-
-
-def _is_shallow(text: str, deepest: int) -> bool:
-    """Return whether JSON is certainly not nested deeper than `deepest`; siblings count once."""
-    opened = text.count("[") + text.count("{")
-    return opened <= deepest or opened - text.count("},{") - text.count("],[") <= deepest
-
-
-def _may_hide(text: str) -> bool:
-    return any(map(text.__contains__, _HIDING)) or _ENDLESS.search(text) is not None
-
-
-def _parse(text: str) -> Any:
-    try:
-        return orjson.loads(text)
-    except ValueError:
-        # Older SQLite writes infinity as Inf, which is not JSON.
-        return json.loads(_INFINITE.sub("Infinity", text))
 
 
 def _unescape(value: Any, deepest: int) -> Value:
@@ -111,11 +100,11 @@ def _unescape(value: Any, deepest: int) -> Value:
     """
     if isinstance(value, dict):
         if deepest <= 0:
-            raise _too_deep()
+            raise TooDeepError(_TOO_DEEP)
         return {_whole(k): _unescape(v, deepest - 1) for k, v in value.items()}
     if isinstance(value, list):
         if deepest <= 0:
-            raise _too_deep()
+            raise TooDeepError(_TOO_DEEP)
         return [_unescape(v, deepest - 1) for v in value]
     if isinstance(value, str):
         if value[:1] in ("{", "["):
@@ -129,10 +118,6 @@ def _unescape(value: Any, deepest: int) -> Value:
 def _whole(text: str) -> str:
     whole = text if text.isascii() else text.encode("utf-8", "replace").decode()
     return whole.replace("\0", _UNFIT)
-
-
-def _too_deep() -> TooDeepError:
-    return TooDeepError("records and lists are nested too deeply in its result")
 
 
 _SHORT = 100  # characters; parsing a shorter text is as fast as looking it up
@@ -150,11 +135,8 @@ class Interner:
 
     def read(self, value: Any, deepest: int) -> Value:
         """Return a value as `from_sql` does, with the same depth each time."""
-        if (
-            value.__class__ is not str
-            or value[:1] not in _OPENING
-            or not _SHORT <= len(value) < _LONG_KEPT
-        ):
+        is_nested = value.__class__ is str and value[:1] in _OPENING
+        if not is_nested or not _SHORT <= len(value) < _LONG_KEPT:
             return from_sql(value, deepest)
         found = self._now.get(value)
         if found is None:

@@ -5,19 +5,16 @@ from __future__ import annotations
 import marshal
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from logical_robots_tui.mind.limits import Limits
+from logical_robots_tui.mind.sqlite import layouts
+from logical_robots_tui.mind.sqlite.budget import Within
 from logical_robots_tui.mind.sqlite.database import Answer, Database, Scalar, TooMuchError
-from logical_robots_tui.mind.sqlite.filling import Filling, Radars, fillings, whole_ray
-from logical_robots_tui.mind.sqlite.layouts import (
-    COLUMNS_LAYOUT,
-    CROWD_LAYOUT,
-    PLAIN_LAYOUT,
-    WHOLE_RAY,
-    Layout,
-)
-from logical_robots_tui.mind.sqlite.moment import Moment, View, Within
+from logical_robots_tui.mind.sqlite.layouts import Filling, Layout, fillings
+from logical_robots_tui.mind.sqlite.moment import Moment, View
 from logical_robots_tui.mind.sqlite.stored import to_input, to_sql
 
 if TYPE_CHECKING:
@@ -28,12 +25,14 @@ class UnfitError(Exception):
     """The sensors or memories don't have the shape or size that the columns need."""
 
 
-class PlainTables:
+class PlainTables(Database):
+    """The tables as programs know them, with what one robot sees of a moment."""
+
     def __init__(self, limits: Limits) -> None:
-        self._database = Database(limits, PLAIN_LAYOUT)
+        super().__init__(limits, layouts.PLAIN_LAYOUT)
         self._loaded: tuple[Moment, View] | None = None
 
-    def ask(
+    def ask_of(
         self,
         sql: str,
         moment: Moment,
@@ -41,12 +40,13 @@ class PlainTables:
         within: Within,
         parameters: Sequence[Scalar] = (),
     ) -> Answer:
-        """Return a query's rows; raise as `Database.load` and `Database.ask` do."""
-        self._load(moment, view)
-        return self._database.ask(sql, parameters, most=within.rows + 1, within=within)
+        """Return a query's rows; raise as `load` and `ask` do."""
+        self.see(moment, view)
+        return self.ask(sql, parameters, most=within.rows + 1, within=within)
 
-    def _load(self, moment: Moment, view: View) -> None:
-        loaded = None if self._database.is_empty else self._loaded
+    def see(self, moment: Moment, view: View) -> None:
+        """Load the rows of a view, unless they are there; raise TooMuchError."""
+        loaded = None if self.is_empty else self._loaded
         if loaded is None or loaded[0] is not moment or loaded[1] is not view:
             self._loaded = None
             first, last = view.sensors
@@ -55,41 +55,23 @@ class PlainTables:
             start = bisect_left(moment.memories, (first, ""))
             end = bisect_left(moment.memories, (last + 1, ""))
             names = [name for _, name in moment.memories[start:end]]
-            self._database.load(
+            self.load(
                 [(row["robot_name"], to_input(row["sensor"])) for row in sensors],
                 [(name, to_sql(moment.remembered.get(name))) for name in names],
             )
             self._loaded = (moment, view)
-
-    def define(
-        self,
-        table: str,
-        columns: Sequence[str],
-        rows: Sequence[Sequence[Scalar]],
-        moment: Moment,
-        view: View,
-    ) -> None:
-        """Fill an additional table for queries over a view; raise TooMuchError."""
-        self._load(moment, view)
-        self._database.define(table, columns, rows)
-
-    def offer(self, name: str, function: Callable[..., Any], arguments: int) -> None:
-        self._database.offer(name, function, arguments)
-
-    def close(self) -> None:
-        self._database.close()
 
 
 class TunedTables:
     """All rows of a moment, with the sensor fields and radar rays that are read as columns."""
 
     def __init__(
-        self, limits: Limits, *, frozen: bool = False, few: Layout = COLUMNS_LAYOUT
+        self, limits: Limits, *, frozen: bool = False, few: Layout = layouts.COLUMNS_LAYOUT
     ) -> None:
         self._limits = limits
         self._few = few
         self._database = self._new_database(few)
-        self._radars = Radars(frozen=frozen)
+        self._radars = _Radars(frozen=frozen)
         self._is_crowd = False
         self._moment: Moment | None = None
         self._memories = b""  # the content of ``Memory``, or empty if unknown
@@ -148,8 +130,16 @@ class TunedTables:
             self._reset()
         if self._moment is not moment:
             if _is_crowd(moment) != self._is_crowd:
-                self._change_size()
-            self._forget_all_but_names(moment)
+                self._is_crowd = not self._is_crowd
+                self._database.close()
+                self._database = self._new_database(
+                    layouts.CROWD_LAYOUT if self._is_crowd else self._few
+                )
+                self._reset()
+            # Of the last moment only the names are left, which are often the same.
+            last = self._moment
+            has_names = self._filled.get("Sensor") == _NAMES and last and last.names == moment.names
+            self._filled = {"Sensor": _NAMES} if has_names else {}
             self._moment = moment
             self._read_before, self._read = self._read, [wanted]
         elif not any(read is wanted for read in self._read):
@@ -171,50 +161,36 @@ class TunedTables:
                 if table == "Ray":
                     self._radars.fill(self._database, moment, names)
                 elif table == "Memory":
-                    self._fill_memory(moment, names)
+                    items = fillings("Memory", moment, names)
+                    content = _exactly(items)  # most programs keep their memory for many ticks
+                    if not content or content != self._memories:
+                        self._memories = b""
+                        self._database.fill("Memory", items)
+                        self._memories = content
                 else:
                     self._database.fill(table, fillings(table, moment, names))
                 filled[table] = names
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             raise UnfitError(str(error)) from None
 
-    def _fill_memory(self, moment: Moment, names: tuple[str, ...]) -> None:
-        items = fillings("Memory", moment, names)
-        # Most programs keep their memory for many ticks.
-        text = _exactly(items)
-        if not text or text != self._memories:
-            self._memories = b""
-            self._database.fill("Memory", items)
-            self._memories = text
-
     def _new_database(self, layout: Layout) -> Database:
         database = Database(self._limits, layout)
-        database.offer(WHOLE_RAY, self._whole_ray)
+        database.offer(layouts.WHOLE_RAY, self._whole_ray)
         return database
 
     def _whole_ray(self, number: int | None) -> str | None:
+        """Return a ray as JSON; IndexError, KeyError or TypeError if there is none."""
+        if number is None:
+            return None
         assert self._moment is not None
-        return whole_ray(self._moment, number)
-
-    def _change_size(self) -> None:
-        self._is_crowd = not self._is_crowd
-        self._database.close()
-        self._database = self._new_database(CROWD_LAYOUT if self._is_crowd else self._few)
-        self._reset()
+        robot, ray = divmod(number, layouts.RAYS)
+        return to_input(self._moment.sensors[robot]["sensor"]["radar"][ray])
 
     def _reset(self) -> None:
         self._radars.forget()
         self._moment = None
         self._memories = b""
         self._filled = {}
-
-    def _forget_all_but_names(self, moment: Moment) -> None:
-        """Delete the rows of the last moment except the names, which are often the same."""
-        names = self._filled.get("Sensor")
-        before = self._moment
-        self._filled.clear()
-        if names == _NAMES and before is not None and before.names == moment.names:
-            self._filled["Sensor"] = _NAMES
 
 
 def _both(some: tuple[str, ...], others: tuple[str, ...]) -> tuple[str, ...]:
@@ -240,3 +216,56 @@ _WITHOUT_REFERENCES = 2  # a format version that writes identical objects like e
 _NAMES = ("robot_name",)
 
 _CROWD = 32  # robots from which on SQLite's automatic indexes pay off
+
+
+_MOST_VALUES = 900  # per statement
+
+
+class _Radars:
+    """The table ``Ray``; if `frozen`, a radar that is the same object keeps its rays."""
+
+    def __init__(self, *, frozen: bool) -> None:
+        self._frozen = frozen
+        self._numbers: tuple[str, int] | None = None  # the same where rows have the same numbers
+        self._there: list[list[Any]] = []
+
+    def fill(self, database: Database, moment: Moment, columns: tuple[str, ...]) -> None:
+        """Replace the rays of changed radars; ValueError if their numbers of rays differ."""
+        radars = [row["sensor"]["radar"] for row in moment.sensors]
+        usual = len(radars[0])
+        values = usual * (1 + len(columns))
+        if any(len(radar) != usual for radar in radars) or not 0 < values < _MOST_VALUES:
+            raise ValueError("radars of different size")
+        insert, in_ray = _insert_rays(columns, usual)
+        numbers = insert, len(radars)
+        is_same = numbers == self._numbers
+        there = self._there if is_same and self._frozen else [None] * len(radars)
+        rows = []
+        for number, (radar, before) in enumerate(zip(radars, there, strict=True)):
+            if radar is not before:
+                row: list[Any] = [number * layouts.RAYS]
+                for value in in_ray:
+                    row += map(value, radar)
+                rows.append(row)
+        self._numbers = None
+        if rows:
+            database.fill("Ray", ((insert, rows),), clear=not is_same)
+        self._numbers, self._there = numbers, radars
+
+    def forget(self) -> None:
+        self._numbers, self._there = None, []
+
+
+@cache
+def _insert_rays(
+    columns: tuple[str, ...], rays: int
+) -> tuple[str, Sequence[Callable[[Mapping[str, Any]], Any]]]:
+    """Return a statement for a radar (first number, then values by column) and a ray's reader."""
+    rows = (
+        ", ".join((f"?1 + {ray}", *(f"?{i * rays + ray + 2}" for i in range(len(columns)))))
+        for ray in range(rays)
+    )
+    names = ", ".join(("id", *columns))
+    values = ", ".join(f"({row})" for row in rows)
+    insert = f"REPLACE INTO Ray({names}) VALUES {values}"  # noqa: S608 - our own names
+    return insert, [to_input if name == "value" else itemgetter(name) for name in columns]

@@ -65,10 +65,8 @@ class _Lifting:
             before = one.this.copy()
             if self.lift(one.this):
                 self._dependent[one.alias] = before
-        if query.is_star:
-            lifted = self._lift_all_columns(query, must=must)
-        else:
-            lifted = self._lift_select(query, must=must)
+        lift = self._lift_all_columns if query.is_star else self._lift_select
+        lifted = lift(query, must=must)
         if named is not None:
             used = {table.name for table in query.find_all(exp.Table)}
             for one in reversed(named.expressions):
@@ -94,12 +92,12 @@ class _Lifting:
         others = ("where", "group", "joins", "distinct", *_UNUSUAL)
         if len(sources) != 1 or any(select.args.get(part) for part in others):
             raise _UnsuitableError
-        (only,) = sources
-        if isinstance(only, exp.Subquery):
-            return self.lift(only.this, must=must)
-        if must and not self._is_lifted(only):
+        if isinstance(sources[0], exp.Subquery):
+            return self.lift(sources[0].this, must=must)
+        is_lifted = self._is_lifted(sources[0])
+        if must and not is_lifted:
             raise _UnsuitableError
-        return self._is_lifted(only)
+        return is_lifted
 
     def _lift_select(self, select: exp.Select, *, must: bool) -> bool:
         if not select.args.get("group") and any(map(sql.own_aggregates, select.expressions)):

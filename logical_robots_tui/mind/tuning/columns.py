@@ -7,21 +7,13 @@ thoughts of all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.sqlite.filling import spell_item
-from logical_robots_tui.mind.sqlite.layouts import (
-    ITEM_FIELDS,
-    ITEMS,
-    KINDS,
-    MEMORY_FIELDS,
-    RAYS,
-    WHOLE_RAY,
-)
-from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.mind.sqlite import layouts
+from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.schema import RAY, SELF, SENSOR
 
 SENSOR_FIELDS = {
@@ -74,7 +66,8 @@ def rays_as_rows(tree: exp.Expr) -> None:
                     column.parent.replace(exp.column(field[2:], name))
             rays = exp.to_table(_of_one_kind(select, name) or "Ray")
             table.replace(exp.alias_(rays, name, table=True))
-            mine = f"ray BETWEEN sensor * {RAYS} AND sensor * {RAYS} + {RAYS - 1}"
+            first = f"sensor * {layouts.RAYS}"
+            mine = f"ray BETWEEN {first} AND {first} + {layouts.RAYS - 1}"
             numbers = {"ray": exp.column("id", name), "sensor": exp.column("id", sensor)}
             sql.restrict(select, sql.expression(mine, **numbers))
             if sensor in here:
@@ -147,12 +140,11 @@ def _radar_of(table: exp.Expr) -> str | None:
     if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
         return None
     arguments = table.this.expressions
-    if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_extract":
+    if len(arguments) != 1 or sql.extract_path(arguments[0]) != "$.radar":
         return None
     column = arguments[0].expressions[0]
-    if not isinstance(column, exp.Column) or sql.extract_path(arguments[0]) != "$.radar":
-        return None
-    return column.table if _is_table(column, "sensor") and column.name == "sensor" else None
+    is_sensor = isinstance(column, exp.Column) and column.name == "sensor"
+    return column.table if is_sensor and _is_table(column, "sensor") else None
 
 
 def _of_one_kind(select: exp.Select, ray: str) -> str:
@@ -163,7 +155,7 @@ def _of_one_kind(select: exp.Select, ray: str) -> str:
         for column, kind in ((test.this, test.expression), (test.expression, test.this)):
             if not isinstance(column, exp.Column) or (column.table, column.name) != (ray, "object"):
                 continue
-            for table, ends_at in KINDS.items():
+            for table, ends_at in layouts.KINDS.items():
                 if isinstance(kind, exp.Literal) and kind.is_string and kind.this == ends_at:
                     sql.drop_condition(select, test)
                     return table
@@ -179,8 +171,7 @@ def is_input(table: exp.Expr) -> bool:
     return sql.table_name(table) in _BOUNDS
 
 
-_TABLES = frozenset({"ray", *(table.lower() for table in KINDS)})
-_WHOLE = "value"
+_TABLES = frozenset({"ray", *(table.lower() for table in layouts.KINDS)})
 
 
 def fetch_whole_rays(tree: exp.Expr) -> None:
@@ -190,17 +181,13 @@ def fetch_whole_rays(tree: exp.Expr) -> None:
     a column of a group comes from the row that has the least value, so SQLite can ask for that ray
     alone.
     """
-    for column, select in list(_whole_rays(tree)):
-        if _is_beside_aggregate(column, select):
+    for column in list(tree.find_all(exp.Column)):
+        found = sql.source(column) if column.name.lower() == "value" else None
+        if found is None or sql.table_name(found[1]) not in _TABLES:
+            continue
+        if _is_beside_aggregate(column, found[0]):
             number = exp.column("id", column.table)
-            column.replace(exp.Anonymous(this=WHOLE_RAY, expressions=[number]))
-
-
-def _whole_rays(tree: exp.Expr) -> Iterator[tuple[exp.Column, exp.Select]]:
-    for column in tree.find_all(exp.Column):
-        found = sql.source(column) if column.name.lower() == _WHOLE else None
-        if found is not None and sql.table_name(found[1]) in _TABLES:
-            yield column, found[0]
+            column.replace(exp.Anonymous(this=layouts.WHOLE_RAY, expressions=[number]))
 
 
 def _is_beside_aggregate(column: exp.Column, select: exp.Select) -> bool:
@@ -227,47 +214,37 @@ class MemoryColumns:
     @classmethod
     def closed(cls, read: Mapping[str, Sequence[str]]) -> MemoryColumns:
         """Return the columns that are read already, with no room for more."""
-        fields, items = {}, {}
-        for name in read.get("Memory", ()):
-            column, _, known = name.partition("=")
-            if known:
-                fields[known] = column
-        for name in read.get("Item", ()):
-            column, _, known = name.partition("=")
-            items[known.rpartition(".")[2]] = column
+        pairs = (name.split("=") for name in read.get("Memory", ()) if "=" in name)
+        fields = {known: column for column, known in pairs}
+        pairs = (name.split("=") for name in read.get("Item", ()))
+        items = {known.rpartition(".")[2]: column for column, known in pairs}
         # No field has a number for its name.
-        fields |= {str(at): c for at, c in enumerate(MEMORY_FIELDS) if c not in fields.values()}
-        items |= {str(at): c for at, c in enumerate(ITEM_FIELDS) if c not in items.values()}
+        fields |= {
+            str(at): c for at, c in enumerate(layouts.MEMORY_FIELDS) if c not in fields.values()
+        }
+        items |= {str(at): c for at, c in enumerate(layouts.ITEM_FIELDS) if c not in items.values()}
         return cls(fields, items)
 
 
 def memory_fields_as_columns(tree: exp.Expr, known: MutableMapping[str, str]) -> None:
     for column in list(tree.find_all(exp.Column)):
-        guarded = _field_of_memory(column)
+        is_memory = column.name.lower() == "memory" and _is_table(column, "memory")
+        guarded = guarded_field(column) if is_memory else None
         if guarded is None:
             continue
         case, field = guarded
         if field not in known:
-            if len(known) == len(MEMORY_FIELDS):
+            if len(known) == len(layouts.MEMORY_FIELDS):
                 continue
-            known[field] = MEMORY_FIELDS[len(known)]
+            known[field] = layouts.MEMORY_FIELDS[len(known)]
         taken = exp.column(known[field], column.table)
-        case.replace(json.remark(taken, case, is_result=True))
+        case.replace(sql.remark(taken, case, is_result=True))
 
 
 def name_fields(names: tuple[str, ...], fields: Mapping[str, str]) -> tuple[str, ...]:
     """Return names of columns of ``Memory``, those of fields with the field."""
     by_column = {column: field for field, column in fields.items()}
     return tuple(f"{n}={by_column[n]}" if n in by_column else n for n in names)
-
-
-def _field_of_memory(column: exp.Column) -> tuple[exp.Case, str] | None:
-    if column.name.lower() != "memory":
-        return None
-    found = sql.source(column)
-    if found is None or sql.table_name(found[1]) != "memory":
-        return None
-    return guarded_field(column)
 
 
 def guarded_field(column: exp.Column) -> tuple[exp.Case, str] | None:
@@ -306,25 +283,27 @@ def items_as_rows(
     read: set[str] = set()
     for table in list(tree.find_all(exp.Table)):
         select, items = table.find_ancestor(exp.Select), _list_of(table)
-        if select is None or items is None or not _joins_before(select, table, items.table):
+        if select is None or items is None:
             continue
-        alias = table.alias_or_name
+        names, alias = list(sql.sources(select)), table.alias_or_name
+        if items.table in names and names.index(items.table) > names.index(alias):
+            continue
         uses = list(sql.columns_of(select, alias))
         keys = {sql.extract_path(use.parent).removeprefix("$.") for use in uses}
         new = sorted(key for key in keys if key not in known)
-        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(ITEM_FIELDS):
+        if not all(map(str.isidentifier, keys)) or len(known) + len(new) > len(layouts.ITEM_FIELDS):
             continue
         if not keys or any(use.name != "value" for use in uses):
             continue
-        known.update(zip(new, ITEM_FIELDS[len(known) :], strict=False))
+        known.update(zip(new, layouts.ITEM_FIELDS[len(known) :], strict=False))
         for use in uses:
             call = use.parent
             assert call is not None
             column = known[sql.extract_path(call).removeprefix("$.")]
             taken = exp.column(column, alias)
-            call.replace(json.remark(taken, call, is_result=True))
-        place = MEMORY_FIELDS.index(items.name)
-        read |= {spell_item(known[key], place, by_column[items.name], key) for key in keys}
+            call.replace(sql.remark(taken, call, is_result=True))
+        place = layouts.MEMORY_FIELDS.index(items.name)
+        read |= {layouts.spell_item(known[key], place, by_column[items.name], key) for key in keys}
         _read_items(select, table, items.table, place)
     return tuple(sorted(read))
 
@@ -332,15 +311,9 @@ def items_as_rows(
 def _list_of(table: exp.Table) -> exp.Column | None:
     arguments = table.this.expressions if sql.call_name(table.this) == "json_each" else []
     column = arguments[0] if len(arguments) == 1 else None
-    if not isinstance(column, exp.Column) or column.name not in MEMORY_FIELDS:
+    if not isinstance(column, exp.Column) or column.name not in layouts.MEMORY_FIELDS:
         return None
-    found = sql.source(column)
-    return column if found is not None and sql.table_name(found[1]) == "memory" else None
-
-
-def _joins_before(select: exp.Select, table: exp.Table, memory: str) -> bool:
-    names = list(sql.sources(select))
-    return memory not in names or names.index(memory) < names.index(table.alias_or_name)
+    return column if _is_table(column, "memory") else None
 
 
 def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -> None:
@@ -349,7 +322,7 @@ def _read_items(select: exp.Select, table: exp.Table, memory: str, place: int) -
     if isinstance(join, exp.Join):
         join.set("kind", "CROSS")
     table.replace(exp.alias_(exp.to_table("Item"), alias, table=True))
-    first = f"(memory * {len(MEMORY_FIELDS)} + {place}) * {ITEMS}"
-    its = f"item BETWEEN {first} AND {first} + {ITEMS - 1}"
+    first = f"(memory * {len(layouts.MEMORY_FIELDS)} + {place}) * {layouts.ITEMS}"
+    its = f"item BETWEEN {first} AND {first} + {layouts.ITEMS - 1}"
     numbers = {"item": exp.column("id", alias), "memory": exp.column("id", memory)}
     sql.restrict(select, sql.expression(its, **numbers))

@@ -22,7 +22,7 @@ from typing import Any
 
 from sqlglot import exp
 
-from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.mind.tuning import sql
 
 _NAME = "t_0_shared"
 
@@ -50,8 +50,7 @@ def stream(tree: exp.Query) -> None:
 
     A limit in the one query and a condition in the other keep SQLite from merging them again.
     """
-    named = tree.args.get("with_")
-    queries = {query.alias: query for query in named.expressions} if named else {}
+    queries = {query.alias: query for query in sql.named_queries(tree)}
     select: exp.Expr = tree
     while isinstance(select, exp.Select) and len(names := [*sql.sources(select)]) == 1:
         query = queries.get(names[0])
@@ -80,8 +79,7 @@ def _outer_selects(tree: exp.Query) -> Iterator[exp.Select]:
             waiting += [node.this, node.expression]
         elif isinstance(node, exp.Subquery):
             waiting.append(node.this)
-        named = node.args.get("with_")
-        waiting += [query.this for query in named.expressions] if named else []
+        waiting += [query.this for query in sql.named_queries(node)]
 
 
 @dataclass(slots=True)
@@ -223,14 +221,14 @@ def _move(
     is_result = select is tree
     for node in chosen:
         seen = reference(examination.seen[id(node)].key, node.copy)
-        node.replace(seen if json.is_plain(node) else json.remark(seen, node, is_result=is_result))
+        node.replace(seen if sql.is_plain(node) else sql.remark(seen, node, is_result=is_result))
     for expression in select.expressions:
         for column in list(expression.find_all(exp.Column)):
             found = sql.source(column)
             if found is not None and found[0] is select:
                 seen = reference((column.table, column.name.lower()), column.copy)
-                stored = json.is_stored(found[1])
-                column.replace(seen if stored else json.remark(seen, column, is_result=is_result))
+                stored = sql.is_stored(found[1])
+                column.replace(seen if stored else sql.remark(seen, column, is_result=is_result))
     first = exp.Select(
         # Not `exp.alias_`: a subquery that is given the alias itself would be another one.
         expressions=[
@@ -249,17 +247,15 @@ def _move(
 
 def _name_query(tree: exp.Query, select: exp.Select, name: str, first: exp.Select) -> None:
     """Insert a common table expression where this select, but no earlier query, may use it."""
-    query = exp.CTE(
-        this=first, alias=exp.TableAlias(this=exp.to_identifier(name)), materialized=True
-    )
-    named = tree.args.get("with_")
-    if named is None:
-        tree.set("with_", exp.With(expressions=[query]))
-        return
-    user = select.find_ancestor(exp.CTE)
-    places = [i for i, item in enumerate(named.expressions) if item is user]
-    place = places[0] if places else len(named.expressions)
-    named.set("expressions", [*named.expressions[:place], query, *named.expressions[place:]])
+    alias = exp.TableAlias(this=exp.to_identifier(name))
+    query = exp.CTE(this=first, alias=alias, materialized=True)
+    named, user = sql.named_queries(tree), select.find_ancestor(exp.CTE)
+    place = next((i for i, item in enumerate(named) if item is user), len(named))
+    named.insert(place, query)
+    if (both := tree.args.get("with_")) is None:
+        tree.set("with_", exp.With(expressions=named))
+    else:
+        both.set("expressions", named)
 
 
 def _is_value(node: exp.Expr) -> bool:

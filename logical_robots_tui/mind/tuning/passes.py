@@ -5,24 +5,17 @@ All but the required ones can be left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Container, Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from sqlglot import exp
 from sqlglot.errors import SqlglotError
 
 from logical_robots_tui.mind.program import STEPS, Tuned
-from logical_robots_tui.mind.tuning import columns, common_subexpressions, json, planning, sql
+from logical_robots_tui.mind.tuning import columns, common_subexpressions, planning, records, sql
 from logical_robots_tui.mind.tuning.all_viewers import for_all_viewers
 from logical_robots_tui.mind.tuning.columns import MemoryColumns
-from logical_robots_tui.mind.tuning.records import (
-    native_arg_min,
-    native_choice,
-    native_division,
-    pairs_as_columns,
-    records_as_columns,
-    untie_aggregates,
-)
 from logical_robots_tui.schema import INPUTS
 
 
@@ -82,27 +75,18 @@ def _on_each(change: Callable[[exp.Query], None]) -> Callable[[Rewriting], None]
     return apply
 
 
-def _memory_columns(work: Rewriting) -> None:
-    columns.memory_fields_as_columns(work.tree, work.known.fields)
-
-
 def _item_rows(work: Rewriting) -> None:
     work.items = columns.items_as_rows(work.tree, work.known.fields, work.known.items)
 
 
 def _result_columns(work: Rewriting) -> None:
-    work.result = records_as_columns(work.tree)
+    work.result = records.records_as_columns(work.tree)
 
 
 def _all_viewers(work: Rewriting) -> None:
     if work.is_for_all:
         work.together = for_all_viewers(work.tree)
         work.alike = for_all_viewers(work.tree, alike=True)
-
-
-def _materialized_by_robot(work: Rewriting) -> None:
-    # The query of one viewer is asked once where all see everything.
-    planning.materialize(work.tree, by_robots=True)
 
 
 def _list_indexes(work: Rewriting) -> None:
@@ -116,19 +100,23 @@ PASSES = (
     Pass("ray-rows", _on_tree(columns.rays_as_rows)),
     Pass("sensor-columns", _on_tree(columns.sensor_fields_as_columns)),
     Pass("viewer-bounds", _on_tree(columns.bind_viewers), required=True),
-    Pass("arg-min-pairs", _on_tree(pairs_as_columns)),
-    Pass("memory-columns", _memory_columns),
+    Pass("arg-min-pairs", _on_tree(records.pairs_as_columns)),
+    Pass(
+        "memory-columns",
+        lambda work: columns.memory_fields_as_columns(work.tree, work.known.fields),
+    ),
     Pass("item-rows", _item_rows),
-    Pass("untangled-aggregates", _on_tree(untie_aggregates)),
-    Pass("arg-min", _on_tree(native_arg_min)),
+    Pass("untangled-aggregates", _on_tree(records.untie_aggregates)),
+    Pass("arg-min", _on_tree(records.native_arg_min)),
     Pass("result-columns", _result_columns),
     Pass("common-subexpressions", _on_tree(common_subexpressions.share)),
     Pass("materialized", _on_tree(planning.materialize)),
-    Pass("division", _on_tree(native_division)),
-    Pass("numbers", _on_tree(json.native_numbers)),
+    Pass("division", _on_tree(records.native_division)),
+    Pass("numbers", _on_tree(sql.native_numbers)),
     Pass("all-viewers", _all_viewers),
-    Pass("materialized-by-robot", _materialized_by_robot),
-    Pass("choice", _on_each(native_choice)),
+    # The query of one viewer is asked once where all see everything.
+    Pass("materialized-by-robot", _on_tree(partial(planning.materialize, by_robots=True))),
+    Pass("choice", _on_each(records.native_choice)),
     Pass("late-rays", _on_each(columns.fetch_whole_rays)),
     Pass("lookups", _on_each(planning.index_lookups)),
     Pass("range-scans", _on_each(planning.scan_ranges)),
@@ -224,36 +212,27 @@ def _result_of(work: Rewriting) -> Tuned:
         read["Item"] = work.items
     for query in filter(None, (*work.queries, *work.crowd)):
         common_subexpressions.stream(query)
-    few, crowd = _texts(work.queries), _texts(work.crowd)
+    few, crowd = (
+        tuple("" if query is None else sql.render(query) for query in queries)
+        for queries in (work.queries, work.crowd)
+    )
     others = crowd if crowd != few else ()
     return Tuned(few[0], bounds, read, work.result, few[1], few[2], others)
-
-
-def _texts(queries: Iterable[exp.Query | None]) -> tuple[str, ...]:
-    return tuple("" if query is None else sql.render(query) for query in queries)
 
 
 def _can_be_moved(tree: exp.Expr) -> bool:
     """Return whether a query keeps its meaning when it reads other tables."""
     if any(column.name.lower() in _TAKEN for column in tree.find_all(exp.Column)):
         return False
-    if tree.find(exp.Placeholder, exp.Parameter, exp.Star) and not _only_counts(tree):
+    if tree.find(exp.Placeholder, exp.Parameter):
         return False
+    for star in tree.find_all(exp.Star):  # others only count
+        select = star.parent
+        if isinstance(select, exp.Select) and any(
+            map(columns.is_input, sql.sources(select).values())
+        ):
+            return False
     if any(sql.call_name(call) == "unique_number" for call in tree.find_all(exp.Anonymous)):
         return False  # each of its calls is another number
     tables = tree.find_all(exp.Table)
     return not any(table.name.lower() in _OURS or table.args.get("db") for table in tables)
-
-
-def _only_counts(tree: exp.Expr) -> bool:
-    if tree.find(exp.Placeholder, exp.Parameter):
-        return False
-    for star in tree.find_all(exp.Star):
-        select = star.find_ancestor(exp.Select)
-        if (
-            select is not None
-            and star.parent is select
-            and any(columns.is_input(table) for table in sql.sources(select).values())
-        ):
-            return False
-    return True

@@ -53,23 +53,19 @@ def index_lookups(tree: exp.Query) -> None:
     named, often = _names(tree), materialized_queries(tree)
     for table in list(tree.find_all(exp.Table)):
         select = table.find_ancestor(exp.Select) if table.name in often else None
-        if select is None or len(sql.sources(select)) > 1 or not _compares(select):
+        if select is None or len(sql.sources(select)) > 1:
+            continue
+        tests = [test for test in sql.conjuncts(select) if isinstance(test, exp.EQ)]
+        sides = [side for test in tests for side in (test.this, test.expression)]
+        if not any(_read_by(side, select) is not None for side in sides):
             continue
         if _is_asked_often(table, named):
             zero = exp.Table(this=sql.expression("JSON_EACH(JSON_ARRAY(0))"))
             select.append("joins", exp.Join(this=exp.alias_(zero, _ZERO, table=True)))
 
 
-def _compares(select: exp.Select) -> bool:
-    tests = [test for test in sql.conjuncts(select) if isinstance(test, exp.EQ)]
-    sides = [side for test in tests for side in (test.this, test.expression)]
-    found = [sql.source(side) for side in sides if isinstance(side, exp.Column)]
-    return any(source is not None and source[0] is select for source in found)
-
-
 def _names(tree: exp.Query) -> Mapping[str, exp.CTE]:
-    named = tree.args.get("with_")
-    return {query.alias: query for query in named.expressions} if named else {}
+    return {query.alias: query for query in sql.named_queries(tree)}
 
 
 def _is_asked_often(
@@ -123,21 +119,27 @@ def scan_ranges(tree: exp.Query) -> None:
 
 def limit_indexes(tree: exp.Query) -> None:
     """Keep SQLite from making indexes, but where rows of lists are joined or rows looked up."""
-    queries = _queries_of_lists(tree)
-    equals = [
-        condition
-        for select in tree.find_all(exp.Select)
-        for condition in sql.conjuncts(select)
-        if isinstance(condition, exp.EQ)
-    ]
-    others = [
-        equal for equal in equals if not _joins_lists(equal, queries) and not _looks_up(equal)
-    ]
-    if len(others) == len(equals):
-        return
-    for equal in others:
-        if not _finds_by_number(equal):
-            _without_index(equal)
+    queries: set[str] = set()  # those of lists
+    for name, query in _names(tree).items():
+        if _reads_lists(query.this, queries):
+            queries.add(name)
+    others, is_any_left = [], False
+    for select in tree.find_all(exp.Select):
+        looks_up = _ZERO in sql.sources(select)
+        for equal in sql.conjuncts(select):
+            if isinstance(equal, exp.EQ):
+                sources = _sources_of_one_select(equal)
+                # The table of all lists itself would be indexed again.
+                joins_lists = any(
+                    sql.table_name(source) != "item" and _reads_lists(source, queries)
+                    for source in sources
+                )
+                if looks_up or joins_lists:
+                    is_any_left = True
+                elif not sources or "id" not in (equal.this.name, equal.expression.name):
+                    others.append(equal)
+    for equal in others if is_any_left else ():
+        _without_index(equal)
 
 
 def _without_index(equal: exp.EQ) -> None:
@@ -161,38 +163,11 @@ def _read_by(node: exp.Expr, select: exp.Select) -> str | None:
     return sql.table_name(found[1]) if found is not None and found[0] is select else None
 
 
-def _queries_of_lists(tree: exp.Query) -> AbstractSet[str]:
-    named = tree.args.get("with_")
-    found: set[str] = set()
-    for query in named.expressions if named else ():
-        if _reads_lists(query.this, found):
-            found.add(query.alias)
-    return found
-
-
 def _reads_lists(query: exp.Expr, queries: AbstractSet[str]) -> bool:
     return any(
         sql.table_name(table) == "item" or table.name in queries
         for table in query.find_all(exp.Table)
     )
-
-
-def _joins_lists(equal: exp.EQ, queries: AbstractSet[str]) -> bool:
-    """Return whether a query of lists is joined; the table of all lists would be reindexed."""
-    sources = _sources_of_one_select(equal)
-    return any(
-        sql.table_name(source) != "item" and _reads_lists(source, queries) for source in sources
-    )
-
-
-def _looks_up(equal: exp.EQ) -> bool:
-    select = equal.find_ancestor(exp.Select)
-    return select is not None and _ZERO in sql.sources(select)
-
-
-def _finds_by_number(equal: exp.EQ) -> bool:
-    sides = (equal.this, equal.expression)
-    return bool(_sources_of_one_select(equal)) and any(side.name == "id" for side in sides)
 
 
 def _sources_of_one_select(equal: exp.EQ) -> tuple[exp.Expr, ...]:

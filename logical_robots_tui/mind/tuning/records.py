@@ -11,10 +11,11 @@ from collections.abc import Iterator, Sequence
 from sqlglot import exp
 
 from logical_robots_tui.mind.program import TRUTH_MARK
-from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.mind.tuning import sql
 from logical_robots_tui.mind.tuning.columns import guarded_field
 
 _NATIVE = {"arg_min": "MIN", "arg_max": "MAX"}
+_ZERO = "JSON_EACH(JSON_ARRAY(0))"
 
 
 def untie_aggregates(tree: exp.Expr) -> None:
@@ -24,7 +25,11 @@ def untie_aggregates(tree: exp.Expr) -> None:
     ``IIF(x.value = 0, expression, NULL)`` over a table of a single 0 to make sure of that.
     """
     for select in list(tree.find_all(exp.Select)):
-        zeros = {name for name, table in sql.sources(select).items() if _is_zero(table)}
+        zeros = {
+            name
+            for name, table in sql.sources(select).items()
+            if isinstance(table, exp.Table) and sql.render(table.this) == _ZERO
+        }
         for name in zeros:
             columns = [c for c in select.find_all(exp.Column) if c.table == name]
             tied = [_tied(column) for column in columns]
@@ -53,7 +58,11 @@ def native_arg_min(tree: exp.Expr) -> None:
         if len(extremes) != 1 or any(len(call.expressions) != 2 for call in best):
             continue
         ((native, value),) = extremes
-        if any(map(_aggregates_inside, [value, *(call.expressions[0] for call in best)])):
+        parts = [value, *(call.expressions[0] for call in best)]
+        calls = [call for part in parts for call in part.find_all(exp.Anonymous)]
+        if any(part.find(exp.Select) for part in parts) or any(
+            sql.call_name(call) in sql.AGGREGATES for call in calls
+        ):
             continue
         for call in best:
             chosen = f"CASE WHEN NOT {native}(value) IS NULL THEN argument END"
@@ -67,16 +76,6 @@ def _own_calls(node: exp.Expr) -> Iterator[exp.Anonymous]:
         yield node
     for child in node.iter_expressions():
         yield from _own_calls(child)
-
-
-def _is_zero(table: exp.Expr) -> bool:
-    if not isinstance(table, exp.Table) or sql.call_name(table.this) != "json_each":
-        return False
-    arguments = table.this.expressions
-    if len(arguments) != 1 or sql.call_name(arguments[0]) != "json_array":
-        return False
-    items = arguments[0].expressions
-    return len(items) == 1 and isinstance(items[0], exp.Literal) and items[0].this == "0"
 
 
 def _tied(column: exp.Column) -> exp.Expr | None:
@@ -95,12 +94,6 @@ def _is_of(tied: exp.Expr, select: exp.Select, zeros: set[str]) -> bool:
         return False
     own = sql.sources(select).keys() - zeros
     return not columns or any(column.table in own for column in columns)
-
-
-def _aggregates_inside(node: exp.Expr) -> bool:
-    return node.find(exp.Select) is not None or any(
-        sql.call_name(call) in sql.AGGREGATES for call in node.find_all(exp.Anonymous)
-    )
 
 
 _NUMBERS = frozenset({"abs", "avg", "count", "sqrt", "sum", "total"})
@@ -128,7 +121,7 @@ def native_choice(tree: exp.Expr) -> None:
         native = _CHOICES.get(sql.call_name(call))
         if native is None or len(call.expressions) != 2:
             continue
-        if not all(map(json.is_plain, call.expressions)):
+        if not all(map(sql.is_plain, call.expressions)):
             continue
         literals = [value for value in call.expressions if isinstance(value, exp.Literal)]
         if not literals:
@@ -176,19 +169,16 @@ def records_as_columns(tree: exp.Query) -> tuple[tuple[str, tuple[str, ...]], ..
             result.append((item.alias, ()))
             columns.append(item)
         else:
-            result.append((item.alias, tuple(map(_mark, fields, fields.values()))))
+            marks = (TRUTH_MARK * (sql.truth_in(value) is not None) for value in fields.values())
+            result.append((item.alias, tuple(map(str.__add__, fields, marks))))
             columns += [
-                exp.alias_(json.unwrap(value), f"{item.alias}_{number}")
+                exp.alias_(sql.unwrap(value), f"{item.alias}_{number}")
                 for number, value in enumerate(fields.values())
             ]
     if not all(name for name, _ in result) or not any(fields for _, fields in result):
         return ()
     tree.set("expressions", columns)
     return tuple(result)
-
-
-def _mark(name: str, value: exp.Expr) -> str:
-    return f"{name}{TRUTH_MARK}" if json.truth_in(value) is not None else name
 
 
 def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
@@ -206,37 +196,32 @@ def _fields(value: exp.Expr) -> dict[str, exp.Expr] | None:
 
 
 def _chosen_fields(case: exp.Case) -> dict[str, exp.Expr] | None:
-    default = case.args.get("default")
     branches = case.args["ifs"]
-    if case.this is not None or default is None or len(branches) >= _WIDEST_CHOICE:
+    if case.this or not case.args.get("default") or len(branches) >= _WIDEST_CHOICE:
         return None
-    records = [_fields(value) for value in (*(b.args["true"] for b in branches), default)]
-    first = records[0]
-    if first is None or any(r is None or list(r) != list(first) for r in records):
+    records = [record for value in sql.arms(case) if (record := _fields(value))]
+    if len(records) <= len(branches) or len({tuple(record) for record in records}) > 1:
         return None
-    *chosen, otherwise = [record for record in records if record is not None]
-    chosen_of = {
-        field: _choice(branches, [record[field] for record in chosen], otherwise[field])
-        for field in first
-    }
-    fields = {field: case for field, case in chosen_of.items() if case is not None}
-    return fields if len(fields) == len(first) else None
+    fields: dict[str, exp.Expr] = {}
+    for field in records[0]:
+        choice = _choice(branches, [record[field] for record in records])
+        if choice is None:
+            return None
+        fields[field] = choice
+    return fields
 
 
-def _choice(
-    branches: Sequence[exp.If], values: Sequence[exp.Expr], otherwise: exp.Expr
-) -> exp.Expr | None:
-    given = [*values, otherwise]
-    truths = [truth for truth in map(json.truth_in, given) if truth is not None]
+def _choice(branches: Sequence[exp.If], given: Sequence[exp.Expr]) -> exp.Expr | None:
+    truths = [truth for truth in map(sql.truth_in, given) if truth is not None]
     if truths and len(truths) < len(given):
         return None
-    *arms, default = map(json.unwrap, given)
+    *arms, default = map(sql.unwrap, given)
     ifs = [
         exp.If(this=branch.this.copy(), true=arm)
         for branch, arm in zip(branches, arms, strict=True)
     ]
     case = exp.Case(ifs=ifs, default=default)
-    return json.truth(case) if truths else case
+    return sql.truth(case) if truths else case
 
 
 def pairs_as_columns(tree: exp.Expr) -> None:
@@ -278,9 +263,9 @@ def _parts(arm: exp.Select, name: str) -> tuple[exp.Expr, exp.Expr] | None:
         return None
     first, argument, second, value = made.expressions
     written_out = [part.this for part in (first, second) if isinstance(part, exp.Literal)]
-    if written_out != ["arg", "value"] or json.truth_in(argument) or json.truth_in(value):
+    if written_out != ["arg", "value"] or sql.truth_in(argument) or sql.truth_in(value):
         return None
-    return json.unwrap(argument), json.unwrap(value)
+    return sql.unwrap(argument), sql.unwrap(value)
 
 
 def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
@@ -290,7 +275,12 @@ def _calls(tree: exp.Expr, query: str, name: str) -> list[exp.Anonymous]:
         if table.name == query and (select is None or select.is_star):
             return []
     calls: dict[int, exp.Anonymous] = {}
-    for column in _columns(tree, query, name):
+    for column in tree.find_all(exp.Column):
+        found = sql.source(column) if column.name == name else None
+        if column.name != name or (
+            found is not None and not (isinstance(found[1], exp.Table) and found[1].name == query)
+        ):
+            continue
         call = column.find_ancestor(exp.Anonymous)
         while call is not None and sql.call_name(call) not in ("arg_min", "arg_max"):
             call = call.find_ancestor(exp.Anonymous)
@@ -309,14 +299,6 @@ def _takes_apart(call: exp.Anonymous, column: exp.Column) -> bool:
         if mentions != [column, column] or (argument, part) not in fields:
             return False
     return True
-
-
-def _columns(tree: exp.Expr, query: str, name: str) -> Iterator[exp.Column]:
-    for column in tree.find_all(exp.Column):
-        if column.name == name:
-            found = sql.source(column)
-            if found is None or (isinstance(found[1], exp.Table) and found[1].name == query):
-                yield column
 
 
 def _split(

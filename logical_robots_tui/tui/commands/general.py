@@ -151,7 +151,7 @@ def save_picture(screen: MainScreen) -> None:
 
 
 def _save_picture(screen: MainScreen) -> None:
-    from logical_robots_tui.writing import write_atomically
+    from logical_robots_tui.paths import write_atomically
 
     path = screen.data_dir / "screens" / f"{datetime.now():%Y%m%d-%H%M%S-%f}.svg"
     strips = rendered_lines(screen.app.screen)[: screen.app.size.height]

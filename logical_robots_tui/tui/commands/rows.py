@@ -82,8 +82,8 @@ def copy_rows(screen: MainScreen, table: ValueTable) -> None:
 
 @of_table
 def save_rows(screen: MainScreen, table: ValueTable) -> None:
+    from logical_robots_tui.paths import write_atomically
     from logical_robots_tui.tui.inspector.table import as_csv, as_json
-    from logical_robots_tui.writing import write_atomically
 
     folder = screen.data_dir / "rows"
     name = re.sub(r"\W+", "-", screen.inspector.inspected).strip("-")

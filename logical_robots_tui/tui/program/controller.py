@@ -17,11 +17,11 @@ from textual.widgets.text_area import Selection
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, load_program
 from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.paths import write_atomically
 from logical_robots_tui.tui.layout.dialogs import Find, LinePrompt
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.program.editor import find_after, is_predicate_name, rename
 from logical_robots_tui.wording import clip, count_of, one_line
-from logical_robots_tui.writing import write_atomically
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.opening import Permissions

@@ -284,7 +284,7 @@ class Replays:
 
 def _write(path: Path, replay: Replay) -> int:
     """Write a replay and return its bytes, or raise OSError."""
-    from logical_robots_tui.writing import write_atomically
+    from logical_robots_tui.paths import write_atomically
 
     content = replay.to_bytes()
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,8 @@ import pytest
 
 from logical_robots_tui.mind import Limits, Program
 from logical_robots_tui.mind.program import STEPS
-from logical_robots_tui.mind.sqlite.moment import Moment, Within
+from logical_robots_tui.mind.sqlite.budget import Within
+from logical_robots_tui.mind.sqlite.moment import Moment
 from logical_robots_tui.mind.sqlite.tables import TunedTables
 from tests.mind.differential.comparing import MEMORIES, ROWS, here, program, same, there
 from tests.mind.differential.corpus import CASES, DIFFERENCES

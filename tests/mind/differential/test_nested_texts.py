@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from logical_robots_tui.mind.sqlite.functions.casting import to_text, try_cast
-from logical_robots_tui.mind.sqlite.functions.nested_texts import read_list, read_record
+from logical_robots_tui.mind.sqlite.casting import read_list, read_record, to_text, try_cast
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,10 +16,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from logical_robots_tui.mind import Limits, Mind, Program
+from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import ChargedAggregate, Work, charge
-from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.functions.aggregates import AGGREGATES
-from logical_robots_tui.mind.sqlite.functions.texts import REPLACED
+from logical_robots_tui.mind.sqlite.registry import AGGREGATES
+from logical_robots_tui.mind.sqlite.texts import REPLACED
 from tests.mind.hostile.bounds import bounded_memory
 from tests.mind.rows import ROBOT, row
 
@@ -96,7 +96,7 @@ def break_callback(mind: Mind, callback: str, error: Callable[[], BaseException]
 
 def databases(mind: Mind) -> Iterator[Database]:
     asking = mind._asking
-    yield asking.plain_tables._database
+    yield asking.plain_tables
     if asking._tuned is not None:
         yield asking._tuned._database
 

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from logical_robots_tui.mind import Limits
+from logical_robots_tui.mind.sqlite import registry
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, MAX_TEXT
-from logical_robots_tui.mind.sqlite.database import Database, TooMuchError
-from logical_robots_tui.mind.sqlite.functions import registry
-from logical_robots_tui.mind.sqlite.layouts import BUILT_IN
+from logical_robots_tui.mind.sqlite.database import BUILT_IN, Database, TooMuchError
 from tests.mind.hostile.bounds import bounded_memory
 
 if TYPE_CHECKING:

@@ -73,12 +73,10 @@ def round_to(value: float, digits: float) -> float:
 
 def upper(text: str) -> str:
     """Return a text in upper case, character by character."""
-    return text.upper() if text.isascii() else "".join(map(_capital, text))
-
-
-def _capital(character: str) -> str:
-    capital = character.upper()
-    return capital if len(capital) == 1 else _CAPITALS.get(character, character)
+    if text.isascii():
+        return text.upper()
+    pairs = ((character, character.upper()) for character in text)
+    return "".join(up if len(up) == 1 else _CAPITALS.get(plain, plain) for plain, up in pairs)
 
 
 def lower(text: str) -> str:
@@ -132,8 +130,6 @@ def _compiled(pattern: str) -> Any:
 _MOST_TRIMMED = 30
 _MOST_COMPARISONS = 5_000_000
 
-_SPACES = " "
-
 
 def _text(value: Any) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
@@ -181,10 +177,6 @@ def _find(piece: list[str], text: str, start: int, end: int) -> int:
     return found.start() if found else -1
 
 
-def _instr(text: Any, part: Any) -> int:
-    return _text(text).find(_text(part)) + 1
-
-
 def _replace(text: Any, old: Any, new: Any) -> Any:
     text, old, new = _text(text), _text(old), _text(new)
     if not old:
@@ -195,7 +187,7 @@ def _replace(text: Any, old: Any, new: Any) -> Any:
 
 
 def _trimmer(strip: Callable[[str, str], str]) -> Callable[..., str]:
-    def trim(text: Any, characters: Any = _SPACES) -> str:
+    def trim(text: Any, characters: Any = " ") -> str:
         unwanted = "".join(set(_text(characters)))
         if len(unwanted) > _MOST_TRIMMED:
             raise TooLargeError(f"{len(unwanted):,} different characters to trim")
@@ -205,7 +197,7 @@ def _trimmer(strip: Callable[[str, str], str]) -> Callable[..., str]:
 
 
 REPLACED: dict[str, tuple[tuple[int, ...], Callable[..., Any]]] = {
-    "instr": ((2,), _instr),
+    "instr": ((2,), lambda text, part: _text(text).find(_text(part)) + 1),
     "like": ((2, 3), _like),
     "ltrim": ((1, 2), _trimmer(str.lstrip)),
     "replace": ((3,), _replace),

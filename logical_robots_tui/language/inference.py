@@ -10,51 +10,13 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Literal, TypeAlias
 
-from logical_robots_tui.language import tree
+from logical_robots_tui.language import tree, types
 from logical_robots_tui.language.adapter import operator_name
 from logical_robots_tui.language.definitions import definitions, functor_names, rules_of
-from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.inference.functions import (
-    ALIKE,
-    ARITHMETIC,
-    COMPARISONS,
-    FUNCTIONS,
-    LONGEST,
-    is_numeral,
-    repair,
-    result_of,
-)
-from logical_robots_tui.language.inference.names import (
-    OBJECT,
-    ROBOT_NAME,
-    SENSED,
-    Mention,
-    object_hint,
-)
+from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, name_hint
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
-from logical_robots_tui.language.tree import (
-    REST,
-    Argument,
-    Expression,
-    Name,
-    Proposition,
-    Rule,
-    Statement,
-)
-from logical_robots_tui.language.types import (
-    Kind,
-    ListOf,
-    Plain,
-    RecordOf,
-    Word,
-    clash,
-    common,
-    describe,
-    family,
-    is_nested,
-    is_text,
-    meet,
-)
+from logical_robots_tui.language.tree import Argument, Expression, Name, Rule, Statement
+from logical_robots_tui.language.types import Kind, ListOf, Plain, RecordOf, Word, clash, describe
 from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 
 _ROUNDS = 6  # how far a kind is traced from predicate to predicate
@@ -84,9 +46,9 @@ class Inference:
         self._rules = rules_of(program)
         self._unknown = doubtful | functor_names(program)
         self._columns: dict[Column, Kind] = {
-            ("Sensor", "robot_name"): ROBOT_NAME,
-            ("Sensor", "sensor"): SENSED,
-            ("Memory", "robot_name"): ROBOT_NAME,
+            ("Sensor", "robot_name"): types.ROBOT_NAME,
+            ("Sensor", "sensor"): types.SENSED,
+            ("Memory", "robot_name"): types.ROBOT_NAME,
         }
         self._arguments: dict[Column, Kind] = {}
         self._given: dict[Column, list[Kind]] = {}
@@ -146,10 +108,12 @@ class Inference:
                 earlier.append(kind)
         for place, kinds in columns.items():
             if place[0] not in self._unknown:
-                self._columns[place] = common(kinds)
-        unknown = self._unknown | {name for name, field in self._given if field == REST}
+                self._columns[place] = types.common(kinds)
+        unknown = self._unknown | {name for name, field in self._given if field == tree.REST}
         self._arguments = {
-            place: common(kinds) for place, kinds in self._given.items() if place[0] not in unknown
+            place: types.common(kinds)
+            for place, kinds in self._given.items()
+            if place[0] not in unknown
         }
 
     def _parameters(self, rule: Rule) -> Scope:
@@ -161,7 +125,7 @@ class Inference:
                     scope[column.value.name] = kind
         return scope
 
-    def _scope(self, body: Proposition | None, outer: Mapping[str, Kind]) -> Scope:
+    def _scope(self, body: tree.Proposition | None, outer: Mapping[str, Kind]) -> Scope:
         scope = dict(outer)
         before: Scope | None = None
         while body is not None and scope != before:
@@ -169,7 +133,7 @@ class Inference:
             self._proposition(body, scope)
         return scope
 
-    def _proposition(self, node: Proposition, scope: Scope) -> None:
+    def _proposition(self, node: tree.Proposition, scope: Scope) -> None:
         self._steps += 1
         if self._steps > _MOST_STEPS:
             raise _TooManyStepsError
@@ -192,7 +156,7 @@ class Inference:
             left, right = tree.operands(atom.arguments)
             self._equal(left, right, scope)
             return
-        if atom.name in FUNCTIONS and atom.name not in self._definitions:
+        if atom.name in types.FUNCTIONS and atom.name not in self._definitions:
             self._built_in(atom, scope)
             return
         for argument in atom.arguments:
@@ -214,15 +178,22 @@ class Inference:
         if isinstance(kind, ListOf):
             self._bind(node.element, kind.element, scope)
             self._mention_elements(node.collection, self._kind(node.element, scope))
-        elif isinstance(node.collection, tree.Number | tree.Text):
-            self._not_a_list(node.collection, f"{self._source(node.collection)} is not a list")
-        elif isinstance(kind, RecordOf):
-            self._not_a_list(node.collection, f"{kind.title} is a record, not a list")
-        elif _is_scalar(kind):
-            name = self._source(node.collection)
-            what = f"{name} is a plain value, not a list"
-            self._not_a_list(node.collection, what, _severity(kind))
+        elif what := self._no_list(node.collection, kind):
+            is_literal = isinstance(node.collection, tree.Number | tree.Text)
+            severity = "error" if is_literal else _severity(kind)
+            if node.collection.span:
+                start, stop = node.collection.span
+                problem = diagnostic_at(self._text, start, stop - start, what, _LIST, severity)
+                self._problems[start] = problem
         self._kind(node.element, scope)
+
+    def _no_list(self, node: Expression, kind: Kind) -> str:
+        """Return what is wrong with an expression that has to be a list, or ""."""
+        if isinstance(node, tree.Number | tree.Text):
+            return f"{self._source(node)} is not a list"
+        if isinstance(kind, RecordOf):
+            return f"{kind.title} is a record, not a list"
+        return f"{self._source(node)} is a plain value, not a list" if _is_scalar(kind) else ""
 
     def _bind(self, pattern: Expression, kind: Kind, scope: Scope) -> None:
         if kind in (Plain.ANY, Plain.NULL):
@@ -239,10 +210,10 @@ class Inference:
             if clash(known, kind):
                 shown = self._source(pattern, "this")
                 what = f"{shown} is {describe(known)}; {describe(kind)} is needed here"
-                self._warn(pattern, what, repair(pattern, kind, known))
+                self._warn(pattern, what, types.repair(pattern, kind, known))
             self._mention(pattern, kind)
             if isinstance(pattern, tree.Variable):
-                scope[pattern.name] = meet(known, kind)
+                scope[pattern.name] = types.meet(known, kind)
 
     # -- expressions ---------------------------------------------------------------------------
 
@@ -252,7 +223,7 @@ class Inference:
                 return scope.get(node.name, Plain.ANY)
             case tree.Record():
                 parts = {each.field: self._value(each, scope) for each in node.arguments}
-                if REST in parts:
+                if tree.REST in parts:
                     return Plain.ANY
                 names = {name: kind for name, kind in parts.items() if isinstance(name, str)}
                 return RecordOf(tuple(names.items()), names=tuple(names))
@@ -263,11 +234,11 @@ class Inference:
             case tree.Aggregate():
                 return self._aggregate(node, scope)
             case tree.Choice():
-                return common(self._alternatives(node, scope))
+                return types.common(self._alternatives(node, scope))
             case tree.List():
                 kinds = [self._kind(each, scope) for each in node.elements]
                 self._check_alike("this list", node.elements, kinds)
-                return ListOf(common(kinds))
+                return ListOf(types.common(kinds))
         return _LITERALS.get(type(node), Plain.ANY)
 
     def _value(self, argument: Argument, scope: Scope) -> Kind:
@@ -304,13 +275,15 @@ class Inference:
         return Plain.ANY
 
     def _call(self, node: tree.Call, scope: Scope) -> Kind:
-        if node.name not in self._definitions and (node.name in FUNCTIONS or node.name in ALIKE):
+        if node.name not in self._definitions and (
+            node.name in types.FUNCTIONS or node.name in types.ALIKE
+        ):
             return self._built_in(node, scope)
         kinds = [self._value(argument, scope) for argument in node.arguments]
         for argument, kind in zip(node.arguments, kinds, strict=True):
             self._give(node.name, argument.field, kind)
         if node.name not in self._definitions:
-            return result_of(node.name, kinds)
+            return types.result_of(node.name, kinds)
         return self._columns.get((node.name, VALUE), Plain.ANY)
 
     def _aggregate(self, node: tree.Aggregate, scope: Scope) -> Kind:
@@ -324,7 +297,7 @@ class Inference:
         pair = node.argument
         if operator in _CHOOSING and isinstance(pair, tree.Call) and pair.name == "->":
             return self._value(pair.arguments[0], inner)
-        return result_of(operator, [kind])
+        return types.result_of(operator, [kind])
 
     def _give(self, name: str, argument: int | str, kind: Kind) -> None:
         if isinstance(argument, str) and (found := re.fullmatch(r"col(\d+)", argument)):
@@ -335,36 +308,41 @@ class Inference:
         """Return the kind of a built-in function or operator, and check its arguments."""
         given = tree.operands(node.arguments)
         kinds = [self._kind(each, scope) for each in given]
-        if node.name in COMPARISONS | {"=="} and len(given) == 2:
+        if node.name in types.COMPARISONS | {"=="} and len(given) == 2:
             self._compared(*given, *kinds)
         elif node.name == "in" and isinstance(listed := kinds[-1], ListOf):
             self._compared(given[0], given[1], kinds[0], listed.element)
             self._mention_elements(given[1], kinds[0])
-        elif node.name in ALIKE:
+        elif node.name in types.ALIKE:
             shown = [
                 # Numbers and Booleans that are computed can be joined to a text.
-                kind if is_nested(kind) or is_text(kind) or _is_literal(each) else Plain.ANY
+                kind
+                if types.is_nested(kind) or types.is_text(kind) or isinstance(each, tree.Literal)
+                else Plain.ANY
                 for each, kind in zip(given, kinds, strict=True)
             ]
             self._check_alike(node.name, given, shown if node.name == "++" else kinds)
-        elif node.name in ARITHMETIC:
+        elif node.name in types.ARITHMETIC:
             for argument, kind in zip(given, kinds, strict=True):
                 self._check_number(node.name, argument, kind)
-        elif node.name in FUNCTIONS:
+        elif node.name in types.FUNCTIONS:
             for place, (argument, kind) in enumerate(zip(given, kinds, strict=True)):
-                self._check_argument(node.name, argument, kind, FUNCTIONS[node.name].wanted(place))
-        return result_of(node.name, kinds)
+                if clash(kind, wanted := types.FUNCTIONS[node.name].wanted(place)):
+                    what = f"{describe(kind)}; {node.name} takes {describe(wanted)}"
+                    what = f"{self._source(argument, 'this')} is {what}"
+                    self._warn(argument, what, types.repair(argument, wanted, kind))
+        return types.result_of(node.name, kinds)
 
     # -- types that do not fit -----------------------------------------------------------------
 
     def _compared(self, left: Expression, right: Expression, first: Kind, second: Kind) -> None:
         if clash(first, second):
-            node = left if _is_literal(left) else right
+            node = left if isinstance(left, tree.Literal) else right
             what = f"{describe(first)} is compared with {describe(second)}"
-            if family(first) == family(second) == "record":
+            if types.family(first) == types.family(second) == "record":
                 what = "these records have fields of different types"
             wanted, given = (second, first) if node is left else (first, second)
-            self._warn(node, what, repair(node, wanted, given))
+            self._warn(node, what, types.repair(node, wanted, given))
         self._mention(left, second)
         self._mention(right, first)
 
@@ -373,30 +351,23 @@ class Inference:
             other = next((each for each in kinds[:place] if clash(each, kind)), None)
             if other is not None:
                 what = f"{name} mixes {describe(other)} and {describe(kind)}"
-                wanted, given = (kind, other) if is_text(kind) else (other, kind)
-                self._warn(node, what, repair(node, wanted, given))
+                wanted, given = (kind, other) if types.is_text(kind) else (other, kind)
+                self._warn(node, what, types.repair(node, wanted, given))
                 return
 
     def _check_number(self, name: str, node: Expression, kind: Kind) -> None:
         if not clash(kind, Plain.REAL):
             return
-        is_word = isinstance(node, tree.Text) and not is_numeral(node)
+        is_word = isinstance(node, tree.Text) and not types.is_numeral(node)
         what = f"{self._source(node, 'this')} is {describe(kind)}; {name} computes with numbers"
-        hint = repair(node, Plain.REAL, kind)
+        hint = types.repair(node, Plain.REAL, kind)
         if is_word or isinstance(kind, ListOf):
-            hint = f"++ joins {family(kind)}s."
-        self._warn(node, what, hint, "error" if is_word or is_nested(kind) else "warning")
+            hint = f"++ joins {types.family(kind)}s."
+        self._warn(node, what, hint, "error" if is_word or types.is_nested(kind) else "warning")
 
     def _check_sum(self, operator: str, node: Expression, kind: Kind) -> None:
-        if operator in ARITHMETIC or operator == "Agg+":
+        if operator in types.ARITHMETIC or operator == "Agg+":
             self._check_number("Sum" if operator == "Agg+" else operator, node, kind)
-
-    def _check_argument(self, name: str, node: Expression, kind: Kind, wanted: Kind) -> None:
-        if clash(kind, wanted):
-            what = (
-                f"{self._source(node, 'this')} is {describe(kind)}; {name} takes {describe(wanted)}"
-            )
-            self._warn(node, what, repair(node, wanted, kind))
 
     def _check_column(
         self, rule: Rule, column: Argument, kind: Kind, earlier: Sequence[Kind]
@@ -407,9 +378,8 @@ class Inference:
         if other is not None and column.expression is not None:
             place = column.field + 1 if isinstance(column.field, int) else column.field
             name = "the value" if place == VALUE else f"column {place}"
-            what = (
-                f"{name} of {rule.name} is {describe(kind)} here, and {describe(other)} elsewhere"
-            )
+            what = f"{name} of {rule.name} is {describe(kind)} here"
+            what += f", and {describe(other)} elsewhere"
             self._warn(column.expression, what, "Give it one type in all rules.")
 
     def _mention(self, node: Expression, kind: Kind) -> None:
@@ -417,29 +387,24 @@ class Inference:
         if not isinstance(node, tree.Text) or not isinstance(kind, Word) or not node.span:
             return
         start, stop = node.span
-        if kind != OBJECT:
+        if kind != types.OBJECT:
             place = diagnostic_at(self._text, start, stop - start, "")
             mention = Mention(node.value, kind.of, place.line, place.column, place.excerpt)
             self._mentions[start] = mention
         elif node.value not in OBJECTS:
-            self._warn(node, f'a ray hits no "{node.value}"', object_hint(node.value))
+            self._warn(node, f'a ray hits no "{node.value}"', name_hint(node.value, OBJECTS))
 
     def _mention_elements(self, collection: Expression, kind: Kind) -> None:
         for each in collection.elements if isinstance(collection, tree.List) else ():
             self._mention(each, kind)
 
     def _warn(
-        self,
-        node: Expression,
-        message: str,
-        hint: str,
-        severity: Severity = "warning",
+        self, node: Expression, message: str, hint: str, severity: Severity = "warning"
     ) -> None:
         if span := tree.span_of(node):
-            start, stop = span
-            self._problems.setdefault(
-                start, diagnostic_at(self._text, start, stop - start, message, hint, severity)
-            )
+            start, length = span.start, span.stop - span.start
+            problem = diagnostic_at(self._text, start, length, message, hint, severity)
+            self._problems.setdefault(start, problem)
 
     # -- reports -------------------------------------------------------------------------------
 
@@ -458,20 +423,10 @@ class Inference:
             problem = diagnostic_for(self._text, name, message, hint, severity)
             self._problems[name.start] = problem
 
-    def _not_a_list(self, node: Expression, message: str, severity: Severity = "error") -> None:
-        if node.span:
-            start, stop = node.span
-            problem = diagnostic_at(self._text, start, stop - start, message, _LIST, severity)
-            self._problems[start] = problem
-
     def _source(self, node: Expression, otherwise: str = "the list") -> str:
         """Return the text of an expression, if it is short."""
         text = " ".join(self._text[slice(*node.span)].split()) if node.span else otherwise
-        return text if len(text) <= LONGEST else otherwise
-
-
-def _is_literal(node: Expression) -> bool:
-    return isinstance(node, tree.Literal)
+        return text if len(text) <= types.LONGEST else otherwise
 
 
 def _severity(kind: Kind) -> Severity:
@@ -480,4 +435,4 @@ def _severity(kind: Kind) -> Severity:
 
 
 def _is_scalar(kind: Kind) -> bool:
-    return not is_nested(kind) and kind not in (Plain.ANY, Plain.NULL)
+    return not types.is_nested(kind) and kind not in (Plain.ANY, Plain.NULL)

@@ -7,20 +7,9 @@ from dataclasses import replace
 
 from sqlglot import exp
 
-from logical_robots_tui.language.types import (
-    Decimal,
-    Kind,
-    ListOf,
-    Plain,
-    RecordOf,
-    common,
-    is_known,
-    is_nested,
-    is_number,
-    is_whole,
-    spell,
-)
-from logical_robots_tui.mind.tuning import json, sql
+from logical_robots_tui.language import types
+from logical_robots_tui.language.types import Decimal, Kind, ListOf, Plain, RecordOf, common
+from logical_robots_tui.mind.tuning import sql
 
 
 def call(name: str, *arguments: exp.Expr) -> exp.Anonymous:
@@ -31,37 +20,30 @@ def conform(value: exp.Expr, kind: Kind, wanted: Kind) -> None:
     """Coerce an expression in place to the common type, also inside written records and lists."""
     if isinstance(value, exp.Paren | exp.Alias):
         conform(value.this, kind, wanted)
-    elif is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
-        value.replace(_real(value))
+    elif types.is_whole(kind) and (wanted is Plain.REAL or isinstance(wanted, Decimal)):
+        is_written = isinstance(value, exp.Literal)
+        value.replace(exp.Literal.number(f"{value.name}.0") if is_written else cast(value, "REAL"))
     elif isinstance(value, exp.Case):
-        for branch in value.args["ifs"]:
-            conform(branch.args["true"], kind, wanted)
-        if (default := value.args.get("default")) is not None:
-            conform(default, kind, wanted)
+        for arm in sql.arms(value):
+            conform(arm, kind, wanted)
     elif isinstance(kind, Decimal) and isinstance(wanted, Decimal):
         if kind.scale > wanted.scale:
             value.replace(call("ROUND", value.copy(), exp.Literal.number(wanted.scale)))
     elif sql.call_name(value) == "json_object" and isinstance(wanted, RecordOf):
         _conform_fields(value, kind, wanted)
     elif sql.call_name(value) == "json_array":
-        _conform_elements(value, kind, wanted)
-    elif is_nested(kind) and kind != wanted and _has_its_numbers_real(wanted):
-        value.replace(_cast_to(value, wanted))
-
-
-def _has_its_numbers_real(kind: Kind) -> bool:
-    """Return whether a type is a record or list that `try_cast` can give, all numbers real."""
-    return is_nested(kind) and is_known(kind) and _as_cast(kind, in_order=False) == kind
-
-
-def _cast_to(value: exp.Expr, wanted: Kind) -> exp.Anonymous:
-    return call("try_cast", value.copy(), exp.Literal.string(spell(wanted)))
-
-
-def _conform_elements(made: exp.Expr, kind: Kind, wanted: Kind) -> None:
-    if isinstance(kind, ListOf) and isinstance(wanted, ListOf):
-        for element in list(made.expressions):
-            conform(element, kind.element, wanted.element)
+        if isinstance(kind, ListOf) and isinstance(wanted, ListOf):
+            for element in list(value.expressions):
+                conform(element, kind.element, wanted.element)
+    elif (
+        types.is_nested(kind)
+        and kind != wanted
+        and types.is_nested(wanted)
+        and types.is_known(wanted)
+    ):
+        is_real = _as_cast(wanted, in_order=False) == wanted  # as all numbers of `try_cast`
+        if is_real:
+            value.replace(call("try_cast", value.copy(), exp.Literal.string(types.spell(wanted))))
 
 
 def _conform_fields(record: exp.Expr, kind: Kind, wanted: RecordOf) -> None:
@@ -76,12 +58,6 @@ def _conform_fields(record: exp.Expr, kind: Kind, wanted: RecordOf) -> None:
         record.set("expressions", [part for pair in pairs for part in pair])
 
 
-def _real(value: exp.Expr) -> exp.Expr:
-    if isinstance(value, exp.Literal):
-        return exp.Literal.number(f"{value.name}.0")
-    return cast(value, "REAL")
-
-
 def cast(value: exp.Expr, to: str) -> exp.Expr:
     return call("CAST", exp.Alias(this=value.copy(), alias=exp.to_identifier(to)))
 
@@ -93,20 +69,6 @@ _PASSING_ON = frozenset({"coalesce", "ifnull", "iif", "if", "nullif"})
 
 _EXACT_DIGITS = 15
 """That SQLite writes of a number in JSON; DuckDB takes a decimal of no more for a real number."""
-
-
-def compare_nested(node: exp.Expr, left: Kind, right: Kind) -> None:
-    """Let records and lists be compared field by field and element by element."""
-    if not (is_nested(left) or is_nested(right)):
-        return
-    order = call("compare_values", node.this.copy(), node.expression.copy())
-    node.set("this", order)
-    node.set("expression", exp.Literal.number(0))
-
-
-def contain_nested(node: exp.In, listed: exp.Expr) -> None:
-    """Let a record or a list be looked for in a list by its fields or elements."""
-    node.replace(call("list_has", listed.copy(), node.this.copy()))
 
 
 def extract(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
@@ -125,15 +87,6 @@ def extract(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     return whole.element if isinstance(whole, ListOf) else Plain.ANY
 
 
-def round_decimal(node: exp.Expr, kind: Decimal) -> None:
-    """Let a sum or product of decimal numbers have no digits that decimals would not have."""
-    for name in ("this", "expression"):
-        side = node.args[name].unnest()
-        if sql.call_name(side) == "round":
-            side.replace(side.expressions[0])
-    node.replace(call("ROUND", node.copy(), exp.Literal.number(kind.scale)))
-
-
 def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     """Return the type of a record or list made of values, which are written as JSON."""
     name = sql.call_name(made)
@@ -148,10 +101,11 @@ def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
         if name == "json_group_object":
             return Plain.ANY
         return RecordOf(tuple(zip(names, kinds[1::2], strict=True)))
-    if _is_row(made):
-        element = common(kinds)
-    else:
-        element = _as_cast(common(kinds)) if name == "json_array" else common(kinds)
+    parent, element = sql.call_name(made.parent), common(kinds)
+    is_row = parent == "json_group_array"  # of a recursion
+    is_tie = parent == "json_each" and [each.name for each in values] == ["0"]  # of a subquery
+    if name != "json_array" or not (is_row or is_tie):
+        element = _as_cast(element) if name == "json_array" else element
         for value, kind in zip(values, kinds, strict=True):
             conform(value, kind, element)
         kinds = [element] * len(kinds)
@@ -160,31 +114,21 @@ def make_json(made: exp.Anonymous, kinds: Sequence[Kind]) -> Kind:
     return ListOf(element)
 
 
-def _is_row(array: exp.Expr) -> bool:
-    """Return whether an array holds the columns of a recursion's row, or ties a subquery."""
-    parent = sql.call_name(array.parent) if array.parent is not None else ""
-    if sql.call_name(array) != "json_array" or parent not in ("json_group_array", "json_each"):
-        return False
-    return parent == "json_group_array" or [each.name for each in array.expressions] == ["0"]
-
-
 def _as_json(value: exp.Expr, kind: Kind) -> None:
     if kind is Plain.TRUTH:
-        value.replace(_truth(value))
+        if isinstance(literal := value.unnest(), exp.Boolean):
+            text = exp.Literal.string("true" if literal.this else "false")
+            value.replace(call("JSON", text))
+        else:
+            value.replace(sql.truth(value.copy()))
     elif kind is Plain.REAL and not _is_short(value):
         value.replace(call("JSON", call("real_as_json", value.copy())))
     elif isinstance(kind, Decimal) and not kind.scale and kind.whole > _EXACT_DIGITS:
         value.replace(cast(value, "INTEGER"))
-    elif is_nested(kind) and not _is_json(value):
+    elif types.is_nested(kind) and not _is_json(value):
         value.replace(call("JSON", value.copy()))
     elif kind is Plain.ANY:
         value.replace(call("JSON", call("value_as_json", value.copy())))
-
-
-def _truth(value: exp.Expr) -> exp.Expr:
-    if isinstance(value.unnest(), exp.Boolean):
-        return call("JSON", exp.Literal.string("true" if value.unnest().this else "false"))
-    return json.truth(value.copy())
 
 
 def _is_short(value: exp.Expr) -> bool:
@@ -197,9 +141,7 @@ def _is_short(value: exp.Expr) -> bool:
 def _is_json(value: exp.Expr) -> bool:
     value = value.unnest()
     if isinstance(value, exp.Case):
-        default = value.args.get("default")
-        arms = [branch.args["true"] for branch in value.args["ifs"]]
-        return all(map(_is_json, [*arms, *([] if default is None else [default])]))
+        return all(map(_is_json, sql.arms(value)))
     name = sql.call_name(value)
     if name in _PASSING_ON:
         values = value.expressions[1:] if name in ("iif", "if") else value.expressions
@@ -207,30 +149,23 @@ def _is_json(value: exp.Expr) -> bool:
     return name in _MAKERS or isinstance(value, exp.Null)
 
 
-def change_call(made: exp.Anonymous, name: str, kinds: Sequence[Kind], found: Kind) -> Kind:
-    """Return the type of what a function gives, after the call was written as DuckDB means it."""
-    change = _CHANGES.get(name)
-    return found if change is None else change(made, kinds, found)
-
-
-def _any_value(made: exp.Anonymous, _: Sequence[Kind], found: Kind) -> Kind:
-    made.set("this", "MIN")
-    return found
-
-
-def _extreme(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if len(kinds) == 1 and is_nested(kinds[0]):
-        made.set("this", "least_nested" if made.name.lower() == "min" else "greatest_nested")
-    return found
-
-
-def _best(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if len(kinds) > 1 and is_nested(kinds[1]):
-        made.set("this", f"{made.name.lower()}_of_nested")
+def _rename(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    """Call the function that does the same with records, lists or texts."""
+    name, nested = made.name.lower(), [*map(types.is_nested, kinds)]
+    if name == "any_value":
+        made.set("this", "MIN")
+    elif name in ("max", "min") and nested == [True]:
+        made.set("this", "least_nested" if name == "min" else "greatest_nested")
+    elif name.startswith("arg_") and nested[1:2] == [True]:
+        made.set("this", f"{name}_of_nested")
+    elif name == "json_array_length" and kinds[0] is Plain.TEXT:
+        made.set("this", "length")
     return found
 
 
 def _choice(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
+    if made.name.lower() == "concatenate" and not isinstance(found, ListOf):
+        return found
     values = list(zip(made.expressions, kinds, strict=True))
     for value, kind in values[1:] if made.name.lower() in ("iif", "if") else values:
         if kind != found:
@@ -263,13 +198,13 @@ def _round(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
             return Plain.REAL if isinstance(kinds[0], Decimal) else found
     elif isinstance(kinds[0], Decimal):
         return replace(kinds[0], scale=min(kinds[0].scale, int(digits.name)))
-    if is_whole(found):
+    if types.is_whole(found):
         made.replace(cast(made, "INTEGER"))
     return found
 
 
 def _cut(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if found is Plain.REAL and is_whole(kinds[0]):
+    if found is Plain.REAL and types.is_whole(kinds[0]):
         made.replace(cast(made, "REAL"))
         return found
     return _round(made, kinds, found)
@@ -285,9 +220,9 @@ def _cast_as_example(made: exp.Anonymous, kinds: Sequence[Kind], _: Kind) -> Kin
     """Replace an example by its type if that is known; otherwise SQLite examines the value."""
     wanted = _as_cast(kinds[1])
     spell_truth(made.expressions[0], kinds[0], wanted)
-    if is_known(wanted):
+    if types.is_known(wanted):
         made.set("this", "try_cast")
-        made.set("expressions", [made.expressions[0], exp.Literal.string(spell(wanted))])
+        made.set("expressions", [made.expressions[0], exp.Literal.string(types.spell(wanted))])
     return wanted
 
 
@@ -305,42 +240,19 @@ def _as_cast(kind: Kind, *, in_order: bool = True) -> Kind:
         fields = [(name, _as_cast(of, in_order=in_order)) for name, of in kind.fields]
         by_name = sorted(fields, key=lambda field: field[0])
         return RecordOf(tuple(by_name if in_order else fields))
-    return Plain.REAL if is_number(kind) else kind
+    return Plain.REAL if types.is_number(kind) else kind
 
 
-def _concatenate(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    return _choice(made, kinds, found) if isinstance(found, ListOf) else found
-
-
-def _size(made: exp.Anonymous, kinds: Sequence[Kind], found: Kind) -> Kind:
-    if kinds[0] is Plain.TEXT:
-        made.set("this", "length")
-    return found
-
-
-_CHANGES = {
-    "any_value": _any_value,
-    "arg_max": _best,
-    "arg_max_k": _best,
-    "arg_min": _best,
-    "arg_min_k": _best,
-    "ceil": _cut,
-    "ceiling": _cut,
-    "coalesce": _choice,
-    "concat_some_lists": _choice,
-    "concatenate": _concatenate,
-    "floor": _cut,
-    "greatest": _choice,
-    "if": _choice,
-    "ifnull": _choice,
-    "iif": _choice,
-    "json_array_length": _size,
-    "least": _choice,
-    "max": _extreme,
-    "min": _extreme,
+CHANGES = {
+    **dict.fromkeys(("arg_max", "arg_max_k", "arg_min", "arg_min_k", "max", "min"), _rename),
+    **dict.fromkeys(("any_value", "json_array_length"), _rename),
+    **dict.fromkeys(("ceil", "ceiling", "floor"), _cut),
+    **dict.fromkeys(("coalesce", "concat_some_lists", "concatenate", "greatest", "least"), _choice),
+    **dict.fromkeys(("if", "ifnull", "iif"), _choice),
     "round": _round,
     "sum": _total,
     "to_text": _text,
     "to_whole": _to_whole,
     "try_cast_like": _cast_as_example,
 }
+"""By function what writes a call as DuckDB means it, and returns the type of what it gives."""

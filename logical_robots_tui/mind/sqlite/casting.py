@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable, Iterable
 from functools import cmp_to_key, lru_cache
 from typing import Any, TypeAlias
 
 from logical_robots_tui.mind.sqlite.budget import MAX_ITEMS, check_long
-from logical_robots_tui.mind.sqlite.functions import nested_texts
 from logical_robots_tui.mind.sqlite.stored import to_input, to_json
 
 Scalar: TypeAlias = "int | float | str | None"
@@ -187,9 +187,9 @@ def _cast_spelled(text: str, wanted: Any) -> Any:
         return value if wanted in ("Str", "Any") else _cast(value, wanted)
 
     if isinstance(wanted, list):
-        items = nested_texts.read_list(text)
+        items = read_list(text)
         return None if items is None else [part(item, wanted[0]) for item in items]
-    fields = nested_texts.read_record(text)
+    fields = read_record(text)
     if fields is None or not fields.keys() <= wanted.keys():
         return None  # as on DuckDB
     return {name: part(fields.get(name), of) for name, of in wanted.items()}
@@ -225,9 +225,9 @@ def whole(value: Any) -> int | None:
 
 
 def _truth(value: Any) -> bool | None:
-    if isinstance(value, int | float):
-        return bool(value)
-    return _TRUTHS.get(value.lower()) if isinstance(value, str) else None
+    if isinstance(value, str):
+        return _TRUTHS.get(value.lower())
+    return bool(value) if isinstance(value, int | float) else None
 
 
 _TRUTHS = {
@@ -250,17 +250,137 @@ def _spell(value: Any, *, inside: bool) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
-        fields = (f"{nested_texts.quote(k)}: {_spell(v, inside=True)}" for k, v in value.items())
+        fields = (f"{_quote(k)}: {_spell(v, inside=True)}" for k, v in value.items())
         return "{" + ", ".join(fields) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_spell(v, inside=True) for v in value) + "]"
     if isinstance(value, float):
-        return _float(value)
+        return repr(value)  # also inf
     text = str(value)
-    return nested_texts.write(text) if inside else text
+    return _write(text) if inside else text
 
 
-def _float(value: float) -> str:
-    if math.isfinite(value):
-        return repr(value)
-    return "inf" if value > 0 else "-inf"
+# -- records and lists in texts, as DuckDB writes them: {'n': 1, 'w': hi}, [a, 'b, c', NULL] ------
+
+_SPACES = " \t\n\v\f\r"
+_SPACE = re.compile(f"[{_SPACES}]*")
+_SPECIAL = re.compile(r"""["'(),:=\[\\\]{}]""")
+_ESCAPED = re.compile(r"""['\\]""")
+_CLOSES = {"{": "}", "[": "]", "(": ")"}
+_PLAIN = re.compile(r"""[^"',:\\{}()\[\]]+""")
+_QUOTED = {quote: re.compile(rf"(?:[^\\{quote}]|\\.)*{quote}", re.DOTALL) for quote in "'\""}
+_ESCAPE = re.compile(r"\\(.)", re.DOTALL)
+_SIGNS = re.compile(r"""'(?:[^\\']|\\.)*'|"(?:[^\\"]|\\.)*"|\\['"]|['"{}\[\]()]""", re.DOTALL)
+
+
+def _quote(text: str) -> str:
+    """Return a text in quotes, as the name of a field always is."""
+    return "'" + _ESCAPED.sub(r"\\\g<0>", text) + "'"
+
+
+def _write(text: str) -> str:
+    """Return a text as it stands in a record or list: in quotes only if it could be misread."""
+    is_plain = (
+        text
+        and text.strip(_SPACES) == text
+        and text.upper() != "NULL"
+        and not _SPECIAL.search(text)
+    )
+    return text if is_plain else _quote(text)
+
+
+def read_record(text: str) -> dict[str, str | None] | None:
+    """Return a record's fields as texts, or None if the text spells no record."""
+    reader = _Reader(text, "{")
+    found: dict[str, str | None] = {}
+    while not reader.is_at_end:
+        name, ended = reader.part(":")
+        if not name or ended != ":":
+            return None
+        found[name], ended = reader.part(",")
+        if ended == "," and reader.is_at_end:
+            return None
+    return found if reader.is_complete else None
+
+
+def read_list(text: str) -> list[str | None] | None:
+    """Return a list's elements as texts, or None if the text spells no list."""
+    reader = _Reader(text, "[")
+    found: list[str | None] = []
+    ended = "" if reader.is_at_end else ","
+    while ended == ",":
+        element, ended = reader.part(",")
+        found.append(element)
+    return found if reader.is_complete else None
+
+
+class _Reader:
+    """Reads the parts between two brackets, one after the other."""
+
+    def __init__(self, text: str, opening: str) -> None:
+        self._text = text.strip(_SPACES)
+        self._closing = _CLOSES[opening]
+        self._at = 1
+        self._is_broken = self._text[:1] != opening
+
+    @property
+    def is_at_end(self) -> bool:
+        """Whether there is nothing more before the closing bracket, or in the text."""
+        rest = _SPACE.match(self._text, self._at)
+        at = rest.end() if rest else self._at
+        return self._is_broken or at >= len(self._text) or self._text[at] == self._closing
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether everything was read, and quotes and brackets match."""
+        return not self._is_broken and self._text[self._at :].strip(_SPACES) == self._closing
+
+    def part(self, separator: str) -> tuple[str | None, str]:
+        """Return the next part, or None for an unquoted null; and what it ended with."""
+        text, pieces = self._text, [""]
+        ended = ""
+        while self._at < len(text) and not self._is_broken and text[self._at] != self._closing:
+            at, character = self._at, text[self._at]
+            if character == separator:
+                self._at += 1
+                ended = separator
+                break
+            if character in _QUOTED:
+                found = _QUOTED[character].match(text, at + 1)
+                self._move(found.end() if found else -1)
+                pieces += [_ESCAPE.sub(r"\1", found.group()[:-1]) if found else "", ""]
+            elif character in _CLOSES:
+                self._move(_closed(text, at))
+                pieces[-1] += text[at : self._at]
+            elif character == "\\" and text[at + 1 : at + 2] in _QUOTED:
+                self._move(at + 2)
+                pieces[-1] += text[at + 1]
+            else:
+                plain = _PLAIN.match(text, at)
+                self._move(plain.end() if plain else at + 1)
+                pieces[-1] += text[at : self._at]
+        # Without the spaces round it; quoted pieces, every second one, keep theirs.
+        pieces[0] = pieces[0].lstrip(_SPACES)
+        pieces[-1] = pieces[-1].rstrip(_SPACES)
+        part = "".join(pieces)
+        return None if part.upper() == "NULL" and len(pieces) == 1 else part, ended
+
+    def _move(self, at: int) -> None:
+        self._is_broken = at < 0
+        self._at = max(self._at, at)
+
+
+def _closed(text: str, at: int) -> int:
+    """Return the offset after the bracket that closes the one at an offset, or -1."""
+    waiting: list[str] = []
+    for found in _SIGNS.finditer(text, at):
+        sign = found.group()
+        if sign in _CLOSES:
+            waiting.append(_CLOSES[sign])
+        elif sign in _QUOTED:
+            return -1  # it is not closed
+        elif sign == waiting[-1]:
+            waiting.pop()
+            if not waiting:
+                return found.end()
+    return -1

@@ -1,4 +1,4 @@
-"""Going through a query: the type of each expression, and each one written as DuckDB means it."""
+"""DuckDB's static types, made explicit in a query that both evaluations start from."""
 
 from __future__ import annotations
 
@@ -6,25 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from sqlglot import exp
+from sqlglot.errors import SqlglotError
 
-from logical_robots_tui.language.types import (
-    MOST_DIGITS,
-    SENSOR,
-    Decimal,
-    Kind,
-    ListOf,
-    Plain,
-    Tables,
-    common,
-    digits,
-    is_nested,
-    is_number,
-    is_whole,
-    parse_spelling,
-)
+from logical_robots_tui.language import types
+from logical_robots_tui.language.types import SENSOR, Decimal, Kind, ListOf, Plain, Tables, common
+from logical_robots_tui.mind.compiling import duckdb_changes as changes
+from logical_robots_tui.mind.compiling.duckdb_changes import conform
 from logical_robots_tui.mind.tuning import sql
-from logical_robots_tui.mind.typed import changes
-from logical_robots_tui.mind.typed.changes import conform
 
 _GIVE: dict[Kind, tuple[str, ...]] = {
     Plain.TEXT: (
@@ -61,10 +49,13 @@ _ONE_OF_THEM = frozenset({"coalesce", "concat_some_lists", "greatest", "ifnull",
 _SHORT_DIGITS = 18
 """Decimal numbers of no more digits are multiplied to one of no more, if that holds the scale."""
 
-_ROUNDING = frozenset({"ceil", "ceiling", "floor", "trunc"})
+_LISTING = (
+    *("arg_max_k", "arg_max_k_of_nested", "arg_min_k", "arg_min_k_of_nested"),
+    *("json_group_array", "list_of_distinct"),
+)
 
 
-def result_of(name: str, kinds: Sequence[Kind]) -> Kind:
+def _result_of(name: str, kinds: Sequence[Kind]) -> Kind:
     """Return the type of what a function gives."""
     if name in _GIVES:
         return _GIVES[name]
@@ -78,68 +69,58 @@ def result_of(name: str, kinds: Sequence[Kind]) -> Kind:
     return made(kinds) if made is not None else Plain.ANY
 
 
-def sum_of(kinds: Sequence[Kind]) -> Kind:
-    return common(kinds) if all(map(is_number, kinds)) else Plain.ANY
+def _sum(kinds: Sequence[Kind]) -> Kind:
+    return common(kinds) if all(map(types.is_number, kinds)) else Plain.ANY
 
 
-def product_of(left: Kind, right: Kind) -> Kind:
-    found = sum_of((left, right))
+def _product(left: Kind, right: Kind) -> Kind:
+    found = _sum((left, right))
     if not isinstance(found, Decimal):
         return found
     scale = sum(k.scale for k in (left, right) if isinstance(k, Decimal))
-    most = digits(left) + digits(right)
-    if max(digits(left), digits(right)) <= _SHORT_DIGITS < most:
+    most = types.digits(left) + types.digits(right)
+    if max(types.digits(left), types.digits(right)) <= _SHORT_DIGITS < most:
         most = _SHORT_DIGITS
-    return Decimal(scale, min(most, MOST_DIGITS) - scale)
+    return Decimal(scale, min(most, types.MOST_DIGITS) - scale)
 
 
 def _total(kinds: Sequence[Kind]) -> Kind:
-    kind = sum_of(kinds[:1])
+    kind = _sum(kinds[:1])
     if isinstance(kind, Decimal):
-        return Decimal(kind.scale, MOST_DIGITS - kind.scale)
-    return Plain.LARGE if is_whole(kind) else kind
+        return Decimal(kind.scale, types.MOST_DIGITS - kind.scale)
+    return Plain.LARGE if types.is_whole(kind) else kind
 
 
-def _type_of_round(kinds: Sequence[Kind]) -> Kind:
+def _round(kinds: Sequence[Kind]) -> Kind:
     kind = kinds[0]
-    return Decimal(0, digits(kind)) if isinstance(kind, Decimal) else sum_of(kinds[:1])
+    return Decimal(0, types.digits(kind)) if isinstance(kind, Decimal) else _sum(kinds[:1])
 
 
-def _cut(kinds: Sequence[Kind]) -> Kind:
-    """Return the type of a floor or ceiling; DuckDB's of a whole number is real."""
-    return Plain.REAL if is_whole(kinds[0]) else _type_of_round(kinds)
-
-
-def _type_of_array(kinds: Sequence[Kind]) -> Kind:
-    return ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY
-
-
-def _type_of_concat(kinds: Sequence[Kind]) -> Kind:
+def _concat(kinds: Sequence[Kind]) -> Kind:
     if all(isinstance(kind, ListOf) for kind in kinds):
         return common(kinds)
     return Plain.TEXT if Plain.TEXT in kinds else Plain.ANY
 
 
 _MADE: dict[str, Callable[[Sequence[Kind]], Kind]] = {
-    **dict.fromkeys(_ROUNDING, _cut),
-    "arg_max_k": lambda kinds: ListOf(kinds[0]),
-    "arg_max_k_of_nested": lambda kinds: ListOf(kinds[0]),
-    "arg_min_k": lambda kinds: ListOf(kinds[0]),
-    "arg_min_k_of_nested": lambda kinds: ListOf(kinds[0]),
-    "array_by": _type_of_array,
+    # DuckDB's floor or ceiling of a whole number is real.
+    **dict.fromkeys(
+        ("ceil", "ceiling", "floor", "trunc"),
+        lambda kinds: Plain.REAL if types.is_whole(kinds[0]) else _round(kinds),
+    ),
+    **dict.fromkeys(_LISTING, lambda kinds: ListOf(kinds[0])),
+    "array_by": lambda kinds: ListOf(kinds[1]) if len(kinds) > 1 else Plain.ANY,
     "concat_lists": lambda kinds: kinds[0],
-    "concatenate": _type_of_concat,
+    "concatenate": _concat,
     "if": lambda kinds: common(kinds[1:]),
     "iif": lambda kinds: common(kinds[1:]),
-    "json_group_array": lambda kinds: ListOf(kinds[0]),
-    "list_of_distinct": lambda kinds: ListOf(kinds[0]),
     "max": common,
     "min": common,
-    "modulo": sum_of,
+    "modulo": _sum,
     "generate_array": lambda kinds: ListOf(common(kinds)),
     "number_range": lambda _: ListOf(Plain.WHOLE),
-    "round": _type_of_round,
-    "round_to": _type_of_round,
+    "round": _round,
+    "round_to": _round,
     "split_text": lambda _: ListOf(Plain.TEXT),
     "sum": _total,
 }
@@ -158,7 +139,25 @@ _MOST_SMALL = 2**31 - 1
 _MOST_DIGITS = 15  # of a decimal number that a real one holds exactly enough
 
 
-class Reader:
+def as_on_duckdb(
+    statement: str, tables: Tables | None = None
+) -> tuple[str, exp.Query | None, Mapping[str, Kind]]:
+    """Make SQLite compute what DuckDB's types imply; `tables` are those besides the inputs.
+
+    Returns:
+        The statement, its tree, or None if it can't be read, and the types of its columns.
+    """
+    try:
+        tree = sql.parse(statement)
+        before = tree.copy()
+        columns = _Reader(tables or {}).query(tree)
+        sql.drop_parentheses(tree)
+    except (SqlglotError, ValueError, RecursionError):
+        return statement, None, {}
+    return statement if tree == before else f"{sql.render(tree, pretty=True)};", tree, columns
+
+
+class _Reader:
     """One query. Methods that return an expression's type rewrite the expression in place."""
 
     def __init__(self, tables: Tables) -> None:
@@ -170,8 +169,7 @@ class Reader:
         """Return a query's column types by name; changes the query in place."""
         if isinstance(tree, exp.Subquery):
             return self.query(tree.this)
-        named = tree.args.get("with_")
-        for query in named.expressions if named else ():
+        for query in sql.named_queries(tree):
             self._named[query.alias] = self.query(query.this)
         if isinstance(tree, exp.Select):
             return self._select(tree)
@@ -255,10 +253,15 @@ class Reader:
         if isinstance(node, exp.Add | exp.Sub | exp.Mul):
             return self._arithmetic(node)
         if isinstance(node, exp.Neg):
-            return sum_of([self.kind(node.this)])
+            return _sum([self.kind(node.this)])
         if isinstance(node, _COMPARING):
-            left, right = self.kind(node.this), self.kind(node.expression)
-            changes.compare_nested(node, left, right)
+            if any(
+                [types.is_nested(self.kind(node.this)), types.is_nested(self.kind(node.expression))]
+            ):
+                # Field by field and element by element.
+                order = changes.call("compare_values", node.this.copy(), node.expression.copy())
+                node.set("this", order)
+                node.set("expression", exp.Literal.number(0))
             return Plain.TRUTH
         if isinstance(node, exp.In):
             return self._in(node)
@@ -290,29 +293,28 @@ class Reader:
         return Plain.ANY
 
     def _case(self, case: exp.Case) -> Kind:
-        kinds = []
-        if case.this is not None:
-            self.kind(case.this)
-        for branch in case.args["ifs"]:
-            self.kind(branch.this)
-            kinds.append(self.kind(branch.args["true"]))
-        default = case.args.get("default")
-        kinds.append(Plain.NULL if default is None else self.kind(default))
-        chosen = common(kinds)
-        values = [branch.args["true"] for branch in case.args["ifs"]]
-        for value, kind in zip([*values, case.args.get("default")], kinds, strict=True):
-            if kind != chosen and value is not None:
+        for tested in (case.this, *(branch.this for branch in case.args["ifs"])):
+            if tested is not None:
+                self.kind(tested)
+        kinds = [self.kind(value) for value in sql.arms(case)]
+        chosen = common(kinds)  # null, as without ELSE, has any type
+        for value, kind in zip(sql.arms(case), kinds, strict=True):
+            if kind != chosen:
                 conform(value, kind, chosen)
         return chosen
 
     def _arithmetic(self, node: exp.Binary) -> Kind:
         left, right = self.kind(node.this), self.kind(node.expression)
-        found = product_of(left, right) if isinstance(node, exp.Mul) else sum_of((left, right))
+        found = _product(left, right) if isinstance(node, exp.Mul) else _sum((left, right))
         if not isinstance(found, Decimal):
             return found
         if found.scale > _MOST_DIGITS:
             return Plain.REAL
-        changes.round_decimal(node, found)
+        # It has no digits that decimals would not have.
+        for side in (node.this.unnest(), node.expression.unnest()):
+            if sql.call_name(side) == "round":
+                side.replace(side.expressions[0])
+        node.replace(changes.call("ROUND", node.copy(), exp.Literal.number(found.scale)))
         return found
 
     def _in(self, node: exp.In) -> Kind:
@@ -321,8 +323,9 @@ class Reader:
             listed = sql.sources(query.this)
             self.query(query.this)
             calls = [t.this for t in listed.values() if sql.call_name(t.this) == "json_each"]
-            if is_nested(looked_for) and calls:
-                changes.contain_nested(node, calls[0].expressions[0])
+            if types.is_nested(looked_for) and calls:
+                listed_values = calls[0].expressions[0].copy()
+                node.replace(changes.call("list_has", listed_values, node.this.copy()))
         for item in list(node.expressions):
             self.kind(item)
         return Plain.TRUTH
@@ -340,13 +343,13 @@ class Reader:
         if name == "json_extract":
             return changes.extract(call, kinds)
         if name == "try_cast":
-            wanted = parse_spelling(arguments[1].name)
+            wanted = types.parse_spelling(arguments[1].name)
             if wanted is Plain.WHOLE and isinstance(kinds[0], Decimal):
                 arguments[0].replace(changes.call("ROUND", arguments[0].copy()))
             changes.spell_truth(arguments[0], kinds[0], wanted)
             return wanted
-        found = result_of(name, kinds)
-        return changes.change_call(call, name, kinds, found)
+        found, change = _result_of(name, kinds), changes.CHANGES.get(name)
+        return found if change is None else change(call, kinds, found)
 
 
 def _literal(node: exp.Literal) -> Kind:

@@ -1,0 +1,376 @@
+"""Parts of a program that are written out before it is compiled: functors, casts, whole rows.
+
+SQLite has no row values, and no list of the columns that a call leaves out. So ``P(..r)`` becomes
+``P(a: r_a, b: r_b), r = {a: r_a, b: r_b}`` where the columns of ``P`` are known.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias, TypeVar
+
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.definitions import definitions, prelude, reach, substitutions
+from logical_robots_tui.language.diagnostics import ProgramError
+from logical_robots_tui.language.source_text import diagnostic_for
+from logical_robots_tui.schema import INPUTS, VALUE
+
+N = TypeVar("N", bound=tree.Node)
+
+
+@dataclass(frozen=True, slots=True)
+class Expanded:
+    """The rules of a program with every ``:=`` expanded.
+
+    Attributes:
+        rules: The rules of each predicate, including copies made by ``:=``.
+        annotations: Its annotations.
+        names: The name of the copy, by predicate and the made predicate that it belongs to.
+        origins: The reverse of `names`.
+        bases: For each made predicate, the one that it is ultimately made from.
+    """
+
+    rules: dict[str, list[tree.Rule]]
+    annotations: list[tree.Annotation]
+    names: dict[tuple[str, str], str] = field(default_factory=dict)
+    origins: dict[str, tuple[str, str]] = field(default_factory=dict)
+    bases: dict[str, str] = field(default_factory=dict)
+
+    def name_of(self, predicate: str, within: str) -> str:
+        return self.names.get((predicate, within), predicate)
+
+    def reach(self, name: str) -> set[str]:
+        return reach(self.rules.get(name, ()), self.rules)
+
+
+def expand(program: Iterable[tree.Statement]) -> Expanded:
+    program = list(program)
+    functors: dict[str, tree.Functor] = {}
+    rules: dict[str, list[tree.Rule]] = {}
+    for name, own in definitions(program).items():
+        if isinstance(own[0], tree.Functor):
+            functors[name] = own[0]
+        else:
+            rules[name] = [each for each in own if isinstance(each, tree.Rule)]
+    expanded = Expanded(rules, [each for each in program if isinstance(each, tree.Annotation)])
+    while functors:
+        ready = []
+        for name, functor in functors.items():
+            given = (each.value for each in functor.arguments)
+            used = {functor.base, *(v.name for v in given if isinstance(v, tree.PredicateName))}
+            if not used.union(*map(expanded.reach, used)) & functors.keys():
+                ready.append(name)
+        for name in ready or list(functors):
+            _make(functors.pop(name), expanded)
+    return expanded
+
+
+def expand_functors(program: list[tree.Statement]) -> list[tree.Statement]:
+    """Expand every ``:=`` if one makes what the package can't: from a recursion, or whole rows."""
+    if not any(isinstance(each, tree.Functor) for each in program):
+        return program
+    expanded = expand(program)
+    made = {**expanded.bases, **{copy: first for copy, (first, _) in expanded.origins.items()}}
+    recursive = {name for name in expanded.rules if name in expanded.reach(name)}
+    if not tree.has_rows(program) and not recursive & {*made, *made.values()}:
+        return program
+    copies = [
+        rename(annotation, {original: name})
+        for name, original in made.items()
+        for annotation in expanded.annotations
+        if annotation.subject == original and (annotation.name != "@Recursive" or name in recursive)
+    ]
+    rules = (rule for own in expanded.rules.values() for rule in own)
+    return [*expanded.annotations, *copies, *rules]
+
+
+def _make(functor: tree.Functor, expanded: Expanded) -> None:
+    name, base = functor.name, functor.base
+    given = {}
+    for number, argument in enumerate(functor.arguments):
+        if isinstance(argument.value, tree.PredicateName):
+            given[str(argument.field)] = argument.value.name
+        else:
+            constant = f"{name}_given{number}"
+            given[str(argument.field)] = constant
+            columns = (tree.Argument(VALUE, argument.value),)
+            expanded.rules[constant] = [tree.Rule(tree.Head(constant, columns))]
+    expanded.bases[name] = expanded.bases.get(base, base)
+    if not given and base in expanded.reach(base) and expanded.rules.get(base):
+        fields = [each.field for each in expanded.rules[base][0].head.columns]
+        same = tree.arguments({each: tree.Variable(f"c{n}") for n, each in enumerate(fields)})
+        expanded.rules[name] = [tree.Rule(tree.Head(name, same), tree.Atom(base, same))]
+        return
+    used = {base, *expanded.reach(base)}
+    touched = {p for p in used - given.keys() if expanded.reach(p) & given.keys()} | {base}
+    copies = {p: f"{p}_in_{name}" for p in touched if p in expanded.rules} | {base: name}
+    renaming = {f"{old}": f"{new}" for old, new in {**copies, **given}.items()}
+    for original, copy in copies.items():
+        expanded.rules[copy] = [
+            replace(renamed, head=replace(renamed.head, name=f"{copy}"))
+            for renamed in (rename(rule, renaming) for rule in expanded.rules.get(original, ()))
+        ]
+        if copy != name:
+            first = expanded.origins.get(original, (original, ""))[0]
+            expanded.names[first, name] = copy
+            expanded.origins[copy] = first, name
+
+
+def rename(node: N, names: Mapping[str, str]) -> N:
+    """Return a node in which other predicates are called."""
+
+    def change(inner: tree.Node) -> tree.Node:
+        inner = tree.rebuild(inner, change)
+        if isinstance(inner, tree.Call | tree.Atom | tree.PredicateName) and inner.name in names:
+            return replace(inner, name=names[inner.name])
+        if isinstance(inner, tree.Aggregate | tree.Aggregation) and inner.operator in names:
+            return replace(inner, operator=names[inner.operator])
+        return inner
+
+    return change(node)  # type: ignore[return-value]  # a kind for its kind
+
+
+Field: TypeAlias = "int | str"
+"""A column by place or name."""
+
+TYPES = {
+    "BIGINT": "Int",
+    "BOOL": "Bool",
+    "BOOLEAN": "Bool",
+    "DOUBLE": "Num",
+    "FLOAT": "Num",
+    "FLOAT64": "Num",
+    "INT": "Int",
+    "INT64": "Int",
+    "INTEGER": "Int",
+    "NUM": "Num",
+    "NUMERIC": "Num",
+    "REAL": "Num",
+    "STR": "Str",
+    "STRING": "Str",
+    "TEXT": "Str",
+    "VARCHAR": "Str",
+}
+"""Accepted names of types, in upper case, and their name here."""
+
+CAST_HINT = 'Such as TryCast(memory, {count: 0, seen: [""]}), or types: {count: Num, seen: [Str]}.'
+
+
+def spell_out(program: Iterable[tree.Statement], text: str) -> list[tree.Statement]:
+    """Replace the type in a cast by its text, and `ToString` of a boolean.
+
+    Raises:
+        ProgramError: A cast does not have two arguments.
+    """
+
+    def change(node: tree.Node) -> tree.Node:
+        node = tree.rebuild(node, change)
+        if isinstance(node, tree.Call) and node.name == "ToString" and len(node.arguments) == 1:
+            value = node.arguments[0].value
+            is_call = isinstance(value, tree.Call) and value.name in tree.TRUTHS
+            is_truth = is_call or isinstance(value, tree.Boolean)
+            return replace(node, name="TruthToString") if is_truth else node
+        if isinstance(node, tree.Call) and node.name in ("Cast", "TryCast"):
+            if len(node.arguments) != 2:
+                message = f"{node.name} needs a value and an example of the result"
+                raise ProgramError((diagnostic_for(text, node.name, message, CAST_HINT),))
+            return _with_type_as_text(node)
+        return node
+
+    return [tree.rebuild(statement, change) for statement in program]
+
+
+def _with_type_as_text(cast: tree.Call) -> tree.Call:
+    """Pass the type of a cast as text; in an example, a type becomes a value of that type."""
+    value, example = cast.arguments
+    assert example.expression is not None
+    try:
+        wanted = tree.Text(
+            json.dumps(written_type(example.expression), separators=(",", ":"), ensure_ascii=False)
+        )
+    except KeyError:
+        sample = replace(example, value=_with_samples(example.expression))
+        return replace(cast, name="TryCast", arguments=(value, sample))
+    given = tree.Record((replace(value, field="v"), tree.Argument("t", wanted)))
+    return replace(
+        cast,
+        name="SqlExpr",
+        arguments=tree.arguments({0: tree.Text("try_cast({v}, {t})"), 1: given}),
+    )
+
+
+_SAMPLES: dict[str, tree.Expression] = {
+    "Num": tree.Number("0"),
+    "Int": tree.Number("0"),
+    "Str": tree.Text(""),
+    "Bool": tree.Boolean("true"),
+}
+
+
+def _with_samples(node: tree.Expression) -> tree.Expression:
+    def change(inner: tree.Node) -> tree.Node:
+        if isinstance(inner, tree.PredicateName):
+            sample = _SAMPLES.get(TYPES.get(inner.name.upper(), ""))
+            return inner if sample is None else replace(sample, span=inner.span)
+        return tree.rebuild(inner, change)
+
+    return change(node)  # type: ignore[return-value]  # an expression for an expression
+
+
+def written_type(node: tree.Expression) -> Any:
+    """Return a type: ``{a: Num}``, ``[Str]``, ``Bool``, ``"BIGINT"``; else raise KeyError."""
+    if isinstance(node, tree.Record):
+        return {str(a.field): written_type(a.expression) for a in node.arguments if a.expression}
+    if isinstance(node, tree.List) and len(node.elements) == 1:
+        return [written_type(node.elements[0])]
+    if isinstance(node, tree.PredicateName):
+        return TYPES[node.name.upper()]
+    if isinstance(node, tree.Text):
+        return _sql_type(node.value)
+    raise KeyError(type(node).__name__)
+
+
+def _sql_type(spelled: str) -> Any:
+    spelled = spelled.strip()
+    if spelled.endswith("[]"):
+        return [_sql_type(spelled[:-2])]
+    if found := re.fullmatch(r"(?is)struct\s*\((.*)\)", spelled):
+        fields = (part.strip().split(None, 1) for part in _parts(found.group(1)))
+        return {field[0].strip('"'): _sql_type(field[1]) for field in fields if len(field) == 2}
+    return TYPES[spelled.upper()]
+
+
+def _parts(text: str) -> list[str]:
+    parts, depth = [""], 0
+    for character in text:
+        depth += {"(": 1, ")": -1}.get(character, 0)
+        if character == "," and not depth:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
+
+
+_ROUNDS = 10  # how far columns are traced from predicate to predicate
+
+
+def expand_rows(program: list[tree.Statement]) -> list[tree.Statement]:
+    """Expand whole rows, where their columns are known."""
+    if not tree.has_rows(program):
+        return program
+    columns = _columns(program)
+    return [
+        _Rows(each, columns).rule() if isinstance(each, tree.Rule) else each for each in program
+    ]
+
+
+def _columns(program: Sequence[tree.Statement]) -> dict[str, list[Field]]:
+    open_ = {name for each in program for name in substitutions(each)}
+    known: dict[str, list[Field]] = {name: [*columns] for name, columns in INPUTS.items()}
+    own = {**definitions(prelude()), **definitions(program)}
+    for _ in range(_ROUNDS):
+        before = len(known)
+        for name, mine in own.items():
+            found = [_columns_of(each, known) for each in mine]
+            first = found[0]
+            is_new = name not in known and name not in open_
+            if is_new and first is not None and all(columns == first for columns in found):
+                known[name] = first
+        if len(known) == before:
+            break
+    return known
+
+
+def _columns_of(
+    rule: tree.Rule | tree.Functor, known: Mapping[str, list[Field]]
+) -> list[Field] | None:
+    if not isinstance(rule, tree.Rule):
+        return None
+    columns: list[Field] = []
+    rows = _rows(rule, known)
+    for each in rule.head.columns:
+        if each.field == tree.REST:
+            rest = rows.get(tree.variable_of(each.expression))
+            if rest is None:
+                return None
+            columns += [name for name in rest if name not in columns]
+        else:
+            columns.append(each.field)
+    return columns
+
+
+def _rows(rule: tree.Rule, known: Mapping[str, list[Field]]) -> dict[str, list[Field]]:
+    return {
+        row: _left(node, known)
+        for node in tree.walk(rule)
+        if isinstance(node, tree.Atom) and (row := _row_of(node, known))
+    }
+
+
+def _row_of(atom: tree.Atom, known: Mapping[str, list[Field]]) -> str:
+    """Return the variable of ``..r`` in a call of a predicate with known columns, or ""."""
+    if atom.name not in known:
+        return ""
+    return next(
+        (tree.variable_of(a.expression) for a in atom.arguments if a.field == tree.REST), ""
+    )
+
+
+def _left(atom: tree.Atom, known: Mapping[str, list[Field]]) -> list[Field]:
+    named = {each.field for each in atom.arguments}
+    return [name for name in known[atom.name] if name not in named]
+
+
+class _Rows:
+    """Expands the whole rows of a rule."""
+
+    def __init__(self, rule: tree.Rule, known: Mapping[str, list[Field]]) -> None:
+        self._rule, self._known = rule, known
+        self._rows = _rows(rule, known)
+        self._mark = "_of_row"
+        while any(name.endswith(self._mark) for name in tree.variables(rule, inside=True)):
+            self._mark += "_"
+
+    def rule(self) -> tree.Rule:
+        rule = tree.rebuild(self._rule, self._change)
+        columns = rule.head.columns
+        named = {each.field for each in columns}
+        for rest in [each for each in columns if each.field == tree.REST]:
+            row = tree.variable_of(rest.expression)
+            if row in self._rows:
+                left = [name for name in self._rows[row] if name not in named]
+                columns = _without(columns, rest, self._variables(row, left))
+        return replace(rule, head=replace(rule.head, columns=columns))
+
+    def _change(self, node: tree.Node) -> tree.Node:
+        if isinstance(node, tree.Conjunction | tree.Atom):
+            rows: list[tree.Proposition] = []
+            members = node.members if isinstance(node, tree.Conjunction) else (node,)
+            changed = [self._member(member, rows) for member in members]
+            if isinstance(node, tree.Conjunction) or rows:
+                return tree.Conjunction((*changed, *rows), span=node.span)
+            return changed[0]
+        return tree.rebuild(node, self._change)
+
+    def _member(self, member: tree.Proposition, rows: list[tree.Proposition]) -> tree.Proposition:
+        """Return a member of a body expanded, and add the equation of its row."""
+        if not isinstance(member, tree.Atom):
+            return self._change(member)  # type: ignore[return-value]  # a kind for its kind
+        if row := _row_of(member, self._known):
+            rest = next(each for each in member.arguments if each.field == tree.REST)
+            named = self._variables(row, _left(member, self._known))
+            member = replace(member, arguments=_without(member.arguments, rest, named))
+            rows.append(tree.Equation(tree.Variable(row), tree.Record(tree.arguments(named))))
+        return tree.rebuild(member, self._change)
+
+    def _variables(self, row: str, columns: Iterable[Field]) -> dict[Field, tree.Expression]:
+        return {column: tree.Variable(f"{row}_{column}{self._mark}") for column in columns}
+
+
+def _without(
+    given: tuple[tree.Argument, ...], rest: tree.Argument, named: Mapping[Field, tree.Expression]
+) -> tuple[tree.Argument, ...]:
+    return (*(each for each in given if each is not rest), *tree.arguments(named))

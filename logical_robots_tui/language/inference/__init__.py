@@ -1,1 +1,0 @@
-"""Types of expressions, traced through the rules, for messages about a program."""
