@@ -10,13 +10,13 @@ from typing import Literal, TypeAlias
 from textual import events, on
 from textual.app import ComposeResult
 from textual.command import CommandPalette, DiscoveryHit, Hit, Hits, Provider
-from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.errors import NoWidget
-from textual.widgets import Input, Static
+from textual.widgets import Input
 
 from logical_robots_tui.tui.commands.command import Command, key_name
 from logical_robots_tui.tui.commands.keymap import commands
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.cells import hex_colour
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing, legend
 from logical_robots_tui.tui.layout.dialogs import ClosedOnce, Dialog
@@ -77,7 +77,7 @@ class Help(Dialog[None]):
 
     DEFAULT_CSS = """
     Help > #box { height: 90%; max-width: 100; }
-    Help VerticalScroll { height: 1fr; scrollbar-gutter: stable; }
+    Help LinesView { height: 1fr; scrollbar-gutter: stable; margin: 0; }
     """
 
     BINDINGS = [
@@ -96,21 +96,21 @@ class Help(Dialog[None]):
 
     def content_widgets(self) -> ComposeResult:
         yield Input(placeholder="Type to filter")
-        with VerticalScroll(can_focus=False):
-            yield Static(id="help")
+        lines = LinesView(id="help")
+        lines.can_focus = False
+        yield lines
 
-    def on_resize(self) -> None:
-        self.call_after_refresh(self._write)
+    def on_mount(self) -> None:
+        self.query_one(LinesView).show_lines(self._lines)
 
     def action_scroll(self, where: str) -> None:
-        getattr(self.query_one(VerticalScroll), f"scroll_{where}")()
+        getattr(self.query_one(LinesView), f"scroll_{where}")()
 
     @on(Input.Changed)
     def _write(self) -> None:
-        width = self.query_one(VerticalScroll).scrollable_content_region.width
-        self.query_one("#help", Static).update(self._content(width))
+        self.query_one(LinesView).redraw()
 
-    def _content(self, width: int) -> Content:
+    def _lines(self, width: int) -> list[Content]:
         palette = palette_of(self.app.current_theme)
         signs = [
             (sign, hex_colour(rgb), said) for sign, rgb, said in legend(self._drawing, palette)
@@ -136,7 +136,7 @@ class Help(Dialog[None]):
                 content += [Content.styled(f"\n{heading}", f"bold {INK.title}"), *found]
         if not content:
             content = [Content.styled("Nothing here has that in it.", INK.dim)]
-        return Content("\n").join(content)
+        return [line for part in content for line in part.split("\n", allow_blank=True)]
 
 
 def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, get_args
 
 import pytest
 from textual.theme import BUILTIN_THEMES
-from textual.widgets import Static
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.player.recorder import THEME, ProgressRecorder
@@ -23,6 +22,7 @@ from logical_robots_tui.player.settings import (
 from logical_robots_tui.progress import FILE_NAME
 from logical_robots_tui.tui.app.settings_screen import SettingsScreen, ThemeList, next_value
 from logical_robots_tui.tui.commands.keymap import command
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.theme.themes import NIGHT
@@ -72,9 +72,9 @@ async def test_the_game_does_as_it_is_set(data_dir: Path) -> None:
         await game.until(lambda: game.tick == 2)
         await game.press("question_mark")
         await game.until(lambda: len(game.app.screen_stack) == 2)
-        shown = game.app.screen.query_one("#help", Static)
-        await game.until(lambda: "%            Step" in str(shown.visual))
-        assert "^P           Restart" in str(shown.visual)
+        shown = game.app.screen.query_one("#help", LinesView)
+        await game.until(lambda: "%            Step" in shown.plain)
+        assert "^P           Restart" in shown.plain
         await game.press("escape", "tilde")
         await game.until(lambda: game.editor.has_focus)
 

@@ -11,13 +11,14 @@ import pytest
 from textual.binding import Binding
 from textual.content import Content
 from textual.events import Click
-from textual.widgets import OptionList, Static, TextArea
+from textual.widgets import OptionList, TextArea
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.commands.command import key_name
 from logical_robots_tui.tui.commands.help import Palette
 from logical_robots_tui.tui.commands.keymap import key_bindings
 from logical_robots_tui.tui.commands.table import COMMANDS
+from logical_robots_tui.tui.inspector.line_views import LinesView
 from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
 from logical_robots_tui.tui.layout.command_bar import CommandBar
@@ -250,11 +251,11 @@ async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> 
         async def headings(about: str) -> list[str]:
             await game.press("f1")
             await game.sees(f"Help · {about}")
-            shown = game.app.screen.query_one("#help", Static)
-            await game.until(lambda: "Restart" in str(shown.visual))
+            shown = game.app.screen.query_one("#help", LinesView)
+            await game.until(lambda: "Restart" in shown.plain)
             await game.press("escape")
             await game.until(lambda: game.app.screen is game.main)
-            return [line for line in str(shown.visual).splitlines() if line[:1].isalpha()][:5]
+            return [line for line in shown.plain.splitlines() if line[:1].isalpha()][:5]
 
         assert "Running" in await headings("labyrinth")
         await game.press("2")
@@ -272,10 +273,8 @@ async def test_the_help_begins_with_what_the_player_works_in(data_dir: Path) -> 
 async def test_the_help_shows_what_matches_the_typed_words(data_dir: Path) -> None:
     async with opened(data_dir, size=(80, 24)) as game:
         await game.press("question_mark", *"watch pin")
-        shown = game.app.screen.query_one("#help", Static)
-        await game.until(
-            lambda: "Restart" not in str(shown.visual) and "Watch" in str(shown.visual)
-        )
+        shown = game.app.screen.query_one("#help", LinesView)
+        await game.until(lambda: "Restart" not in shown.plain and "Watch" in shown.plain)
         await game.press(*"qqq")
         await game.sees("Nothing here has that in it.")
         await game.press("escape")
@@ -319,11 +318,11 @@ async def test_the_help_lists_every_command_with_its_keys(data_dir: Path) -> Non
     async with opened(data_dir) as game:
         await game.press("question_mark")
         await game.until(lambda: len(game.app.screen_stack) == 2)
-        shown = game.app.screen.query_one("#help", Static)
-        await game.until(lambda: "Restart" in str(shown.visual))
+        shown = game.app.screen.query_one("#help", LinesView)
+        await game.until(lambda: "Restart" in shown.plain)
         for entry in COMMANDS:
-            assert entry.title in str(shown.visual)
-            assert " · ".join(map(key_name, entry.keys)) in str(shown.visual)
+            assert entry.title in shown.plain
+            assert " · ".join(map(key_name, entry.keys)) in shown.plain
         await game.press("escape")
         await game.until(lambda: game.app.screen is game.main)
 
