@@ -306,11 +306,11 @@ class LevelEditor:
         new: Thing
         level, at = self.level, (round(x), round(y))
         if tool is Tool.ROBOT:
-            new = Robot(_free("Robo", level.robots), *at)
+            new = Robot(_free("Robot", level.robots), *at)
         elif tool is Tool.BEACON:
-            new = Beacon(_free("beacon ", level.beacons), *at)
+            new = Beacon(_free("Beacon", level.beacons), *at)
         else:
-            new = Area(_free("area ", level.areas), *at, _NEW_RADIUS)
+            new = Area(_free("Area", level.areas), *at, _NEW_RADIUS)
 
         def work(level: Level) -> Level:
             changed, self.selected = things.add(level, new)
@@ -384,5 +384,5 @@ def handle_of(thing: Thing, units: float) -> Point | None:
 
 
 def _free(stem: str, there: Sequence[Thing]) -> str:
-    names = (f"{stem}{number}" for number in range(1, len(there) + 2))
+    names = (f"{stem} {number}" for number in range(1, len(there) + 2))
     return next(name for name in names if name not in {each.name for each in there})

@@ -63,7 +63,7 @@ def words_of(level: Level) -> Record:
         "second_goals": [goal.words for goal in level.second_goals],
         "briefing": level.briefing,
         "hints": list(level.hints),
-        **{name: getattr(level, name) for name in ("lesson", "further", "divided_charge")},
+        **{name: getattr(level, name) for name in ("lesson", "further", "story", "divided_charge")},
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
         "scores": [_record_of(score) for score in level.scores],
@@ -125,7 +125,7 @@ def _heading(angle: float) -> Record:
     return {"angle": angle}
 
 
-_LONG_TEXTS = ("briefing", "lesson", "further")
+_LONG_TEXTS = ("briefing", "lesson", "further", "story")
 
 
 def write_native(level: Level) -> str:
@@ -165,8 +165,8 @@ def toml_text(key: str, value: object) -> str:
 
 
 _WORDS = (
-    *("idea", "briefing", "hints", "lesson", "further", "starter", "solution", "shared_names"),
-    *("second_goals", "teams", "match_ticks", "scores", "divided_charge"),
+    *("idea", "briefing", "hints", "lesson", "further", "story", "starter", "solution"),
+    *("shared_names", "second_goals", "teams", "match_ticks", "scores", "divided_charge"),
 )
 _SEEN = Visibility(memory="all", sensor="all")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from datetime import date
 from functools import partial
 from pathlib import Path
@@ -109,7 +110,13 @@ class Library:
         kept = None
         if source.name == level.starter:
             kept = await self._recorder.newest(level)
-        text = self._leave_text_for(source, kept)
+        self.open_with(level, sources, kept)
+
+    def open_with(
+        self, level: Level, sources: Mapping[str, Source], kept: str | None = None
+    ) -> None:
+        """Open a level with programs by team; `kept` is the text of the first, if not its own."""
+        text = self._leave_text_for(next(iter(sources.values())), kept)
         self._session.open_level(level, sources, text)
 
     def look_at(self, team: str) -> None:

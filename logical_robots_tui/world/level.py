@@ -195,6 +195,7 @@ class Level:
         hints: Hints to reveal one at a time.
         lesson: What it teaches, in Markdown, or "".
         further: What to try after winning, or "".
+        story: What these robots are for, told after a victory, plain text, or "".
         starter: Name of the program to start with, or "".
         solution: Name of the program that wins it as the lesson teaches, or "".
         shared_names: Names that several beacons or several areas have on purpose.
@@ -221,6 +222,7 @@ class Level:
     hints: tuple[str, ...] = ()
     lesson: str = ""
     further: str = ""
+    story: str = ""
     starter: str = ""
     solution: str = ""
     shared_names: tuple[str, ...] = ()

@@ -368,6 +368,16 @@ def test_what_the_web_platform_can_not_say_is_named() -> None:
     assert lost_in_web(load_level(CONFORMANCE[0])) == []
     level = load_level("01-first-steps")
     assert lost_in_web(level) == [
-        *("title", "idea", "briefing", "hints", "lesson", "further", "starter", "solution"),
+        *(
+            "title",
+            "idea",
+            "briefing",
+            "hints",
+            "lesson",
+            "further",
+            "story",
+            "starter",
+            "solution",
+        ),
         *("second_goals", "visibility"),
     ]

@@ -45,6 +45,7 @@ def test_a_level_has_texts_that_fit_a_pane(name: str) -> None:
     level = load_level(name)
     check_texts(level)
     assert level.lesson
+    assert level.story.count(".") in (2, 3)
 
 
 @each_level

@@ -21,7 +21,13 @@ from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.processes.helper import collect_seldom
 from logical_robots_tui.tui.app.frame_scheduler import FrameScheduler
 from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
-from logical_robots_tui.tui.commands.keymap import command, commands, key_bindings, with_keys
+from logical_robots_tui.tui.commands.keymap import (
+    command,
+    commands,
+    key_bindings,
+    key_of,
+    with_keys,
+)
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, BriefingCard
@@ -49,15 +55,19 @@ from logical_robots_tui.tui.library.controller import LibraryController
 from logical_robots_tui.tui.program.controller import FileWatch, ProgramController
 from logical_robots_tui.tui.program.editor import Editor
 from logical_robots_tui.tui.program.pane import ProgramPane, TeamChoice
+from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.tui.timeline.controller import Replays, Search, TimelineController
 from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.player.recorder import ProgressRecorder
+    from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.level_editor.panel import EditPanel
 
 _HEARTBEAT = 0.25  # seconds between updates of the clock while it runs
+_ROOMY = 36  # lines with room for a picture in a dialog
 _READABLE = 0.2  # seconds that a number stays while robots run
 
 
@@ -131,7 +141,9 @@ class MainScreen(Screen[None], SessionListener):
         self._watch = FileWatch(lambda: session.source, library.take_from_disk)
         self.tour = TourController(self.mount, self.arrangement, self.point_at, recorder.tour_seen)
         self.timeline_controller = TimelineController(session, ui, lambda: view.selected)
-        self.replays = Replays(session, ui, data_dir / "replays")
+        self.replays = Replays(
+            session, ui, data_dir / "replays", library.programs, library.open_with
+        )
         self.search = Search(session, ui, self.timeline_controller.go_to)
         self.announcer = VictoryAnnouncer(
             session,
@@ -141,11 +153,18 @@ class MainScreen(Screen[None], SessionListener):
             self.offers,
             pause=lambda: self.scheduler.rate.calm if self.is_typing else math.inf,
             is_test=lambda: self.editing.is_testing,
+            look=self._look_of_pictures,
             following=library.following,
             run=self.action_command,
         )
         heard = [self.editing, recorder, self.announcer, self.timeline_controller, self]
         session.listeners += heard
+
+    def _look_of_pictures(self) -> tuple[Drawing, Palette] | None:
+        """How miniatures are drawn, where there is room for one beside a table."""
+        if self.app.size.height < _ROOMY:
+            return None
+        return self.labyrinth.view.drawing, palette_of(self.app.current_theme)
 
     def _show_editing(self) -> None:
         if self._edit_panel is None:
@@ -242,7 +261,8 @@ class MainScreen(Screen[None], SessionListener):
         self._status.show(status_of(self.session))
         self.timeline.show(self.session, self.labyrinth.view.selected)
         typing = self.is_typing
-        own, busy = getattr(self.focused, "bar_keys", ()), self.session.busy
+        own = [(key_of(key), does) for key, does in getattr(self.focused, "bar_keys", ())]
+        busy = self.session.busy
         edits = self.editing.is_on and self.labyrinth.has_focus
         self._bar.show(typing=typing, running=busy, editing=edits, own=own)
         tabs = tuple((pane.command_id, pane.label) for pane in self.arrangement.panes)

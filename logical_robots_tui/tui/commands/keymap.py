@@ -77,6 +77,12 @@ def command(command_id: str) -> Command:
     return KEY_MAP.get().by_id[command_id]
 
 
+def key_of(name: str) -> str:
+    """Return the key of a command, or a text that names none as it is."""
+    entry = KEY_MAP.get().by_id.get(name)
+    return name if entry is None else entry.key_name
+
+
 def key_bindings(*entries: Command, does: str = "") -> BindingsMap:
     """Return what binds the keys of commands to them, or to another one."""
     return BindingsMap(

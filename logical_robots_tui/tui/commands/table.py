@@ -65,6 +65,8 @@ time.add("compare", "Compare futures", "C", lambda s: s.timeline_controller.comp
 time.add("save_replay", "Save a replay", "", lambda s: s.replays.save(),
     "Save all ticks of the timeline in a file, to play again, to verify or to share.",
     worker="replay", also="export record share")
+time.add("open_replay", "Open a replay…", "", lambda s: s.replays.choose(),
+    "Play a saved replay again, and go to any of its ticks.", worker="replay", also="load playback")
 time.add("timeline", "Timeline", "T", lambda s: s.set_focus(s.timeline),
     "Focus the timeline; arrows, page up and down, home and end move along it.")
 

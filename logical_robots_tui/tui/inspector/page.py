@@ -188,7 +188,9 @@ class Page(Vertical):
 
     def head(self, tick: int, more: str = "", title: str = "") -> None:
         name = Content.styled(one_line(title or self.entry.title), f"bold {INK.title}")
-        parts = [name, Content(f"tick {tick}"), *([Content(more)] if more else [])]
+        # While robots run, the number at the top of the screen is the newer one.
+        at = [] if self._session.running else [Content(f"tick {tick}")]
+        parts = [name, *at, *([Content(more)] if more else [])]
         if self.replays and self._questions.is_by_another_program(tick):
             parts.append(Content.styled("by the current program", INK.warn))
         self._heading.update(Content(" · ").join(parts), layout=False)

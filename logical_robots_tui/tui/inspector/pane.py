@@ -377,6 +377,11 @@ class PredicateList(Listing):
     }
     """
 
+    bar_keys = (
+        *(("enter", "Inspect"), ("break_here", "Break"), ("pin", "Pin"), ("ask", "Ask")),
+        *(("graph", "Graph"), ("sql", "SQL")),
+    )
+
     def __init__(self) -> None:
         super().__init__(id="choice", markup=False, compact=True)
         self.predicates: tuple[Predicate, ...] | None = None

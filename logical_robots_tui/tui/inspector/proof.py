@@ -218,6 +218,11 @@ def _values(node: Node, room: int) -> Content:
 class WhyView(CursorView):
     """A proof; renders only visible lines. Arrows, enter and backspace expand and ask."""
 
+    bar_keys = (
+        *(("←→", "Fold"), ("enter", "Why"), ("backspace", "Back"), ("pin", "Pin")),
+        *(("origin", "Origin"), ("other_values", "Other values"), ("break_here", "Break")),
+    )
+
     BINDINGS = [
         ("right", "inward"),
         ("left", "outward"),

@@ -154,6 +154,11 @@ class ValueTable(ScrollView, can_focus=True):
     ValueTable { background: $surface; height: 1fr; overflow: auto auto; margin: 0 1; }
     """
 
+    bar_keys = (
+        *(("enter", "Why"), ("pin", "Pin"), ("break_here", "Break"), ("open_value", "Open")),
+        *(("sort", "Sort"), ("search_rows", "Search"), ("copy_rows", "Copy")),
+    )
+
     BINDINGS = [
         ("up", "go(-1, 0)"),
         ("down", "go(1, 0)"),

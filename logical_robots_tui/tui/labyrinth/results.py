@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import random
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
+from textual.strip import Strip
+from textual.widget import Widget
 from textual.widgets import Button, Static
 
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import one_line
 from logical_robots_tui.world.level import SecondGoal
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.measuring import Trial
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.progress import Bests, Measures
+    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
 
 _TITLES = ("ticks", "rules", "distance", "robust")
 _WIDTHS = (9, 7, 10, 11)
@@ -140,6 +145,23 @@ def _number(value: int | None) -> str:
     return "·" if value is None else str(value)
 
 
+STORY_WIDTH = 58
+"""Columns of the story, and of the picture with it."""
+
+
+class Miniature(Widget):
+    """A small picture of a level."""
+
+    def __init__(self, cells: Cells) -> None:
+        super().__init__()
+        self._cells = cells
+        rows, columns = cells.text.shape
+        self.styles.width, self.styles.height = columns, rows
+
+    def render_line(self, y: int) -> Strip:
+        return self._cells.strip(y)
+
+
 _CONFETTI = "·*✦•˚+"
 _COLOURS = (INK.bad, INK.warn, INK.good, INK.robot, INK.record, INK.key)
 _DENSITY = 0.14
@@ -154,12 +176,16 @@ class Results(Question):
         said: What is celebrated, or "" to look results up.
         answers: Ids of commands, with the labels of their buttons.
         seed: For the confetti.
+        story: What is told after a victory.
+        picture: The start of what comes next.
         noticing: Seconds before there are answers.
     """
 
     DEFAULT_CSS = """
     Results > #box { width: auto; max-width: 100%; max-height: 100%; padding: 0 2; }
     Results Static { width: auto; }
+    Results #story { margin-top: 1; color: $ink-dim; }
+    Results Miniature { margin-top: 1; }
     Results #answers { width: auto; margin: 1 0; }
     """
 
@@ -171,15 +197,22 @@ class Results(Question):
         *,
         seed: int = 0,
         noticing: float = 0.0,
+        story: str = "",
+        picture: Cells | None = None,
     ) -> None:
         keyed = [(name, f"{label}  {command(name).key_name}") for name, label in answers]
         super().__init__("Victory" if said else "Results", "", keyed, noticing=noticing)
         self._recorder, self._said, self._seed = recorder, said, seed
+        self._story, self._picture = story, picture
         self._rows = self._table()
 
     def content_widgets(self) -> ComposeResult:
         yield Static(id="said")
         yield Static(id="goals")
+        if self._story:
+            yield Static(Content("\n".join(wrap(one_line(self._story), STORY_WIDTH))), id="story")
+        if self._picture is not None:
+            yield Miniature(self._picture)
         with Horizontal(id="answers"):
             for name, label in self._answers:
                 yield Button(Content(label), id=f"answer-{name}", compact=True)

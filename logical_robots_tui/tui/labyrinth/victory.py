@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.game import Frame
@@ -13,7 +14,7 @@ from logical_robots_tui.game.history.marks import trouble
 from logical_robots_tui.game.victory import robustness_line
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import clip, count_of, one_line
-from logical_robots_tui.world import Level
+from logical_robots_tui.world import Level, LevelError
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.victory import Victory
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Measures
     from logical_robots_tui.tui.app.ui import ScreenOffers, ScreenUi
     from logical_robots_tui.tui.labyrinth.briefing import Briefing
+    from logical_robots_tui.tui.labyrinth.drawing.cells import Cells, Palette
+    from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
     from logical_robots_tui.tui.labyrinth.results import Results
 
+_PICTURE_ROWS = 9
 _PAUSE = 1.0
 """Seconds without a key after which a text that is typed may be interrupted."""
 
@@ -34,6 +38,7 @@ class VictoryAnnouncer(SessionListener):
     Args:
         pause: How many seconds ago a text was typed; inf if none is.
         is_test: Whether a level that is edited is being tried.
+        look: How pictures are drawn now, or None where there is no room for one.
         following: Finds the name of the next level, if there is one.
         run: Runs a command.
     """
@@ -48,12 +53,14 @@ class VictoryAnnouncer(SessionListener):
         *,
         pause: Callable[[], float],
         is_test: Callable[[], bool],
+        look: Callable[[], tuple[Drawing, Palette] | None],
         following: Callable[[], Awaitable[str | None]],
         run: Callable[[str], None],
     ) -> None:
         self._session, self._briefing, self._recorder = session, briefing, recorder
         self._ui, self._offers = ui, offers
-        self._pause, self._is_test, self._following, self._run = pause, is_test, following, run
+        self._pause, self._is_test, self._look = pause, is_test, look
+        self._following, self._run = following, run
         self._waiting: Victory | None = None
         self._results: Results | None = None
         self._is_held = False
@@ -130,7 +137,8 @@ class VictoryAnnouncer(SessionListener):
         from logical_robots_tui.tui.app.ui import NOTICING
         from logical_robots_tui.tui.labyrinth.results import Results
 
-        has_next = await self._following() is not None
+        following = await self._following()
+        picture = await self._picture_of(following)
         await self._offers.free()
         while (pause := self._pause()) < _PAUSE:  # noqa: ASYNC110 - each key begins it anew
             await asyncio.sleep(_PAUSE - pause)
@@ -145,11 +153,31 @@ class VictoryAnnouncer(SessionListener):
         if self._is_test():
             answers[:0] = [("test", "Edit")]
         else:
-            answers[:0] = [("next_level", "Next level")] * has_next
+            answers[:0] = [("next_level", "Next level")] * (following is not None)
             answers[-1:-1] = [("lesson", "Lesson")] * bool(victory.level.lesson)
         noticing = NOTICING if pause < math.inf else 0.0
-        self._results = Results(self._recorder, said, answers, seed=victory.tick, noticing=noticing)
+        self._results = Results(
+            self._recorder,
+            said,
+            answers,
+            seed=victory.tick,
+            noticing=noticing,
+            story=victory.level.story,
+            picture=picture,
+        )
         self._obey(await self._offers.put(self._results))
+
+    async def _picture_of(self, level: str | None) -> Cells | None:
+        """Draw what comes next; without it the story is told alone."""
+        from logical_robots_tui.tui.labyrinth.results import STORY_WIDTH
+        from logical_robots_tui.tui.library.cards import miniature, shipped_level
+
+        if level is None or (look := self._look()) is None:
+            return None
+        with suppress(LevelError):
+            found = await asyncio.to_thread(shipped_level, level)
+            return await asyncio.to_thread(miniature, found, STORY_WIDTH, _PICTURE_ROWS, *look)
+        return None
 
     def _obey(self, answer: str | None) -> None:
         if answer not in (None, "results", "leave"):

@@ -218,8 +218,10 @@ class EditPanel:
         wide = math.ceil(view.units / grid) * grid
         high = math.ceil(view.units * CELL_ASPECT / grid) * grid
         level = editor.level
-        x = min(max(editor.cursor[0] + across * times * wide, 0.0), level.width - 1.0)
-        y = min(max(editor.cursor[1] + down * times * high, 0.0), level.height - 1.0)
+        x, y = editor.cursor[0] + across * times * wide, editor.cursor[1] + down * times * high
+        if editor.settings.is_grid_shown:
+            x, y = round(x / grid) * grid, round(y / grid) * grid
+        x, y = min(max(x, 0.0), level.width - 1.0), min(max(y, 0.0), level.height - 1.0)
         self.hover(x, y, is_held=True)
 
     @property

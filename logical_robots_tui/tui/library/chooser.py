@@ -20,12 +20,13 @@ from textual.widgets.option_list import Option
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Source, list_programs, load_program
+from logical_robots_tui.game.replay import SUFFIX, Replay, load_replay
 from logical_robots_tui.paths import pasted_path, typed_path
 from logical_robots_tui.player.learning import version_name, version_result
 from logical_robots_tui.tui.app.ui import in_background
 from logical_robots_tui.tui.layout.dialogs import Dialog, Listing
 from logical_robots_tui.tui.theme.themes import INK
-from logical_robots_tui.wording import clip, one_line, visible, visible_lines
+from logical_robots_tui.wording import clip, count_of, one_line, visible, visible_lines
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -198,7 +199,7 @@ class Chooser(Dialog[T], Generic[T]):
 
 
 def is_path(text: str) -> bool:
-    return "/" in text or text.endswith((".toml", ".json", ".l"))
+    return "/" in text or text.endswith((".toml", ".json", ".l", SUFFIX))
 
 
 @dataclass(frozen=True)
@@ -255,6 +256,37 @@ class VersionShelf:
             if version_name(version) == name_or_path:
                 return version
         raise InputError("There is no such version.")
+
+
+@dataclass(frozen=True)
+class ReplayShelf:
+    """The player's saved replays, the newest first, and any replay file."""
+
+    folder: Path
+    title: str = "Open a replay"
+    placeholder: str = "type to filter, or the path of a .replay file"
+    does: str = "play"
+
+    def names(self) -> Sequence[str]:
+        try:
+            return sorted((path.stem for path in self.folder.glob(f"*{SUFFIX}")), reverse=True)
+        except OSError:
+            return []
+
+    def card(self, name: str) -> Card:
+        try:
+            replay = self.take(name)
+        except InputError as error:
+            return Card("can't be used", str(error), is_error=True)
+        told = count_of(replay.last - replay.first, "tick")
+        texts = [text for texts in replay.programs.values() for text in texts.values()]
+        return Card(f"{replay.levels[-1].title}, {told}", texts[-1])
+
+    def take(self, name_or_path: str) -> Replay:
+        """Load a replay; raises `InputError`."""
+        is_file = "/" in name_or_path or name_or_path.endswith(SUFFIX)
+        path = typed_path(name_or_path) if is_file else self.folder / f"{name_or_path}{SUFFIX}"
+        return load_replay(path)
 
 
 def _changes(now: str, then: str) -> Iterator[str]:

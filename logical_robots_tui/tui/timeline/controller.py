@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from functools import partial
 from math import inf
@@ -17,12 +17,13 @@ from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import one_line
 
 if TYPE_CHECKING:
-    from logical_robots_tui.game import Breakpoint, Game, Hit, SearchResult
+    from logical_robots_tui.game import Breakpoint, Game, Hit, SearchResult, Source
     from logical_robots_tui.game.history.history import History
     from logical_robots_tui.game.replay import Replay
     from logical_robots_tui.mind import Program
     from logical_robots_tui.player.session import Session
     from logical_robots_tui.tui.app.ui import Dialogs
+    from logical_robots_tui.world import Level
 
 _SOUGHT = [kind for kind in MARK_KINDS if kind != "memory"]  # that of the selected robot only
 _NO_PROGRAM = "There is no program yet."
@@ -231,8 +232,30 @@ class Search:
 
 
 class Replays:
-    def __init__(self, session: Session, ui: Dialogs, folder: Path) -> None:
+    """Opens and saves replays; `open_level` opens a level with programs by team."""
+
+    def __init__(
+        self,
+        session: Session,
+        ui: Dialogs,
+        folder: Path,
+        programs: Path,
+        open_level: Callable[[Level, Mapping[str, Source]], None],
+    ) -> None:
         self._session, self._ui, self._folder = session, ui, folder
+        self._programs, self._open_level = programs, open_level
+
+    async def choose(self) -> None:
+        """Let the player choose a saved replay, and play it."""
+        from logical_robots_tui.player.opening import level_of, sources_of
+        from logical_robots_tui.tui.library.chooser import Chooser, ReplayShelf
+
+        replay = await self._ui.ask(Chooser["Replay"](ReplayShelf(self._folder), ""))
+        if replay is not None:
+            level = await asyncio.to_thread(level_of, replay)
+            sources = await asyncio.to_thread(sources_of, replay, self._programs)
+            self._open_level(level, sources)
+            await self.open(replay)
 
     async def open(self, replay: Replay) -> None:
         """Replay in the current game, which must be at the replay's level; stop at its end."""

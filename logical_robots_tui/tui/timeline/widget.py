@@ -186,7 +186,9 @@ class Timeline(Widget, can_focus=True):
         marks = history.marks.at(span.tick) if history is not None else ()
         said = [part for mark in marks if (part := self._said(mark))]
         if not said:
-            text = f"tick {span.tick} of {span.first}-{span.last}"
+            text = f"tick {span.tick}"
+            if span.last > span.first:
+                text += f" of {span.last}" if not span.first else f" of {span.first} to {span.last}"
             if history is not None and history.dropped and history.dropped <= span.first:
                 text += ", no room for earlier ones"
             return Content.styled(clip(text, width), INK.dim)

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
+    "story",
     *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
     *("scores", "divided_charge", "robots", "beacons", "areas"),
 )
@@ -88,6 +89,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "hints": top.texts("hints"),
         "lesson": top.text("lesson", "").strip("\n"),
         "further": top.text("further", "").strip("\n"),
+        "story": top.text("story", "").strip("\n"),
         "starter": top.name("starter", ""),
         "solution": top.name("solution", ""),
         "visibility": _visibility(top.table("visibility")),

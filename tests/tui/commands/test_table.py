@@ -40,6 +40,7 @@ ONLY_IN_THE_PALETTE = {
         "find_next",
         "hide_teams",
         "next_team",
+        "open_replay",
         "rename",
         "revert",
         "save_replay",
@@ -375,7 +376,7 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
     ("typed", "first"),
     [
         ("daily", "daily"),
-        ("replay", "save_replay"),
+        ("replay", "open_replay"),
         ("theme", "theme"),
         ("settings", "settings"),
         ("speed", "slower"),

@@ -124,14 +124,14 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         await s.press("o")
         await s.drag((60, 30))
         await s.settled()
-        assert [robot.name for robot in s.level.robots] == ["Pip", "Robo1"]
-        assert [robot.name for robot in s.game.session.frame.after.robots] == ["Pip", "Robo1"]
+        assert [robot.name for robot in s.level.robots] == ["Pip", "Robot 1"]
+        assert [robot.name for robot in s.game.session.frame.after.robots] == ["Pip", "Robot 1"]
         await s.press("c")
         await s.drag((60, 70))
         await s.press("a")
         await s.drag((140, 50), (160, 50))
         await s.settled()
-        assert s.level.beacons[1].name == "beacon 1"
+        assert s.level.beacons[1].name == "Beacon 1"
         assert s.level.areas[1].radius == pytest.approx(20, abs=s.units)
         await s.press("d")
         await s.settled()
@@ -143,7 +143,7 @@ async def test_things_are_placed_dragged_turned_and_deleted(
         await s.press("tab")
         await s.settled()
         info = s.game.main.query_one(InfoLine)
-        assert "Robo1" in info.render().plain
+        assert "Robot 1" in info.render().plain
         await s.press("x")
         await s.game.sees("A level needs at least one robot")
         while s.editor.edits.can_undo:

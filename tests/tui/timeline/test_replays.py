@@ -12,6 +12,7 @@ from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.game.replay import Replay, Stage, Text, load_replay
 from logical_robots_tui.player.opening import Opening, level_of, sources_of
 from logical_robots_tui.tui.app.app import LogicalRobotsApp
+from logical_robots_tui.tui.library.chooser import Chooser
 from logical_robots_tui.world import World, load_level
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, Opened, opened
@@ -115,3 +116,24 @@ def test_a_program_of_any_name_is_one_of_the_player_s_folder(tmp_path: Path, nam
     assert source.path.parent == tmp_path
     assert not source.shipped
     assert len(source.path.name) < 60
+
+
+async def test_a_saved_replay_is_opened_in_the_game(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        game.session.run_until(5)
+        await game.until(lambda: game.tick == 5 and not game.session.busy)
+        replay = await saved(game)
+        await game.write(STILL)
+        await game.until(lambda: game.session.state.applied == STILL)
+        await game.press("escape", "r", "ctrl+p")
+        await game.sees("Find a command")
+        await game.press(*"openareplay")
+        await game.sees("Open a replay")
+        await game.press("enter")
+        await game.until(lambda: isinstance(game.app.screen, Chooser))
+        await game.sees("5 ticks")
+        await game.press("enter")
+        await game.sees("Replay of 5 ticks")
+        await game.until(lambda: game.tick == replay.last and not game.session.busy)
+        assert game.session.state.applied == AHEAD
