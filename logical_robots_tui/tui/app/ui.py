@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from textual.css.query import NoMatches
+from textual.dom import NoScreen
 
 from logical_robots_tui.player.session_state import Ui, Work
 from logical_robots_tui.tui.terminal.textual_internals import is_being_removed
@@ -33,9 +34,9 @@ def in_background(
     async def unless_gone() -> None:
         try:
             await work()
-        except NoMatches:
-            # A dialog that is closed loses its widgets before its work is cancelled.
-            if not is_being_removed(node):
+        except (NoMatches, NoScreen):
+            # What is closed loses its widgets, and its screen, before its work is cancelled.
+            if node.is_attached and not is_being_removed(node):
                 raise
 
     worker: Worker[None] = node.run_worker(unless_gone, group=group, exclusive=exclusive)

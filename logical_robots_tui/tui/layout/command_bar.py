@@ -97,11 +97,18 @@ class CommandBar(Labels):
             shown = [*kept[:1], *editing, *kept[1:]]
         if self._typing:
             shown.sort(key=lambda entry: entry.id != "apply")
-        own = [(_label(key, does), "") for key, does in self._own]
-        if own:
+        if self._own:
             shown = [entry for entry in shown if entry.place == "anywhere"]
         labels = {entry.id: self._label(entry) for entry in shown}
-        room = self.size.width - 1 - sum(label.cell_length + _GAP for label, _ in own)
+        room = self.size.width - 1
+        own: list[tuple[Content, str]] = []
+        if self._own:  # as many as leave room for the first command
+            least = labels[shown[0].id].cell_length if shown else 0
+            for label in (_label(key, does) for key, does in self._own):
+                if room - label.cell_length - _GAP < least:
+                    break
+                own.append((label, ""))
+                room -= label.cell_length + _GAP
         fitting: set[str] = set()
         for entry in sorted(shown, key=lambda entry: entry.spare):
             need = labels[entry.id].cell_length + (_GAP if fitting else 0)

@@ -17,7 +17,6 @@ from textual.document import _wrapped_document
 from textual.document._wrapped_document import WrappedDocument
 from textual.geometry import Offset, Region
 from textual.keys import _character_to_key
-from textual.widgets import _text_area
 
 if TYPE_CHECKING:
     from textual.app import App
@@ -95,6 +94,8 @@ def _hanging_offsets(text: str, width: int, *about: Any, **more: Any) -> list[in
 
 def hang_wrapped_lines() -> None:
     """Let text areas indent the further rows of wrapped lines; they draw them themselves."""
+    from textual.widgets import _text_area  # with all widgets
+
     _wrapped_document.compute_wrap_offsets = _hanging_offsets  # type: ignore[attr-defined] # too
     _text_area.WrappedDocument = HangingDocument  # type: ignore[attr-defined] # where it is made
 

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 import pytest
 from textual.app import App, ComposeResult
+from textual.dom import NoScreen
 from textual.screen import ModalScreen
 from textual.widgets import Static
 from textual.worker import WorkerFailed
 
 from logical_robots_tui.tui.app.ui import in_background
 from tests.waiting import PATIENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
 
 
 class Dialog(ModalScreen[None]):
@@ -53,3 +58,22 @@ async def test_a_dialog_that_was_closed_has_no_last_word() -> None:
 async def test_what_is_missing_in_a_dialog_that_is_open_is_a_mistake() -> None:
     with pytest.raises(WorkerFailed, match="NoMatches"):
         await show(Dialog(closes=False))
+
+
+async def test_work_for_a_part_that_has_lost_its_screen_is_no_mistake(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun: list[Callable[[], Awaitable[None]]] = []
+    async with App[None]().run_test() as pilot:
+        part = Static()
+        await pilot.app.mount(part)
+        monkeypatch.setattr(part, "run_worker", lambda work, **_: begun.append(work))
+
+        async def look() -> None:
+            raise NoScreen("node has no screen")
+
+        in_background(part, look)
+        with pytest.raises(NoScreen):
+            await begun[0]()
+        await part.remove()
+        await begun[0]()

@@ -376,7 +376,7 @@ async def test_a_robot_is_chosen_by_click_in_the_labyrinth_and_in_the_inspector(
     ("typed", "first"),
     [
         ("daily", "daily"),
-        ("replay", "open_replay"),
+        ("replay", "save_replay"),
         ("theme", "theme"),
         ("settings", "settings"),
         ("speed", "slower"),
