@@ -355,6 +355,8 @@ class MainScreen(Screen[None], SessionListener):
     @on(Sighted)
     def _sight_pointed(self, event: Sighted) -> None:
         self.labyrinth.view.highlight(event.highlight, event.frame)
+        if event.highlight is None and not self.program.has_focus_within:
+            self.program.editor.unpoint()
 
     @on(Placed)
     def _place_pointed(self, event: Placed) -> None:

@@ -128,9 +128,9 @@ class InfoLine(Static):
 def _describe(thing: Thing | None) -> str:
     if thing is None:
         return "nothing selected"
-    radius = f", radius {thing.radius:g}" if isinstance(thing, Area) else ""
+    radius = f", radius {round(thing.radius, 1):g}" if isinstance(thing, Area) else ""
     what = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
-    return f"{what} at {thing.x:g}, {thing.y:g}{radius}"
+    return f"{what} at {round(thing.x, 1):g}, {round(thing.y, 1):g}{radius}"
 
 
 def _key(name: str) -> str:

@@ -293,6 +293,9 @@ class Editor(TextArea):
         self.scroll_cursor_visible(center=True)
 
     def on_focus(self) -> None:
+        self.unpoint()
+
+    def unpoint(self) -> None:
         """Clear a selection that was only a highlight."""
         if self.selection == self._pointed_out:
             self.selection = Selection.cursor(self.cursor_location)

@@ -209,6 +209,15 @@ async def test_the_place_is_shown_in_the_program(data_dir: Path) -> None:
         await game.until(lambda: game.editor.text == TWO_RULES.replace("d == s", "xd == s", 1))
 
 
+async def test_the_place_is_no_longer_shown_once_the_proof_is_left(data_dir: Path) -> None:
+    async with opened(data_dir, text=TWO_RULES, size=TALL) as game:
+        await asked_why(game)
+        await go_to(game, "d == sensor")
+        await game.until(lambda: game.editor.selected_text == "d == sensor.forward_distance")
+        game.main.inspector.inspect("robots")
+        await game.until(lambda: not game.editor.selected_text)
+
+
 NEAREST = """\
 Near(robot_name:, r? ArgMin= ray -> ray.distance) distinct :-
   Sensor(robot_name:, sensor:), ray in sensor.radar;

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from tests.tui.conftest import Opened
 
 LEVEL = "01-first-steps"
-MOST_KEYS = 20
+MOST_KEYS = 14
 
 
 def line(game: Opened) -> str:
