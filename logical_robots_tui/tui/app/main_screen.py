@@ -188,7 +188,11 @@ class MainScreen(Screen[None], SessionListener):
         keys = ends_test if self.editing.is_testing else []
         self._bindings = BindingsMap.merge([*keys, self._own_keys])
 
+    def _suit(self, level: Level) -> None:
+        self.arrangement.aspect = level.width / level.height
+
     def compose(self) -> ComposeResult:
+        self._suit(self.session.level)
         self._fit(self.app.size)
         yield from (self._status, self._tabs, self.arrangement.container)
         yield from (self._too_small, self.timeline, self._bar)
@@ -227,6 +231,8 @@ class MainScreen(Screen[None], SessionListener):
     # -- for the parts -------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
+        self._suit(level)
+        self.arrangement.show()
         self.labyrinth.select(None)
         self.scheduler.soon()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import ClassVar, NamedTuple
@@ -14,6 +15,7 @@ from textual.geometry import Offset, Size
 from textual.message import Message
 from textual.widget import Widget
 
+from logical_robots_tui.tui.labyrinth.drawing.viewport import CELL_ASPECT
 from logical_robots_tui.wording import visible
 
 
@@ -151,11 +153,17 @@ def layout_for(width: int, height: int) -> Layout:
     return Layout.TALL if height >= _TALL_FROM else Layout.NARROW
 
 
-def grid_for(layout: Layout, width: int, height: int, shares: Shares) -> Grid:
+def grid_for(
+    layout: Layout, width: int, height: int, shares: Shares, aspect: float = math.inf
+) -> Grid:
+    """Return the sizes of panes around a map that is `aspect` times as wide as high."""
     room = height - 2  # status and command bar
     inspector = min(max(round(0.3 * height), 8), _HIGHEST_TABLE)
     if layout is Layout.WIDE:
         program = min(round(width * 4 / 9), _WIDEST_TEXT)
+        beside = width - CELL_ASPECT * aspect * (room - inspector - 2) - 2  # what the map leaves
+        if beside > program:
+            program = min(int(beside), _WIDEST_TEXT)
         wider = _within(program + shares.columns, _NARROWEST, width - _NARROWEST)
         higher = _within(inspector + shares.rows, _LOWEST, room - _LOWEST)
         return Grid(wider, higher, Shares(wider - program, higher - inspector))
@@ -180,6 +188,8 @@ class Arrangement:
         """The layout for the terminal's size."""
         self.is_one_large = False
         """Whether the active pane fills the screen."""
+        self.aspect = math.inf
+        """Width of the map by its height; columns that it does not need go to the program."""
         self._size = Size()
         self._hidden: set[Pane] = set()
         self._shares = Shares()
@@ -204,7 +214,7 @@ class Arrangement:
             else:
                 pane.display = not self.is_tiny and pane is self.active
         if self.layout.is_roomy:
-            grid = grid_for(self.layout, *self._size, self._shares)
+            grid = grid_for(self.layout, *self._size, self._shares, self.aspect)
             self._shares = grid.shares
             self._lay_out(grid)
 

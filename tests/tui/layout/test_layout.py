@@ -125,13 +125,29 @@ async def test_escape_leaves_the_editor_for_the_labyrinth(data_dir: Path) -> Non
         assert game.editor.text == PAPER
 
 
-@given(st.integers(110, 400), st.integers(24, 200), st.integers(-400, 400), st.integers(-400, 400))
-def test_no_wish_makes_a_pane_vanish(width: int, height: int, columns: int, rows: int) -> None:
+@given(
+    st.integers(110, 400),
+    st.integers(24, 200),
+    st.integers(-400, 400),
+    st.integers(-400, 400),
+    st.floats(0.01, 100),
+)
+def test_no_wish_makes_a_pane_vanish(
+    width: int, height: int, columns: int, rows: int, aspect: float
+) -> None:
     layout = layout_for(width, height)
-    grid = grid_for(layout, width, height, Shares(columns, rows))
+    grid = grid_for(layout, width, height, Shares(columns, rows), aspect)
     assert 30 <= grid.program <= width - 30
     assert 6 <= grid.inspector <= height - 8
-    assert grid_for(layout, width, height, grid.shares) == grid
+    assert grid_for(layout, width, height, grid.shares, aspect) == grid
+
+
+def test_a_high_map_leaves_its_columns_to_the_program() -> None:
+    wide, high = (grid_for(Layout.WIDE, 120, 40, Shares(), aspect) for aspect in (3.0, 1.0))
+    assert wide.program == 53
+    assert high.program >= 70
+    rows = 40 - 2 - high.inspector - 2
+    assert 120 - high.program - 2 >= 2 * rows, "the map is as large as before"
 
 
 def test_a_wide_terminal_gives_the_labyrinth_what_a_text_does_not_need() -> None:
