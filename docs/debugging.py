@@ -95,7 +95,7 @@ def walk(found: Facts) -> Iterator[Step]:
     """The whole way, from the first key to the victory."""
     yield Step("", "· applied")
     yield Step("U", "Run until tick")
-    yield Step(f"{found.wrong}{ENTER}", f"tick {found.wrong} of 0-{found.wrong}")
+    yield Step(f"{found.wrong}{ENTER}", f"tick {found.wrong} of {found.wrong}")
     yield Step("a", 'Dot remembers {word: "lamp"}')
     yield Step(PALETTE, "Find a command")
     yield Step("Diagnosis", "Scan the whole run for likely mistakes.")
@@ -130,7 +130,8 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(APPLY, "· applied")
     yield Step(ESCAPE, "space Run")
     yield Step("U", "Run until tick")
-    yield Step(f"2000{ENTER}", "★ WON", "6-won")
+    yield Step(f"2000{ENTER}", "Again", "6-won")
+    yield Step(ESCAPE, "★ WON")
     yield Step("C", "The two futures part", "7-parted")
 
 

@@ -23,7 +23,7 @@ def test_the_timeline_is_clicked_dragged_and_driven_with_keys(player: Player) ->
     player.tmux.type("30")
     player.tmux.press("Enter")
     player.wait_for_tick(30)
-    player.tmux.wait_for("tick 30 of 0-30")
+    player.tmux.wait_for("tick 30 of 30")
     player.tmux.drag((12, 23), (22, 23))
     player.wait_for_tick(20)
     player.tmux.press("P")
