@@ -109,7 +109,8 @@ SLOW = (
 
 def answered(game: Opened) -> str:
     """The query that what is shown belongs to."""
-    return str(game.main.query_one("AskPage > .about", Static).render())
+    about = game.main.query_one("AskPage > .about", Static)
+    return str(about.render()) if about.display else line(game).value
 
 
 async def test_a_question_under_way_says_so_and_can_be_stopped(data_dir: Path) -> None:

@@ -79,7 +79,7 @@ class AskPage(Page):
     table: ValueTable
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:
-        self._query = self._refused = ""
+        self._query = self._refused = self._told = ""
         self.line = QueryLine(self._leave)
         self.table = ValueTable(id="answer")
         super().__init__(entry, questions, self.line, above=(self.line,), below=(self.table,))
@@ -98,11 +98,9 @@ class AskPage(Page):
             self.head(frame.tick)
             return
 
-        asked = Content.styled(one_line(query), INK.title)  # the line may hold another by now
-
         def say(words: Content | str) -> None:
             self.head(frame.tick)
-            self.caption(asked)
+            self._tell_asked(query)
             self._say_instead(words)
 
         try:
@@ -111,14 +109,20 @@ class AskPage(Page):
             )
         except ProgramError as error:
             self.head(frame.tick)
-            self.caption(Content(""))
+            self._tell_asked("")
             self._refuse(query, error)
             return
         if table is not None:
             self.head(frame.tick, row_count(table))
-            self.caption(asked)
+            self._tell_asked(query)
             self.say(Content.styled("" if table.rows else "No rows.", INK.dim))
             self.table.show(table)
+
+    def _tell_asked(self, query: str) -> None:
+        """Say what was asked, unless the line still holds it."""
+        self._told = query
+        told = "" if query == self.line.value.strip() else one_line(query)
+        self.caption(Content.styled(told, INK.title))
 
     def stopped(self) -> str:
         self._query = ""
@@ -164,6 +168,8 @@ class AskPage(Page):
     @on(Input.Changed)
     def _changed(self, event: Input.Changed) -> None:
         event.stop()
+        if self._told:
+            self._tell_asked(self._told)
         if self._refused and event.value.strip() != self._refused:
             self._query = self._refused = ""
             self.say("")
