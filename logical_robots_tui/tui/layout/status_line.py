@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Activity: TypeAlias = Literal["running", "paused", "won", "over", "compiling"]
 
 _LONG = 2.0  # seconds of thinking
+_NAMED_FROM = 60  # columns with room for the level's name beside the goals
 
 _SIGNS: dict[Activity, tuple[str, str]] = {
     "running": ("● RUNNING", f"bold {INK.good}"),
@@ -115,12 +116,13 @@ def fit(status: Status, width: int) -> Content:
     by_importance: list[tuple[int, Content]] = [
         (2, Content.styled(sign, sign_style)),
         (3, Content.styled(tick, INK.text)),
-        (1, Content.styled(clip(one_line(status.title), 40), INK.text)),
         (5, _standing(status.standing).append(_goals(status.goals, long=True))),
         (6, thought),
         (4, Content.styled(_speed(status), INK.number)),
         (0, Content.styled("LOGICAL ROBOTS", f"bold {INK.title}")),
     ]
+    title = Content.styled(clip(one_line(status.title), 40), INK.text)
+    by_importance.insert(2 if width >= _NAMED_FROM else -1, (1, title))
     gap, left = 3, width - 2
     chosen: list[tuple[int, Content]] = []
     for place, part in by_importance:

@@ -225,6 +225,7 @@ class ListeningDriver(LinuxDriver):
         self._under_way = 0
         self._all_answered = threading.Condition()
         self._heard_at: float | None = None  # since it has answered once
+        self._unknown: Size | None = None  # to the app, as it was last looked at
 
     @property
     def silence(self) -> float:
@@ -277,12 +278,27 @@ class ListeningDriver(LinuxDriver):
     def _get_terminal_size(self) -> tuple[int, int]:
         return tuple(_bound(Size(*super()._get_terminal_size())))  # type: ignore[return-value]  # a pair
 
+    def mend_size(self) -> None:
+        """Post the terminal's size if the app does not know it, nor did a look before.
+
+        Of a window that is dragged about, the signal of the last size may be lost.
+        """
+        size = Size(*self._get_terminal_size())
+        if size == self._app.size or self._in_band_window_resize:
+            self._unknown = None
+        elif size != self._unknown:
+            self._unknown = size
+        else:
+            self._unknown = None
+            self.process_message(events.Resize(size, size))
+
     def _listen(self) -> None:
         parser = TolerantParser(self._debug)
         incoming, unmarked = InputFilter(), UnbracketedPasteDetector()
         terminal = select.poll()
         terminal.register(self.fileno, select.POLLIN)
         while not self.exit_event.is_set():
+            self.mend_size()
             pieces: list[str | Pasted] = []
             if terminal.poll(1000 * _LOOK_UP_EVERY):
                 try:

@@ -59,3 +59,20 @@ def test_a_terminal_that_falls_silent_ends_a_restricted_game_and_the_text_is_kep
         until(lambda: terminal.process.poll() is not None)  # nothing is read, nothing answered
     drafts = [path.read_text() for path in tmp_path.rglob("drafts/*.json")]
     assert any("# typed by ada" in draft for draft in drafts)
+
+
+DEAF = """if True:
+    import signal, sys
+    take = signal.signal
+    signal.signal = lambda at, how: None if at == signal.SIGWINCH else take(at, how)
+    from logical_robots_tui import supervisor
+    sys.exit(supervisor.main())
+"""
+
+
+def test_a_size_whose_signal_was_lost_is_noticed(tmp_path: Path) -> None:
+    play = [sys.executable, "-c", DEAF, "play", "01-first-steps", "--data-dir", tmp_path]
+    with Terminal(play, size=(80, 24)) as terminal:
+        terminal.wait_for("2 Program")
+        terminal.resize(120, 40)
+        terminal.wait_for("╭─ Inspector")
