@@ -32,7 +32,7 @@ FILES = f"docs/{FOLDER.name}/{LEVEL.name} docs/{FOLDER.name}/{PROGRAM.name}"
 END, MENDED = "ray.distance < 40;", ', ray.label in ["left", "right"];'
 QUERY = 'Sensor(sensor:), ray in sensor.radar, ray.object == "beacon", word == ray.label'
 SOUGHT = 'Sign(word: "lamp")'
-UP, DOWN, RIGHT = "\x1b[A", "\x1b[B", "\x1b[C"
+UP, DOWN, RIGHT, LEFT = "\x1b[A", "\x1b[B", "\x1b[C", "\x1b[D"
 ENTER, ESCAPE, RUB_OUT, APPLY, PALETTE = "\r", "\x1b", "\x7f", "\x12", "\x10"
 HOME, LINE_END = "\x1b[H", "\x1b[F"
 
@@ -131,7 +131,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(ESCAPE, "space Run")
     yield Step("U", "Run until tick")
     yield Step(f"2000{ENTER}", "Again", "6-won")
-    yield Step(ESCAPE, "★ WON")
+    yield Step(f"{LEFT}{ENTER}", "★ WON")  # the last answer: stay
     yield Step("C", "The two futures part", "7-parted")
 
 

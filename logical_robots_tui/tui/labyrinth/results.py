@@ -251,14 +251,15 @@ class Results(Question):
         self.query_one("#said").display, self.query_one("#goals").display = bool(lines), bool(goals)
 
     def on_key(self, event: events.Key) -> None:
-        """Answer by the key of a command, which the player may have changed."""
+        """Answer by the key of a command, which the player may have changed.
+
+        Textual calls the method of `Question` as well, which moves between the answers.
+        """
         for name, _ in self._answers:
             if event.key in command(name).keys:
                 event.stop()
                 self.dismiss(name)
                 return
-        if event.key in ("left", "right"):
-            super().on_key(event)
 
 
 def _with_confetti(middle: Content, width: int, chance: random.Random) -> Content:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pytest
 from textual import events
+from textual.widgets import Button
 from textual.widgets._toast import Toast
 
 from logical_robots_tui.game.source import load_program
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
     from textual.screen import Screen
+
+    from tests.tui.conftest import Opened
 
 
 async def test_space_runs_and_pauses(data_dir: Path) -> None:
@@ -231,6 +235,24 @@ async def test_victory_takes_no_key_from_somebody_who_types(data_dir: Path) -> N
         await game.press("r")
         await game.until(lambda: game.tick == 0)
         assert game.app.screen is game.main
+
+
+async def test_the_arrows_move_between_the_answers_to_a_victory(data_dir: Path) -> None:
+    async with opened(data_dir, level="team_goal") as game:
+        await game.ready()
+        await game.press(*["plus"] * 6, "space")
+        await game.sees("Next level")
+        for key, label in (("right", "Again"), ("right", "Stay"), ("left", "Again")):
+            await game.press(key)
+            await game.until(partial(answers, game, label))
+        await game.press("left", "left", "enter")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.session.won_at is not None
+
+
+def answers(game: Opened, label: str) -> bool:
+    focused = game.app.focused
+    return isinstance(focused, Button) and str(focused.label).startswith(label)
 
 
 async def test_one_key_leads_from_a_victory_to_the_next_level(data_dir: Path) -> None:
