@@ -131,7 +131,7 @@ def walk(found: Facts) -> Iterator[Step]:
     yield Step(ESCAPE, "space Run")
     yield Step("U", "Run until tick")
     yield Step(f"2000{ENTER}", "Again", "6-won")
-    yield Step(f"{LEFT}{ENTER}", "★ WON")  # the last answer: stay
+    yield Step(f"{LEFT}{ENTER}", "Ask · tick")  # the last answer, to stay, uncovers it
     yield Step("C", "The two futures part", "7-parted")
 
 

@@ -224,7 +224,7 @@ class Results(Question):
 
     def follow(self) -> None:
         """Show what is measured meanwhile."""
-        if self.is_attached and (rows := self._table()) != self._rows:
+        if self.is_active and (rows := self._table()) != self._rows:
             self._rows = rows
             self._tell()
 

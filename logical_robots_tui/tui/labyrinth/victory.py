@@ -111,7 +111,7 @@ class VictoryAnnouncer(SessionListener):
             self._announce()
 
     def measured(self, level: Level, found: Measures, is_here: bool) -> None:
-        is_shown = self._results is not None and self._results.is_attached
+        is_shown = self._results is not None and self._results.is_active
         if not (is_here and is_shown):
             self._ui.tell(one_line(robustness_line(level, found)))
 

@@ -72,7 +72,7 @@ DEAF = """if True:
 
 def test_a_size_whose_signal_was_lost_is_noticed(tmp_path: Path) -> None:
     play = [sys.executable, "-c", DEAF, "play", "01-first-steps", "--data-dir", tmp_path]
-    with Terminal(play, size=(80, 24)) as terminal:
-        terminal.wait_for("2 Program")
-        terminal.resize(120, 40)
+    with Terminal(play, size=(120, 40)) as terminal:
         terminal.wait_for("╭─ Inspector")
+        terminal.resize(80, 24)
+        terminal.wait_for(" 1 Labyrinth   2 Program")
