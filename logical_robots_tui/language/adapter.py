@@ -7,7 +7,6 @@ back what the package's compiler takes, with the places that its messages need.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -20,6 +19,7 @@ from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.package_patches import deep_copy
 from logical_robots_tui.language.source_text import (
     Prepared,
+    nesting,
     statements,
     text_meant,
     with_whole_brackets,
@@ -117,9 +117,7 @@ def _take_from_head(source: Prepared, start: int, end: int) -> tuple[str, list[S
     rule = source.skeleton.find(":-", start, end)
     predicate = _PREDICATE.match(source.text, start)
     for word in _BESIDE_HEAD.finditer(source.skeleton, start, end if rule < 0 else rule):
-        before = Counter(source.skeleton[start : word.start()])
-        depth = sum(before[each] for each in "([{") - sum(before[each] for each in ")]}")
-        if predicate is None or depth:
+        if predicate is None or nesting(source.skeleton[start : word.start()]):
             continue
         place, stop = word.span()
         given = source.text[word.end(1) + 1 : stop - 1]

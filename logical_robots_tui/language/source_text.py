@@ -14,6 +14,7 @@ from logical_robots_tui.language.diagnostics import Diagnostic
 
 _DEEPEST = 60  # nested brackets; SQLite's parser fails at about 100
 _CLOSES = {")": "(", "}": "{", "]": "["}
+_NESTING = dict.fromkeys(_CLOSES, -1) | dict.fromkeys(_CLOSES.values(), 1)
 _BRACKET = re.compile(r"[(){}\[\]]")
 _SPACE_BEFORE_BRACE = re.compile(r"(?<![\w`])([A-Z]\w*)(\s+)\{")
 _IMPORT = re.compile(r"(?:^|;)\s*(import)\s")
@@ -104,20 +105,21 @@ def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]
     """Return a place with the other halves of its brackets, which the package takes off."""
     depth = lowest = 0
     for found in _BRACKET.finditer(skeleton, start, stop):
-        depth += _turn(found.group())
+        depth += _NESTING[found.group()]
         lowest = min(lowest, depth)
     opened = depth - lowest
     while lowest and start:
         start -= 1
-        lowest += _turn(skeleton[start])
+        lowest += _NESTING.get(skeleton[start], 0)
     while opened and stop < len(skeleton):
-        opened += _turn(skeleton[stop])
+        opened += _NESTING.get(skeleton[stop], 0)
         stop += 1
     return start, stop
 
 
-def _turn(character: str) -> int:
-    return -1 if character in _CLOSES else int(character in _CLOSES.values())
+def nesting(skeleton: str) -> int:
+    """Return how many more brackets a text opens than it closes."""
+    return sum(_NESTING[found.group()] for found in _BRACKET.finditer(skeleton))
 
 
 class _Brackets:

@@ -182,11 +182,9 @@ class MainScreen(Screen[None], SessionListener):
 
     def _editing_switched(self, is_on: bool) -> None:
         self.announcer.hold(is_on)
-        ends_test = [
-            key_bindings(*map(command, ("test", "stop_editing", "edit_level")), does="test")
-        ]
-        keys = ends_test if self.editing.is_testing else []
-        self._bindings = BindingsMap.merge([*keys, self._own_keys])
+        ends = ("test", "stop_editing", "edit_level") if self.editing.is_testing else ()
+        ending = key_bindings(*map(command, ends), does="test")
+        self._bindings = BindingsMap.merge([ending, self._own_keys])
 
     def _suit(self, level: Level) -> None:
         self.arrangement.aspect = level.width / level.height

@@ -65,7 +65,7 @@ class Shelf(Protocol[T_co]):
         """Return the names of the entries."""
 
     def card(self, name: str) -> Card:
-        """Return the details of an entry."""
+        """Return the details of an entry; raises `InputError`."""
 
     def take(self, name_or_path: str) -> T_co:
         """Open an entry, or any file; raises `InputError`."""
@@ -124,13 +124,19 @@ class Chooser(Dialog[T], Generic[T]):
         if self._entries.is_attached:
             self._list(self._current)
         for name in self._all:
-            self._cards[name] = await asyncio.to_thread(self._shelf.card, name)
+            self._cards[name] = await asyncio.to_thread(self._card, name)
             if not self._entries.is_attached:
                 return  # closed meanwhile
             if name in self._shown:
                 self._entries.replace_option_prompt(name, self._entry(name))
             if self._highlighted == name:
                 self._preview(name)
+
+    def _card(self, name: str) -> Card:
+        try:
+            return self._shelf.card(name)
+        except InputError as error:
+            return Card("can't be used", str(error), is_error=True)
 
     @property
     def _highlighted(self) -> str | None:
@@ -215,10 +221,7 @@ class ProgramShelf:
         return list_programs(self.own)
 
     def card(self, name: str) -> Card:
-        try:
-            source = load_program(name, self.own)
-        except InputError as error:
-            return Card("can't be used", str(error), is_error=True)
+        source = load_program(name, self.own)
         return Card(_first_comment(source) or ("" if source.shipped else "your own"), source.text)
 
     def take(self, name_or_path: str) -> Source:
@@ -274,10 +277,7 @@ class ReplayShelf:
             return []
 
     def card(self, name: str) -> Card:
-        try:
-            replay = self.take(name)
-        except InputError as error:
-            return Card("can't be used", str(error), is_error=True)
+        replay = self.take(name)
         told = count_of(replay.last - replay.first, "tick")
         texts = [text for texts in replay.programs.values() for text in texts.values()]
         return Card(f"{replay.levels[-1].title}, {told}", texts[-1])
