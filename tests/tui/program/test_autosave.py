@@ -299,17 +299,28 @@ async def test_a_mistake_of_our_own_keeps_the_text_and_shows_no_traceback(
     assert texts(data_dir) == ["hello" + PAPER]
 
 
-async def test_a_question_that_comes_when_the_game_ends_is_no_mistake(data_dir: Path) -> None:
+@pytest.mark.parametrize("is_exit", [True, False], ids=["by exit", "by its owner"])
+async def test_a_question_that_comes_when_the_game_ends_is_no_mistake(
+    data_dir: Path, is_exit: bool
+) -> None:
+    mounting = asyncio.Event()
+
     class Late(Question):
         """Shown when the parts of it are taken away already."""
 
-        def on_mount(self) -> None:
-            self.app.exit()
+        async def on_mount(self) -> None:
+            mounting.set()
+            if is_exit:
+                self.app.exit()
+            else:
+                await game.until(lambda: not self.app.is_running)
             self.query_one("#taken-away")
 
     async with opened(data_dir) as game:
         game.app.push_screen(Late("Title", "Really?", [("yes", "Yes")]))
-        await game.until(lambda: not game.app.is_running)
+        await mounting.wait()
+        if is_exit:
+            await game.until(lambda: not game.app.is_running)
     assert game.app.mistake is None
 
 
