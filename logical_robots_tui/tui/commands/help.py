@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import partial
+from functools import lru_cache, partial
 from textwrap import wrap
 from typing import Literal, TypeAlias
 
@@ -145,6 +145,7 @@ def _signs(signs: Iterable[tuple[str, str, str]]) -> list[Content]:
     ]
 
 
+@lru_cache(256)
 def _entry(entry: Command, width: int) -> Content:
     keys = _keys(entry) if entry.keys else Content.styled(entry.key_name, INK.key)
     head = Content("  ").append(keys)
