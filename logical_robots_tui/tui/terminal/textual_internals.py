@@ -8,7 +8,8 @@ from __future__ import annotations
 import asyncio
 import string
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from textual import events
@@ -148,7 +149,10 @@ class KeyQueue:
             return  # text never opens a dialog
         screen = self._app.screen
         self._hold()
-        self._follow(focused or screen, screen, self._number)
+        first = focused or screen
+        arrive = partial(self._arrive, screen, self._number)
+        # The key goes up to the app; then what a widget sends for it, as a button does.
+        self._follow(first, partial(self._follow, first, arrive))
 
     def _is_text(self, event: events.Key | events.Paste) -> bool:
         focused = self._app.focused
@@ -169,12 +173,12 @@ class KeyQueue:
     def _later(self, *what: Any) -> None:
         self._app.call_later(*what)
 
-    def _follow(self, node: MessagePump | None, screen: Screen[Any], number: int) -> None:
-        """Wait while the key bubbles from the focus up to the app."""
+    def _follow(self, node: MessagePump | None, then: Callable[[], object]) -> None:
+        """Do something in the app when messages have bubbled from a node up to it."""
         if node is None or node is self._app:
-            self._later(self._arrive, screen, number)
-        elif not node.call_later(self._follow, node._parent, screen, number):
-            self._follow(node._parent, screen, number)
+            self._later(then)
+        elif not node.call_later(self._follow, node._parent, then):
+            self._follow(node._parent, then)
 
     async def _arrive(self, screen: Screen[Any], number: int) -> None:
         """Wait until a dialog opened by the key has the focus."""

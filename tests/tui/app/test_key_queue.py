@@ -6,8 +6,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from textual import events
-from textual.widgets import Input
+from textual.widgets import Button, Input
 
+from logical_robots_tui.tui.layout.dialogs import LinePrompt, Question
 from tests.tui.conftest import CHARACTERS, opened
 
 if TYPE_CHECKING:
@@ -33,6 +34,23 @@ async def test_keys_go_where_those_before_them_have_led(data_dir: Path) -> None:
             press_at_once(game, "escape", "n")
             await game.until(lambda: game.app.screen is game.main)
         await game.until(lambda: game.tick == 3)
+
+
+async def test_keys_that_come_with_the_answer_of_a_dialog_are_for_what_it_leads_to(
+    data_dir: Path,
+) -> None:
+    async with opened(data_dir) as game:
+        await game.ready()
+        dialogs = (Question("Title", "Really?", [("yes", "Yes")]), LinePrompt("Title"))
+        for tick, dialog in enumerate(dialogs, start=1):
+            game.app.push_screen(dialog)
+            await game.until(lambda: isinstance(game.app.focused, Button | Input))
+            press_at_once(game, "enter", "n")
+            await game.until(partial(is_at, game, tick))
+
+
+def is_at(game: Opened, tick: int) -> bool:
+    return game.tick == tick
 
 
 async def test_keys_that_come_with_the_one_for_a_pane_are_meant_for_it(data_dir: Path) -> None:

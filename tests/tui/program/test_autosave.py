@@ -308,7 +308,7 @@ async def test_a_question_that_comes_when_the_game_ends_is_no_mistake(
     class Late(Question):
         """Shown when the parts of it are taken away already."""
 
-        async def on_mount(self) -> None:
+        async def on_mount(self) -> None:  # type: ignore[override] # Textual waits for it
             mounting.set()
             if is_exit:
                 self.app.exit()
