@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from textual import events
 from textual.content import Content
+from textual.geometry import Size
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Static
 
 from logical_robots_tui.tui.commands.keymap import command
 from logical_robots_tui.tui.theme.themes import INK
@@ -80,12 +80,13 @@ class Task(NamedTuple):
         return [*goals, *[("", "")] * is_apart, *((key, INK.dim) for key in self.keys)]
 
 
-class BriefingCard(Static):
-    """Where a briefing may be; a click closes it. It never takes the focus."""
+class BriefingCard(Widget):
+    """Where a briefing may be; a click closes it. It takes as little of its pane as it needs."""
 
     DEFAULT_CSS = """
     BriefingCard {
-        display: none; height: 100%; padding: 0 1; background: $panel; border-left: solid $frame;
+        display: none; width: auto; height: 100%; padding: 0 1; background: $panel;
+        border-left: solid $frame;
     }
     BriefingCard.-beside { dock: right; layer: picture; }
     BriefingCard.-over { dock: right; layer: over; }
@@ -94,25 +95,45 @@ class BriefingCard(Static):
     class Closed(Message):
         """The player closes it."""
 
+    def __init__(self, *, is_over: bool) -> None:
+        super().__init__(classes="-over" if is_over else "-beside")
+        self._is_over = is_over
+        self._told: Task | None = None
+
+    @property
+    def content(self) -> Content:
+        assert isinstance(self.parent, Widget)
+        return self._in(self.parent.content_size - self.gutter.totals)
+
+    def show(self, task: Task | None) -> None:
+        self.display = task is not None
+        if task != self._told:
+            self._told = task
+            self.refresh(layout=True)
+
     def on_click(self, event: events.Click) -> None:
         event.stop()
         self.post_message(self.Closed())
 
-    def fit(self, task: Task) -> None:
-        """Take as little of the pane as the task needs."""
-        assert isinstance(self.parent, Widget)
-        columns, rows = self.parent.content_size
-        if not columns or not rows:
-            return
-        content = task.side_by_side(columns - _EDGES, rows)
-        if not self.has_class("-over"):
-            for width in range(_NARROWEST, max(columns // 2, _NARROWEST + 1)):
-                content = task.stacked(width)
-                if content.plain.count("\n") < rows:
-                    break
-        widest = max(line.cell_length for line in content.split("\n", allow_blank=True))
-        self.styles.width = min(widest + _EDGES, columns)
-        self.update(content)
+    def get_content_width(self, container: Size, viewport: Size) -> int:
+        lines = self._in(container).split("\n", allow_blank=True)
+        return min(max(line.cell_length for line in lines), container.width)
+
+    def render(self) -> Content:
+        return self.content
+
+    def _in(self, room: Size) -> Content:
+        """Return the text for so many columns and rows."""
+        if self._told is None:
+            return Content("")
+        if self._is_over:
+            return self._told.side_by_side(*room)
+        content = Content("")
+        for width in range(_NARROWEST, max((room.width + _EDGES) // 2, _NARROWEST + 1)):
+            content = self._told.stacked(width)
+            if content.plain.count("\n") < room.height:
+                break
+        return content
 
 
 class Briefing:
@@ -125,8 +146,7 @@ class Briefing:
 
     def __init__(self, is_over: Callable[[], bool]) -> None:
         """`is_over` tells whether the inspector can be seen beside the labyrinth."""
-        self.beside = BriefingCard(classes="-beside")
-        self.over = BriefingCard(classes="-over")
+        self.beside, self.over = BriefingCard(is_over=False), BriefingCard(is_over=True)
         self._is_over = is_over
         self._task: Task | None = None
         self.is_open = False
@@ -151,6 +171,4 @@ class Briefing:
         """Show it where there is room now."""
         is_over = self._is_over()
         for card, is_it in ((self.over, is_over), (self.beside, not is_over)):
-            card.display = self.is_open and is_it
-            if card.display and self._task is not None:
-                card.fit(self._task)
+            card.show(self._task if self.is_open and is_it else None)
