@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 running: Group[MainScreen] = Group("Running")
 running.add("run", "Run or pause", "space f5", general.run,
-    "Run the robots or pause them; also cancels a computation under way.",
+    "Run the robots or pause them; also stops a calculation that is still running.",
     bar="Run", place="anywhere", also="start play pause stop go")
 running.add("step", "Step", "n full_stop f8", general.step, "Compute one tick.", bar="Step")
 running.add("back", "Step back", "p comma", lambda s: s.session.back(),
@@ -51,9 +51,9 @@ time.add("next_mark", "Next mark", "right_curly_bracket",
 time.add("search_ticks", "Search ticks…", "Q", lambda s: s.search.ask(),
     "Ask any question in Logica, and go to the next tick in which it holds.", worker="seek")
 time.add("next_match", "Next match", "semicolon", lambda s: s.search.go(1),
-    "Go to the next tick in which the question that was searched for holds.", worker="seek")
+    "Go to the next tick in which your last question holds.", worker="seek")
 time.add("previous_match", "Previous match", "colon", lambda s: s.search.go(-1),
-    "Go to the previous tick in which the question that was searched for holds.", worker="seek")
+    "Go to the previous tick in which your last question holds.", worker="seek")
 time.add("breakpoints", "Breakpoints", "B", lambda s: s.timeline_controller.breakpoints(),
     "List, add, switch off or delete breakpoints: events and questions that end a run.",
     also="stop debug")
@@ -137,7 +137,7 @@ learning.add("stop_measuring", "Stop the robustness test", "", general.stop_meas
     "Stop trying the program from shifted starts.")
 
 making: Group[MainScreen] = Group("Making levels")
-making.add("edit_level", "Edit the level", "M", lambda s: s.editing.open(),
+making.add("edit_level", "Edit the level", "M", lambda s: s.editing.toggle(),
     "Edit the labyrinth, even while the robots run; the same key ends it.", also="map walls")
 making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
     "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog",

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from textual.binding import BindingsMap
 from textual.content import Content
 from textual.widgets import Static
 
@@ -166,8 +165,7 @@ class EditPanel:
         self._tools, self._info = ToolLine(controller), InfoLine(controller)
         self._shown = False, False
         self._cursor: Point = (0.0, 0.0)
-        ends = key_bindings(command("edit_level"), does="stop_editing")
-        self._keys = BindingsMap.merge([key_bindings(*commands("level")), ends])
+        self._keys = key_bindings(*commands("level"))
         controller.units = lambda: self._units
 
     def follow(self) -> None:

@@ -107,6 +107,21 @@ async def test_a_tab_is_chosen_by_click_and_tells_about_the_program(data_dir: Pa
         await game.until(lambda: "not applied · mine*" in tabs.render().plain)
 
 
+@pytest.mark.parametrize("width", [80, 60, 44])
+async def test_no_title_hides_another_tab(data_dir: Path, width: int) -> None:
+    async with opened(data_dir, size=(width, 24)) as game:
+        tabs = game.main.query_one(PaneTabs)
+        await game.until(lambda: "Program" in tabs.render().plain)
+        game.main.arrangement.panes[1].note(
+            "1 mistake, the old version runs on · a-name-of-24-characters*"
+        )
+        await game.until(lambda: "…" in tabs.render().plain)
+        shown = tabs.render()
+        assert all(f" {key} " in shown.plain for key in "123")
+        assert shown.cell_length <= width
+        assert len(tabs.places) == 3
+
+
 async def test_what_is_typed_right_after_the_key_for_the_editor_goes_into_the_editor(
     data_dir: Path,
 ) -> None:

@@ -185,3 +185,13 @@ async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
         view = s.game.main.labyrinth.view.view
         assert view is not None
         assert view.cell(*s.editor.cursor) is not None
+
+
+async def test_the_key_that_ends_editing_keeps_what_was_just_placed(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        before = len(s.level.robots)
+        await s.press("o", "enter", "M")
+        await s.game.sees("Leave editing")
+        assert len(s.level.robots) == before + 1
