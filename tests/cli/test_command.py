@@ -97,6 +97,21 @@ def test_a_dumb_terminal_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None
     assert (done.returncode, "needs a terminal" in done.stderr) == (2, True)
 
 
+def test_a_stream_that_is_no_terminal_is_named() -> None:
+    script = (
+        "import sys; import logical_robots_tui.cli.main as m; "
+        "sys.stdin.isatty = sys.stdout.isatty = lambda: True; raise SystemExit(m.main([]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert (done.returncode, "for standard error too." in done.stderr) == (2, True)
+
+
 def test_an_unknown_command_is_refused(command: Command) -> None:
     told = command("fly")
     assert told.status == 2
