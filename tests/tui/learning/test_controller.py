@@ -63,7 +63,9 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.click("#more")
         await game.sees("There are no more.")
         await game.sees_no("h next hint")
-        await game.press("h", "h", "q")
+        await game.press("h", "t")
+        await game.sees("Lesson · ")
+        await game.press("q", "h", "h", "q")
         await game.until(lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3
 
