@@ -9,6 +9,7 @@ from logica.parser_py import parse
 
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at
+from logical_robots_tui.schema import INPUTS
 
 COMPLAINTS = (
     parse.ParsingException,
@@ -28,6 +29,13 @@ FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} uses {}, which is a parameter for :=; it has no rows of its own."
 
 _NO_CONDITION = "this is not a condition"
+_NO_HEAD = "a rule starts with a predicate such as Robot(...)"
+_TWO_SIGNS = "there are two ':-'"
+_NO_FIELD = "names of fields are lower case"
+_TOO_MANY_EQUALS = (
+    "there is more than one '=' in the head of this rule",
+    "this needs exactly one '='",
+)
 _UNREAD = (
     _NO_CONDITION,
     "this is not an expression",
@@ -36,6 +44,9 @@ _UNREAD = (
 )
 _PREDICATE = re.compile(r"[A-Z]\w*")
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
+_IN_BODY = re.compile(r"[=<>~]|\bin\b")
+_COMPARISON = re.compile(r"[<>!=]=")
+_HEAD_BEFORE = re.compile(r"\)\s*(=[^=,]*|distinct)?\s*$|\n\s*[A-Z]\w*\([^:]*$")
 
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 _EMPHASISED = re.compile(r"\x1b\[1m(.*?)\x1b\[0m", re.DOTALL)
@@ -62,15 +73,26 @@ def explain(
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
     value = source.original[at : at + length].strip()
+    if message == _NO_FIELD and re.search(r"[^\w.\s]", value):
+        message, hint = _UNREAD[1], _hint(_UNREAD[1])
     if message == _NO_CONDITION and _FIELD.fullmatch(value):
         hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
     elif message == _NO_CONDITION and _PREDICATE.fullmatch(value):
         message, hint = f"{value} is named without its arguments", f"Write {value}(...)."
-    elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
-        hint = known
-    elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
+    made = source.skeleton.find(":=", start, end)
+    if made >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
+    elif message in _TOO_MANY_EQUALS and _COMPARISON.search(value):
+        before, _, compared = value.partition("=")
+        hint = f"Put the comparison in parentheses: {before}= ({compared.strip()[:60]})."
+    elif message.startswith(_TWO_SIGNS) and not _HEAD_BEFORE.search(source.skeleton, start, at):
+        message, hint = f"{_TWO_SIGNS} in one rule", "Aggregates use braces: Sum{x :- Item(x)}."
+    elif message in _UNREAD:
+        hint = _foreign(source.skeleton[at : at + length]) or hint
+        hint = _beside(source.skeleton, at, start, end) or hint
+    elif message == _NO_HEAD and start and _IN_BODY.search(source.skeleton, start, end):
+        hint = "A ';' ends a rule; write ',' between its conditions."
     return diagnostic_at(source.original, at, length, message, hint)
 
 
@@ -107,8 +129,18 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
     others = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
     close = closest(culprits[0], others)
     places = _mentions(culprits[0], rule) or [0]
-    hint = f"Did you mean {close}?" if close else _hint(message)
+    hint = f"Did you mean {close}?" if close else _value_hint(culprits[0], rule[: places[0]])
     return diagnostic_at(source.original, start + places[0], len(culprits[0]), message, hint)
+
+
+def _value_hint(name: str, before: str) -> str:
+    """Return what a variable without a value is meant to be."""
+    table = next((each for each, columns in INPUTS.items() if name in columns), "")
+    if table:
+        return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
+    if re.search(r"(label|object|robot_name)\s*(!=|==?)\s*$", before):
+        return f'A text is written in quotes: "{name}".'
+    return _hint("nothing says what")
 
 
 def _mentions(name: str, rule: str) -> list[int]:
@@ -116,7 +148,7 @@ def _mentions(name: str, rule: str) -> list[int]:
     return [found.start() for found in re.finditer(pattern, rule)]
 
 
-_AT_SIGN = {":-": "there are two ':-'", "|": "'|' can't be used", "${": "a text can't hold"}
+_AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "a text can't hold"}
 """Messages that are better shown at the sign they are about."""
 
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
@@ -125,7 +157,7 @@ _PLAIN = (
     (r"^Could not parse expression", "this is not an expression"),
     (r"^Could not parse proposition", _NO_CONDITION),
     (r"^Could not parse predicate call", "this is not a predicate with arguments"),
-    (r"^Found no call in rule head", "a rule starts with a predicate such as Robot(...)"),
+    (r"^Found no call in rule head", _NO_HEAD),
     (r"^Too many :-", "there are two ':-' in one rule; is a ';' missing before the second?"),
     (r"should have been split by :- ", "there are two ':-' here"),
     (r"^Unexpected :- in record", "a ':-' can't be used in parentheses"),
@@ -146,7 +178,7 @@ _PLAIN = (
     (r"^Positional argument can not", "arguments without a name come before those with one"),
     (r"^Field \.\.<rest_of> must", "'..' comes last"),
     (r"^Field \.\.<rest_of> in record", "'..' can't be used in a record"),
-    (r"^Subscript must be", "names of fields are lower case"),
+    (r"^Subscript must be", _NO_FIELD),
     (r"^Array subscription must", "an index is a number, without a name"),
     (r"^Negation", "'~' goes before what it negates"),
     (r"^Incorrect syntax for functor", "this is not a predicate made from another"),
@@ -200,6 +232,7 @@ _HINTS = (
     (r"exactly one '='", "Heads aggregate like this: P(x, best? Max= v)."),
     (r"whole row", "Name the columns that you need."),
     (r"at least one column", "Give it an argument or a value."),
+    (r"head of this rule can't", "The word distinct comes last in a head, before ':-'."),
     (r"not all branches", "Give every branch the same fields."),
     (r"aggregate differently", "Use the same aggregate in all of them."),
     (r"does not use", "Name a predicate that its rules mention."),
@@ -213,15 +246,45 @@ _HINTS = (
 )  # fmt: skip
 
 
+_IF = "(if a < b then c else d)"
 _FOREIGN = (
+    (r"[\u2018\u2019\u201c\u201d]", "Write plain quotes: '...' or \"...\"."),
     (r"\A(//|--|/\*)", "Comments begin with '#'."),
     (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
-    (r"\A(?=.*\bthen\b)(?!.*\belse\b)", "Every 'if' needs an 'else': (if a < b then c else d)."),
+    (r"\bel(s?if|seif)\b", "Write 'else if', as in (if a < b then c else if d then e else f)."),
+    (r"\A(?=.*\bthen\b)(?!.*\belse\b)", f"Every 'if' needs an 'else': {_IF}."),
+    (r"\bthen\b.*\belse\b", f"Begin with 'if': {_IF}."),
     (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for negation."),
     (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
     (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
+    (r"(?<!&)&(?!&)", "Write ',' between conditions, and '&&' within an expression."),
+    (r"\?.*:", f"Write {_IF}."),
+    (r"\[", "An element of a list is Element(list, 0), Element(list, 1) ..."),
+    (r"\A[^,]*[^,\s]\s*,", "An aggregate takes one value, or a pair, x.angle -> x.distance."),
 )
 """Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
+
+_BESIDE = (
+    (r"~\s*$", r"", "Put what is negated in parentheses: ~(a == b)."),
+    (r"=\s*$", r"\s*<", "Write '<='."),
+    (r"==\s*$", r"=", "Write '=='."),
+    (r"<\s*$", r">", "Write '!='."),
+    (r"", r"\S*\s*=>", "Write '>=' to compare."),
+    (r"[/-]$", r"[/-]\s", "Comments begin with '#'."),
+    (r",\s*$", r"\s*(;|\)|\}|$)", "Remove the ',' before it."),
+    (r"[-+*/%]\s*$", r"\s*\w+\s*=(?!=)", "Compare with '==': a + b == c."),
+    (r"\bif\s+$", r"(?:(?!\bthen\b).)*?\belse\b", f"Every 'if' needs a 'then': {_IF}."),
+    (r"", r"\w+ [A-Z]\w*\s*=[^,]*[<>!=]=", "Put the comparison in parentheses: x Max= (a <= b)."),
+)
+"""What stands before a place, and from there on, of which the parser reads only a part."""
+
+
+def _beside(skeleton: str, at: int, start: int, end: int) -> str:
+    before, after = skeleton[start:at], skeleton[at:end]
+    for pattern, further, hint in _BESIDE:
+        if re.search(pattern, before) and re.match(further, after, re.DOTALL):
+            return hint
+    return ""
 
 
 def _foreign(piece: str) -> str:
