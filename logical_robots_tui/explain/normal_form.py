@@ -20,6 +20,7 @@ from logical_robots_tui.explain.bodies import (
     part_kind,
     span_of,
     span_of_text,
+    without_equations,
 )
 from logical_robots_tui.explain.why.probing import (
     AggregateInput,
@@ -193,22 +194,12 @@ class _ClauseBuilder:
         )
 
     def _without_calls(self, node: N) -> N:
-        """Return a part without the calls in its expressions, which become parts before it.
-
-        So do equations, such as ``short = distance`` in ``short = distance < 60``; the value of
-        one is its right side.
-        """
+        """Return a part without the calls and equations in it, which become parts before it."""
 
         def change(inner: Node) -> Node:
             if is_aggregate(inner):
                 return inner
             inner = rebuild(inner, change)
-            if isinstance(inner, Function) and inner.name == "=":
-                _, right = operands(inner.arguments)
-                self._body.append(Atom("=", inner.arguments, span=inner.span))
-                if inner.span is not None and right.span is not None:
-                    self._equations[inner.span] = right.span
-                return replace(right, span=inner.span)
             if not isinstance(inner, Function) or inner.name not in self._names:
                 return inner
             name = f"{AUXILIARY}{len(self._calls)}"
@@ -217,6 +208,12 @@ class _ClauseBuilder:
             self._body.append(Atom(inner.name, (*inner.arguments, value), span=inner.span))
             return Variable(name, span=inner.span)
 
+        node, equations = without_equations(node)
+        for each in equations:
+            _, value = operands(each.arguments)
+            if each.span is not None and value.span is not None:
+                self._equations[each.span] = value.span
+            self._body.append(change(each))  # type: ignore[arg-type]  # a kind for its kind
         return change(node)  # type: ignore[return-value]  # a kind for its kind
 
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
