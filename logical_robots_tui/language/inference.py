@@ -389,7 +389,8 @@ class Inference:
 
     def _check_sum(self, operator: str, node: Expression, kind: Kind) -> None:
         if operator in _OF_PAIRS and operator not in self._definitions:
-            if _is_scalar(kind) or isinstance(kind, ListOf):
+            is_misread = isinstance(node, tree.Call) and node.name in tree.JUNCTIONS
+            if (_is_scalar(kind) or isinstance(kind, ListOf)) and not is_misread:
                 what = f"{operator} takes pairs; {self._source(node, 'this')} is {describe(kind)}"
                 self._warn(node, what, f"Write {operator}{{{_OF_PAIRS[operator]} :- ...}}.")
         elif operator in types.ARITHMETIC or operator == "Agg+":

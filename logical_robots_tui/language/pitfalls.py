@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from logical_robots_tui.language import tree
 from logical_robots_tui.language.definitions import calls, definitions, is_built_in, rules_of
 from logical_robots_tui.language.diagnostics import Diagnostic
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at, with_whole_brackets
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
-from logical_robots_tui.schema import VALUE
+from logical_robots_tui.schema import INPUTS, VALUE
 
 _LONGEST = 100  # characters of a piece of the program in a message or hint
 _SENSED_TEXTS = frozenset({"forward_label", "forward_object", "label", "object"})
@@ -31,13 +31,19 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
 class _Finder:
     def __init__(self, program: Sequence[tree.Statement], source: Prepared) -> None:
         self._text, self._skeleton = source.original, source.skeleton
-        self._truths = {
-            name for name, rules in definitions(program).items() if all(map(_is_truth, rules))
+        own = definitions(program)
+        self._truths = {name for name, rules in own.items() if all(map(_is_truth, rules))}
+        self._columns: dict[str, Iterable[int | str]] = {
+            **INPUTS,
+            **{
+                name: [c.field for r in rules_of(e) for c in r.head.columns]
+                for name, e in own.items()
+            },
         }
 
     def in_rule(self, rule: tree.Rule) -> Iterator[Diagnostic]:
-        variables = [n for n in tree.walk(rule) if isinstance(n, tree.Variable)]
-        counts = Counter(str(each.name) for each in variables)
+        in_body = _mentions(tree.conjuncts(rule.body))
+        in_rule = in_body + _mentions(rule.head)
         marked: set[int] = set()  # nodes that are part of what was marked before
         for node, is_test in _in_tests(rule):
             if id(node) in marked:
@@ -54,7 +60,7 @@ class _Finder:
                 elif infix.operator == "=" and is_test:
                     yield self._no_comparison(node.span, [node])
                 elif infix.operator in ("=", "==", "!="):
-                    yield from self._compared(node, node.span, infix, counts)
+                    yield from self._compared(node, node.span, infix, in_body, in_rule)
             yield from self._named_with_equals(node)
             yield from self._other(node)
 
@@ -135,16 +141,16 @@ class _Finder:
     # -- what is compared --------------------------------------------------------------------------
 
     def _compared(
-        self, node: Node, span: Span, infix: Infix, counts: Counter[str]
+        self, node: Node, span: Span, infix: Infix, in_body: Counter[str], in_rule: Counter[str]
     ) -> Iterator[Diagnostic]:
         left, right = infix.sides
         message = hint = ""
         if isinstance(left, tree.Null) or isinstance(right, tree.Null):
             other = right if isinstance(left, tree.Null) else left
             name = tree.variable_of(other)
-            if not isinstance(other, tree.Literal) and (
-                not name or (infix.operator != "=" and counts[name] > 1)
-            ):
+            is_bound = infix.operator != "=" and in_body[name] > 1
+            is_test = not name or isinstance(node, tree.Call) or is_bound
+            if is_test and not isinstance(other, tree.Literal):
                 message = "a comparison with null never holds"
                 word = "is not" if infix.operator == "!=" else "is"
                 hint = self._with_example("Write", f"{self._source(other)} {word} null", " ")
@@ -156,7 +162,7 @@ class _Finder:
                 hint = self._with_example("Give the new value a name of its own", new)
             name = tree.variable_of(right)
             is_text = isinstance(left, tree.FieldAccess) and left.field in _SENSED_TEXTS
-            if name and counts[name] == 1 and (is_text or tree.variable_of(left) == "robot_name"):
+            if name and in_rule[name] == 1 and (is_text or tree.variable_of(left) == "robot_name"):
                 message = f"{name} is a new variable here, so this always holds"
                 hint = f'A text is written in quotes: "{name}".'
         if message:
@@ -169,17 +175,19 @@ class _Finder:
                 given, what = node.arguments, "a field of a record"
             case tree.Head():
                 given, what = node.columns, "a column"
-            case tree.Atom() | tree.Call() if node.name[:1].isupper():
+            case tree.Atom() | tree.Call():
                 given, what = node.arguments, "a column"
-                if is_built_in(node.name):
-                    return
             case _:
                 return
         for each in given:
             infix = infix_of(each.value) if isinstance(each.field, int) else None
             if infix is None or infix.operator != "=" or each.value.span is None:
                 continue
-            if name := tree.variable_of(infix.left):
+            name = tree.variable_of(infix.left)
+            is_known = not isinstance(node, tree.Atom | tree.Call) or (
+                name in self._columns.get(node.name, ())
+            )
+            if name and is_known:
                 hint = self._with_example("Write", f"{name}: {self._source(infix.right)}", " ")
                 message = f"'=' does not name {what}; this one has no name"
                 yield self._warning(each.value.span, message, hint)
@@ -234,6 +242,12 @@ def _in_tests(rule: Node) -> Iterator[tuple[Node, bool]]:
                 is_negated = isinstance(node, tree.Call | tree.Atom) and node.name == "!"
                 inner.append((each, is_negated or (is_test and is_operand)))
         waiting += inner[::-1]
+
+
+def _mentions(part: tree.Tree) -> Counter[str]:
+    """Return how often each variable is mentioned."""
+    nodes = tree.walk(part)
+    return Counter(str(each.name) for each in nodes if isinstance(each, tree.Variable))
 
 
 def _nested(node: Node) -> Iterator[Infix]:
