@@ -9,7 +9,7 @@ from logica.parser_py import parse
 
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at
-from logical_robots_tui.schema import INPUTS
+from logical_robots_tui.schema import INPUTS, SENSOR
 
 COMPLAINTS = (
     parse.ParsingException,
@@ -44,6 +44,8 @@ _UNREAD = (
 )
 _PREDICATE = re.compile(r"[A-Z]\w*")
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
+_INSTEAD_OF_SIGN = re.compile(r"<-|[{:]|(if|when|where)\b")
+_CONSTANT = re.compile(r"([A-Z]\w*)\s*=")
 _IN_BODY = re.compile(r"[=<>~]|\bin\b")
 _COMPARISON = re.compile(r"[<>!=]=")
 _HEAD_BEFORE = re.compile(r"\)\s*(=[^=,]*|distinct)?\s*$|\n\s*[A-Z]\w*\([^:]*$")
@@ -73,7 +75,7 @@ def explain(
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
     value = source.original[at : at + length].strip()
-    if message == _NO_FIELD and re.search(r"[^\w.\s]", value):
+    if message == _NO_FIELD and re.search(r"[^\w.]", value):
         message, hint = _UNREAD[1], _hint(_UNREAD[1])
     if message == _NO_CONDITION and _FIELD.fullmatch(value):
         hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
@@ -91,6 +93,10 @@ def explain(
     elif message in _UNREAD:
         hint = _foreign(source.skeleton[at : at + length]) or hint
         hint = _beside(source.skeleton, at, start, end) or hint
+    elif message.startswith("this does not belong") and _INSTEAD_OF_SIGN.match(value):
+        hint = "Write ':-' between the head and the body."
+    elif message == _NO_HEAD and (constant := _CONSTANT.match(value)):
+        hint = f"A predicate has parentheses, also a constant: {constant[1]}() = 0.5;"
     elif message == _NO_HEAD and start and _IN_BODY.search(source.skeleton, start, end):
         hint = "A ';' ends a rule; write ',' between its conditions."
     return diagnostic_at(source.original, at, length, message, hint)
@@ -135,6 +141,8 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
 
 def _value_hint(name: str, before: str) -> str:
     """Return what a variable without a value is meant to be."""
+    if name in SENSOR.names:
+        return f"Write sensor.{name}."
     table = next((each for each, columns in INPUTS.items() if name in columns), "")
     if table:
         return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
@@ -225,7 +233,7 @@ _HINTS = (
     (r"can't start with x_", "Choose another name."),
     (r"without a name come before", "Name all that follow, or move this one to the front."),
     (r"only the head|aggregated needs a name", "Heads aggregate like this: P(x, best? Max= v)."),
-    (r"made from another", "Write New := Old(Used: Other);"),
+    (r"made from another", "Write New := Old(Used: Other); a rule has ':-', and a value '='."),
     (r"in an aggregate or a negation", "Give the alternatives a predicate of their own."),
     (r"nothing to start from", "Add a rule of it that does not mention itself."),
     (r"can't be recursive", "Recursion works for predicates, not for functions."),
@@ -258,13 +266,16 @@ _FOREIGN = (
     (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
     (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
     (r"(?<!&)&(?!&)", "Write ',' between conditions, and '&&' within an expression."),
-    (r"\?.*:", f"Write {_IF}."),
+    (r"\?.*:|\S\s+if\b", f"Write {_IF}."),
+    (r"\A(for|let|var|where)\b", "Leave this word out."),
+    (r"\bfor\b|\S\s+[:|]\s", "A body follows ':-', as in List{x :- x in [1, 2]}."),
     (r"\[", "An element of a list is Element(list, 0), Element(list, 1) ..."),
     (r"\A[^,]*[^,\s]\s*,", "An aggregate takes one value, or a pair, x.angle -> x.distance."),
 )
 """Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
 
 _BESIDE = (
+    (r"\bin\s*\(\s*$", r"", "A list is in brackets: x in [1, 2]."),
     (r"~\s*$", r"", "Put what is negated in parentheses: ~(a == b)."),
     (r"=\s*$", r"\s*<", "Write '<='."),
     (r"==\s*$", r"=", "Write '=='."),
@@ -272,6 +283,7 @@ _BESIDE = (
     (r"", r"\S*\s*=>", "Write '>=' to compare."),
     (r"[/-]$", r"[/-]\s", "Comments begin with '#'."),
     (r",\s*$", r"\s*(;|\)|\}|$)", "Remove the ',' before it."),
+    (r"[-+*/%]\s*$", r"\s*-\s*\w", "Put a negative value in parentheses: a * (-b)."),
     (r"[-+*/%]\s*$", r"\s*\w+\s*=(?!=)", "Compare with '==': a + b == c."),
     (r"\bif\s+$", r"(?:(?!\bthen\b).)*?\belse\b", f"Every 'if' needs a 'then': {_IF}."),
     (r"", r"\w+ [A-Z]\w*\s*=[^,]*[<>!=]=", "Put the comparison in parentheses: x Max= (a <= b)."),
@@ -290,7 +302,7 @@ def _beside(skeleton: str, at: int, start: int, end: int) -> str:
 def _foreign(piece: str) -> str:
     for pattern, hint in _FOREIGN:
         if found := re.search(pattern, piece, re.DOTALL):
-            return hint.format(**found.groupdict())
+            return hint.format(**found.groupdict()) if found.groupdict() else hint
     return ""
 
 

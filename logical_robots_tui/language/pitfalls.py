@@ -14,6 +14,7 @@ from logical_robots_tui.schema import INPUTS, VALUE
 
 _LONGEST = 100  # characters of a piece of the program in a message or hint
 _SENSED_TEXTS = frozenset({"forward_label", "forward_object", "label", "object"})
+_UNEQUAL = ("/", "\\", "~")  # before a '=' in other languages
 _OVER_ROWS = {"Avg": "Avg", "Count": "Count", "Max": "Max", "Min": "Min", "Sum": "Sum", "+": "Sum"}
 
 
@@ -31,7 +32,7 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
 class _Finder:
     def __init__(self, program: Sequence[tree.Statement], source: Prepared) -> None:
         self._text, self._skeleton = source.original, source.skeleton
-        own = definitions(program)
+        self._own = own = definitions(program)
         self._truths = {name for name, rules in own.items() if all(map(_is_truth, rules))}
         self._columns: dict[str, Iterable[int | str]] = {
             **INPUTS,
@@ -63,6 +64,9 @@ class _Finder:
                     yield from self._compared(node, node.span, infix, in_body, in_rule)
             yield from self._named_with_equals(node)
             yield from self._other(node)
+            yield from self._unknown_sign(node)
+        for node in tree.walk(tree.conjuncts(rule.body)):
+            yield from self._called_aggregate(node)
 
     # -- '=' and '->' beside operators that are read later -----------------------------------------
 
@@ -200,6 +204,15 @@ class _Finder:
             if all(each.column != VALUE for each in node.arguments):
                 message = f"{node.name} has a value; as a condition it always holds"
                 hint = self._with_example("Look at its value", f"{self._source(node)} == true")
+        elif isinstance(node, tree.Choice):
+            values = [*(each.value for each in node.branches), node.otherwise]
+            infix = next(
+                (i for each in values if (i := infix_of(each)) and i.operator == "="), None
+            )
+            if infix is not None:
+                message = "'=' in a branch must hold whichever branch is chosen"
+                name = tree.variable_of(infix.left) or "x"
+                hint = f"Give a name to all of it: {name} = (if a < b then c else d)."
         elif isinstance(node, tree.Aggregate) and node.body is None:
             function = _OVER_ROWS.get(node.operator, "")
             argument = self._source(node.argument)
@@ -208,6 +221,33 @@ class _Finder:
                 message = f"this {function} has no body, so it is of a single value"
                 hint = self._with_example("Put the body inside", f"{function}{{{argument} :- ...}}")
         if message:
+            yield self._warning(node.span, message, hint)
+
+    def _unknown_sign(self, node: Node) -> Iterator[Diagnostic]:
+        """Yield a diagnostic for ``x /= 3``, which is an aggregate that does not exist."""
+        if not isinstance(node, tree.Aggregate | tree.Aggregation):
+            return
+        sign, at = node.operator, getattr(node.operator, "start", -1)
+        is_own = {sign, f"`{sign}`"} & self._own.keys()
+        if at >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
+            message = f"there is no {sign}= in Logica"
+            hint = "Write != where values must differ."
+            if sign not in _UNEQUAL:
+                hint = f"A variable has one value; give the new one a name: y = x {sign} 1."
+            yield diagnostic_at(
+                self._text,
+                at,
+                len(sign) + 1,
+                message,
+                hint,
+                "warning" if sign == "-" else "error",  # the package compiles no other
+            )
+
+    def _called_aggregate(self, node: Node) -> Iterator[Diagnostic]:
+        name = node.name if isinstance(node, tree.Call) else ""
+        if name in _OVER_ROWS and name.isalpha() and node.span is not None:
+            message = f"{name}(...) is of a single value"
+            hint = f"Aggregates have braces and a body: {name}{{x :- x in list}}."
             yield self._warning(node.span, message, hint)
 
     # -- texts -------------------------------------------------------------------------------------

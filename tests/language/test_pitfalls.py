@@ -23,8 +23,6 @@ PLACES = [
     "P(y) :- y == F(n: {});",
     "P(y) :- y == Sum{{1 :- z in [1], {}}};",
     "P(y) :- y == List{{{} :- z in [1]}};",
-    "P(y) :- y == (if c < d then {} else 2);",
-    "P(y) :- y == (if c < d then 2 else {});",
     "P(n: {});",
     "P(n? Max= ({})) distinct;",
 ]
@@ -74,6 +72,13 @@ def test_in_the_test_of_an_if_every_equation_is_marked(operator: str) -> None:
     assert one.hint == f"Compare with '==': x == a {operator} b."
 
 
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_in_a_branch_of_an_if_every_equation_is_marked(operator: str) -> None:
+    for place in ("(if c < d then {} else 2)", "(if c < d then 2 else {})"):
+        (one,) = found(f"P(y) :- y == {place.format(f'x = a {operator} b')};")
+        assert "x = a" in one.excerpt
+
+
 @pytest.mark.parametrize(
     ("written", "meant"),
     [
@@ -110,8 +115,29 @@ def test_an_equation_among_conditions_is_to_be_a_comparison(written: str, meant:
 
 
 @pytest.mark.parametrize(
+    ("text", "message", "hint"),
+    [
+        ("P(y) :- y == (if c then x = 1 else x = 2);", "'=' in a branch must hold", "x = (if"),
+        ("P(y) :- y == Count(list);", "Count(...) is of a single value", "Count{x :- x in list}"),
+        ("P(y) :- y -= 1;", "there is no -= in Logica", "y = x - 1"),
+        ("P(y) :- y /= 1;", "there is no /= in Logica", "Write !="),
+        ("Q(n: 1); P(y) :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
+        ("P(n = 1);", "'=' does not name a column", "Write n: 1."),
+        ("P(n: {m = 1});", "'=' does not name a field of a record", "Write m: 1."),
+        ("P(y) :- Q(y, z), z != null;", "a comparison with null never holds", "z is not null"),
+        ("P(y) = (y == null);", "a comparison with null never holds", "Write y is null."),
+    ],
+)
+def test_other_pitfalls_are_marked_once(text: str, message: str, hint: str) -> None:
+    (one,) = found(text)
+    assert message in one.message
+    assert hint in one.hint
+
+
+@pytest.mark.parametrize(
     "text",
     [
+        "Count(x) = Sum(x); P(a) = Sum(a); P(y) :- y List= 1;",
         "P(a) :- a = (b < c);",
         "P(a) :- a = ((b < c));",
         "P(a) :- (a = b) < c;",
