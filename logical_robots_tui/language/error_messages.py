@@ -29,6 +29,7 @@ FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} uses {}, which is a parameter for :=; it has no rows of its own."
 
 _NO_CONDITION = "this is not a condition"
+_NOT_IN_HEAD = "this does not belong in the head of a rule"
 _NO_HEAD = "a rule starts with a predicate such as Robot(...)"
 _TWO_SIGNS = "there are two ':-'"
 _NO_FIELD = "names of fields are lower case"
@@ -36,9 +37,10 @@ _TOO_MANY_EQUALS = (
     "there is more than one '=' in the head of this rule",
     "this needs exactly one '='",
 )
+_NO_EXPRESSION = "this is not an expression"
 _UNREAD = (
     _NO_CONDITION,
-    "this is not an expression",
+    _NO_EXPRESSION,
     "this is not a predicate with arguments",
     "this 'if' can't be read",
 )
@@ -48,7 +50,7 @@ _INSTEAD_OF_SIGN = re.compile(r"<-|[{:]|(if|when|where)\b")
 _CONSTANT = re.compile(r"([A-Z]\w*)\s*=")
 _IN_BODY = re.compile(r"[=<>~]|\bin\b")
 _COMPARISON = re.compile(r"[<>!=]=")
-_HEAD_BEFORE = re.compile(r"\)\s*(=[^=,]*|distinct)?\s*$|\n\s*[A-Z]\w*\([^:]*$")
+_HEAD = re.compile(r"\)\s*(=[^=,]*|distinct)?\s*$|\n\s*[A-Z]\w*\([^:]*$")
 
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 _EMPHASISED = re.compile(r"\x1b\[1m(.*?)\x1b\[0m", re.DOTALL)
@@ -68,38 +70,48 @@ def explain(
         return _without_value(names, source, start, end)
     message = plain_message(error)
     at, length = _place(error, source, start, end)
-    hint = _hint(message)
     for sign, what in _AT_SIGN.items():
         where = source.text if sign == "${" else source.skeleton
         if message.startswith(what) and (found := where.find(sign, at, end)) >= 0:
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
     value = source.original[at : at + length].strip()
-    if message == _NO_FIELD and re.search(r"[^\w.]", value):
-        message, hint = _UNREAD[1], _hint(_UNREAD[1])
-    if message == _NO_CONDITION and _FIELD.fullmatch(value):
-        hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
-    elif message == _NO_CONDITION and _PREDICATE.fullmatch(value):
-        message, hint = f"{value} is named without its arguments", f"Write {value}(...)."
     made = source.skeleton.find(":=", start, end)
     if made >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
-    elif message in _TOO_MANY_EQUALS and _COMPARISON.search(value):
-        before, _, compared = value.partition("=")
-        hint = f"Put the comparison in parentheses: {before}= ({compared.strip()[:60]})."
-    elif message.startswith(_TWO_SIGNS) and not _HEAD_BEFORE.search(source.skeleton, start, at):
-        message, hint = f"{_TWO_SIGNS} in one rule", "Aggregates use braces: Sum{x :- Item(x)}."
-    elif message in _UNREAD:
-        hint = _foreign(source.skeleton[at : at + length]) or hint
-        hint = _beside(source.skeleton, at, start, end) or hint
-    elif message.startswith("this does not belong") and _INSTEAD_OF_SIGN.match(value):
-        hint = "Write ':-' between the head and the body."
-    elif message == _NO_HEAD and (constant := _CONSTANT.match(value)):
-        hint = f"A predicate has parentheses, also a constant: {constant[1]}() = 0.5;"
-    elif message == _NO_HEAD and start and _IN_BODY.search(source.skeleton, start, end):
-        hint = "A ';' ends a rule; write ',' between its conditions."
+    else:
+        message, hint = _with_hint(message, value, source, (at, at + length), (start, end))
     return diagnostic_at(source.original, at, length, message, hint)
+
+
+def _with_hint(
+    message: str, value: str, source: Prepared, place: tuple[int, int], statement: tuple[int, int]
+) -> tuple[str, str]:
+    """Return a message as it fits a value at a place in a statement, and a hint or ""."""
+    if message == _NO_FIELD and re.search(r"[^\w.]", value):
+        message = _NO_EXPRESSION
+    if message in _UNREAD:
+        hint = _beside(source.skeleton, place[0], *statement)
+        if hint := hint or _foreign(source.skeleton[slice(*place)]):
+            return message, hint
+    if message == _NO_CONDITION and _FIELD.fullmatch(value):
+        hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
+        return message, hint
+    if message == _NO_CONDITION and _PREDICATE.fullmatch(value):
+        return f"{value} is named without its arguments", f"Write {value}(...)."
+    if message in _TOO_MANY_EQUALS and _COMPARISON.search(value):
+        before, _, compared = value.partition("=")
+        return message, f"Put the comparison in parentheses: {before}= ({compared.strip()[:60]})."
+    if message.startswith(_TWO_SIGNS) and not _HEAD.search(source.skeleton, statement[0], place[0]):
+        return f"{_TWO_SIGNS} in one rule", "Aggregates use braces: Sum{x :- Item(x)}."
+    if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
+        return message, "Write ':-' between the head and the body."
+    if message == _NO_HEAD and (constant := _CONSTANT.match(value)):
+        return message, f"A predicate has parentheses, also a constant: {constant[1]}() = 0.5;"
+    if message == _NO_HEAD and statement[0] and _IN_BODY.search(source.skeleton, *statement):
+        return message, "A ';' ends a rule; write ',' between its conditions."
+    return message, _hint(message)
 
 
 def plain_message(error: BaseException) -> str:
@@ -162,7 +174,7 @@ _AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "a text can't hold
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
 
 _PLAIN = (
-    (r"^Could not parse expression", "this is not an expression"),
+    (r"^Could not parse expression", _NO_EXPRESSION),
     (r"^Could not parse proposition", _NO_CONDITION),
     (r"^Could not parse predicate call", "this is not a predicate with arguments"),
     (r"^Found no call in rule head", _NO_HEAD),
@@ -178,7 +190,7 @@ _PLAIN = (
     (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct"),
     (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'"),
     (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'"),
-    (r"^Unexpected text in the head", "this does not belong in the head of a rule"),
+    (r"^Unexpected text in the head", _NOT_IN_HEAD),
     (r"^Too many '=' in predicate", "there is more than one '=' in the head of this rule"),
     (r"^Variables starting with x_", "names of variables can't start with x_"),
     (r"^Record fields may not start", "names of fields start with a lower case letter"),
@@ -268,13 +280,14 @@ _FOREIGN = (
     (r"(?<!&)&(?!&)", "Write ',' between conditions, and '&&' within an expression."),
     (r"\?.*:|\S\s+if\b", f"Write {_IF}."),
     (r"\A(for|let|var|where)\b", "Leave this word out."),
-    (r"\bfor\b|\S\s+[:|]\s", "A body follows ':-', as in List{x :- x in [1, 2]}."),
-    (r"\[", "An element of a list is Element(list, 0), Element(list, 1) ..."),
-    (r"\A[^,]*[^,\s]\s*,", "An aggregate takes one value, or a pair, x.angle -> x.distance."),
+    (r"\bfor\b", "A body follows ':-', as in List{x :- x in [1, 2]}."),
+    (r"[\w)]\[", "An element of a list is Element(list, 0), Element(list, 1) ..."),
 )
 """Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
 
 _BESIDE = (
+    (r"[A-Z]\w*\s*\{\s*$", r"[^{}:]*,", "An aggregate takes one value, or a pair: x -> y."),
+    (r"[A-Z]\w*\s*\{\s*$", r"[^{}]*?\s[:|]\s", "A body follows ':-': List{x :- x in [1, 2]}."),
     (r"\bin\s*\(\s*$", r"", "A list is in brackets: x in [1, 2]."),
     (r"~\s*$", r"", "Put what is negated in parentheses: ~(a == b)."),
     (r"=\s*$", r"\s*<", "Write '<='."),

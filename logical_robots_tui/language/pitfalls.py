@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -12,6 +13,7 @@ from logical_robots_tui.language.source_text import Prepared, diagnostic_at, wit
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
 
+_CLOSED = re.compile(r"\s*\)")
 _LONGEST = 100  # characters of a piece of the program in a message or hint
 _SENSED_TEXTS = frozenset({"forward_label", "forward_object", "label", "object"})
 _UNEQUAL = ("/", "\\", "~")  # before a '=' in other languages
@@ -85,8 +87,12 @@ class _Finder:
         return found
 
     def _has_parentheses(self, span: Span) -> bool:
-        before, after = self._skeleton[: span.start].rstrip(), self._skeleton[span.stop :].lstrip()
-        return before.endswith("(") and after.startswith(")")
+        before = span.start - 1
+        while before > 0 and self._skeleton[before].isspace():
+            before -= 1
+        return (
+            self._skeleton[before] == "(" and _CLOSED.match(self._skeleton, span.stop) is not None
+        )
 
     def _read_first(
         self, node: Node, span: Span, loose: Sequence[Node], *, is_test: bool

@@ -127,7 +127,7 @@ MISTAKES = [
         "m = ArgMax{r.angle -> r.distance && true :- r in sensor.radar}",
         "3:14 '->' is read before '&&' ... r.angle -> (r.distance && true).",
     ),
-    Mistake("m = ArgMin{r.angle, r.distance :- r in sensor.radar}", "3:14 x.angle -> x.distance"),
+    Mistake("m = ArgMin{r.angle, r.distance :- r in sensor.radar}", "3:14 a pair: x -> y."),
     Mistake("P(1, n: m)", "1:1 word distinct ... between the head and ':-'", (),
             "P(x, n? += 1) :- x in [1];"),
     Mistake("m = Sum{1 :- Seen(kind)}", "", ("m = Sum{1 :- Seen(kind)} = 31", "goes over 31 rows"),
