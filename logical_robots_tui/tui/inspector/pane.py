@@ -56,6 +56,7 @@ MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("
 """The sign and colour of each kind of predicate."""
 
 _INPUTS = 2  # Sensor and Memory
+_LISTED = 14  # entries, at most, that the list makes room for
 _AROUND_ROBOTS = 4  # lines of their page that are about no robot or about one
 _CHANGED = "•"
 _NARROWEST = 12  # columns of an entry
@@ -305,10 +306,10 @@ class InspectorPane(Pane):
     def rows_of(level: Level, text: str) -> int:
         """Return how many rows a level and a program will fill at first."""
         listed = sum(page.is_listed for page in PAGES) + _INPUTS + len(definitions(text))
-        return max(listed, len(level.robots) + _AROUND_ROBOTS)
+        return max(min(listed, _LISTED), len(level.robots) + _AROUND_ROBOTS)
 
     def _measure(self) -> None:
-        rows = [self._list.virtual_size.height]
+        rows = [min(self._list.virtual_size.height, _LISTED)]
         for page in self._wanted:
             view = page.table_here or page.view
             if page.display and view.display:

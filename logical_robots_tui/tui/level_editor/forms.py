@@ -169,7 +169,7 @@ class Form(Dialog[bool]):
     Form Input { width: 1fr; margin: 0; }
     Form Checkbox, Form Select, Form Ticks, Form TextArea {
         width: 1fr; border: none; padding: 0; }
-    Form Checkbox { background: $surface; padding: 0 1; }
+    Form Checkbox { background: $surface; }
     Form Checkbox:focus { background: $block-cursor-background; }
     Form Ticks, Form TextArea { height: auto; max-height: 6; background: $panel; }
     Form TextArea { min-height: 3; padding: 0 1; }
