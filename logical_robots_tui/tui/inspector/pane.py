@@ -20,7 +20,7 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
-from logical_robots_tui.tui.layout.arrangement import Pane
+from logical_robots_tui.tui.layout.arrangement import HIGHEST_TABLE, Pane
 from logical_robots_tui.tui.layout.dialogs import Listing
 from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.theme.themes import INK
@@ -178,6 +178,8 @@ class InspectorPane(Pane):
         if self.page.entry.scope == "predicate":
             self.page.predicate = name
         self._is_unmeasured = True
+        if self.page.fills:
+            self.post_message(self.Filled(HIGHEST_TABLE - 2))
         self.post_message(Sighted(None, self._session.frame))
         self._cancel()
         self.follow()

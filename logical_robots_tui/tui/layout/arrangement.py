@@ -111,7 +111,7 @@ _NARROWEST, _LOWEST = 30, 6  # the smallest columns and rows of a pane, with its
 
 _LEAST_TEXT, _WIDEST_TEXT = 70, 96
 """Columns of the program below which it leaves none to the labyrinth, and above which all."""
-_LEAST_TABLE, _HIGHEST_TABLE = 8, 26
+_LEAST_TABLE, HIGHEST_TABLE = 8, 26
 """Rows of the inspector below which it leaves none to the labyrinth, and above which all."""
 _BESIDE_TEXT, _BELOW_TEXT = 9, 3  # line numbers, cursor, bar and border; help and border
 
@@ -144,7 +144,7 @@ class Needs(NamedTuple):
     aspect: float = math.inf
     lines: tuple[int, ...] = ()
     code: int = _WIDEST_TEXT
-    rows: int = _HIGHEST_TABLE
+    rows: int = HIGHEST_TABLE
 
     @classmethod
     def of(cls, aspect: float, text: str, rows: int) -> Self:
@@ -194,7 +194,7 @@ def grid_for(layout: Layout, width: int, height: int, shares: Shares, needs: Nee
     """Return the sizes of panes; cells that the map has no use for go to the others."""
     room = height - 3  # status, timeline and command bar
     wanted = max(needs.rows + 2, _LEAST_TABLE)
-    inspector = min(wanted, max(round(0.3 * height), _LEAST_TABLE), _HIGHEST_TABLE)
+    inspector = min(wanted, max(round(0.3 * height), _LEAST_TABLE), HIGHEST_TABLE)
     if layout is not Layout.WIDE:
         map_rows = needs.map_rows(width)
         used = max(map_rows + needs.program_rows(width), 2 * _LOWEST)

@@ -89,3 +89,10 @@ async def test_another_level_has_its_own_sizes(data_dir: Path) -> None:
         await game.until(lambda: heights(game)[2] == 11)
         view = game.main.labyrinth.view
         assert view.size.width == 200 - 70 - 2
+
+
+async def test_a_proof_gets_as_much_room_as_there_may_be(data_dir: Path) -> None:
+    async with opened(data_dir, size=LARGE) as game:
+        await game.ready()
+        await game.press("n", "w")
+        await game.until(lambda: heights(game)[2] >= 18)
