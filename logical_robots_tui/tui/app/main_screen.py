@@ -39,6 +39,7 @@ from logical_robots_tui.tui.layout.arrangement import (
     LEAST_WIDTH,
     Arrangement,
     Layout,
+    Needs,
     Pane,
 )
 from logical_robots_tui.tui.layout.command_bar import (
@@ -61,6 +62,7 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -108,6 +110,7 @@ class MainScreen(Screen[None], SessionListener):
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
         self._lines_drawn_at = float("-inf")
+        self._suited = ""
 
     def _make_controllers(self) -> None:
         session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
@@ -186,12 +189,14 @@ class MainScreen(Screen[None], SessionListener):
         ending = key_bindings(*map(command, ends), does="test")
         self._bindings = BindingsMap.merge([ending, self._own_keys])
 
-    def _suit(self, level: Level) -> None:
-        self.arrangement.aspect = level.width / level.height
+    def _suit(self, level: Level, text: str) -> None:
+        self._suited = self.session.source.draft
+        rows = self.inspector.rows_of(level, text)
+        self.arrangement.suit(Needs.of(level.width / level.height, text, rows))
 
     def compose(self) -> ComposeResult:
-        self._suit(self.session.level)
         self._fit(self.app.size)
+        self._suit(self.session.level, self.player.first_text)
         yield from (self._status, self._tabs, self.arrangement.container)
         yield from (self._too_small, self.timeline, self._bar)
 
@@ -229,10 +234,13 @@ class MainScreen(Screen[None], SessionListener):
     # -- for the parts -------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
-        self._suit(level)
-        self.arrangement.show()
+        self._suit(level, self.program.text)
         self.labyrinth.select(None)
         self.scheduler.soon()
+
+    def program_used(self, program: Program) -> None:
+        if self.session.source.draft != self._suited:
+            self._suit(self.session.level, self.program.text)
 
     def quit(self) -> None:
         player = self.player
@@ -338,6 +346,10 @@ class MainScreen(Screen[None], SessionListener):
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:
         self.arrangement.pull(event.pane, event.side, *event.moved)
+
+    @on(Pane.Filled)
+    def _pane_filled(self, event: Pane.Filled) -> None:
+        self.arrangement.grow(event.rows)
 
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:

@@ -99,6 +99,8 @@ class Page(Vertical):
     """The page beside it in a wide inspector."""
     replays: ClassVar[bool] = True
     """Whether it computes past ticks with the current program, which may not have decided them."""
+    fills: ClassVar[bool] = False
+    """Whether it shows more where there is more room."""
     table: ValueTable | None = None
     predicate = ""
     """The predicate to show, of a page for predicates."""
