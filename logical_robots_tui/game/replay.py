@@ -292,13 +292,15 @@ async def gather(
     name: Callable[[Program], str],
     *,
     with_programs: bool = True,
+    last: int | None = None,
 ) -> Replay:
-    """Return the replay of a history's ticks, in turn with other tasks.
+    """Return the replay of a history's ticks, or those up to `last`, in turn with other tasks.
 
     A program must have decided a tick. Raises Superseded if the course changes meanwhile,
     InputError if the level changed too often.
     """
-    begin, last, turns = max(history.first - 1, 0), history.last, history.turns
+    begin, turns = max(history.first - 1, 0), history.turns
+    last = history.last if last is None else last
     changes = [tick for tick in range(begin + 1, last + 1) if history.is_changed_in(tick)]
     if len(changes) >= _MOST_STAGES:
         raise InputError("The level was changed too often for a replay.")
