@@ -53,6 +53,7 @@ Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: "") :-
 """
 """What stands for a program that was left out."""
 
+_AT_ONCE = 10  # ticks to gather before other tasks have a turn
 _FORMAT = 2  # the first has the programs of all teams in one text
 _MAGIC = b"logical-robots replay "
 _MOST_BYTES = 64_000_000
@@ -319,6 +320,7 @@ async def gather(
                     wanted[tick - first - 1, place] = desire.left_engine, desire.right_engine
             if tick % EVERY == 0 or tick == last:
                 hashes[tick] = _hash_of(after.after)
+            if tick % _AT_ONCE == 0 or tick == last:
                 await asyncio.sleep(0)
                 if history.turns != turns:
                     raise Superseded

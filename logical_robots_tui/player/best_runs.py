@@ -5,13 +5,11 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logical_robots_tui.editing.level_text import write_native
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game import Superseded, level_key
 from logical_robots_tui.paths import write_atomically
@@ -49,41 +47,47 @@ class BestRuns(SessionListener):
         return self._folder / f"{name}-{digest}.replay"
 
     async def _keep(self, history: History, victory: Victory) -> None:
+        from logical_robots_tui.editing.level_text import write_native
         from logical_robots_tui.game.replay import gather
 
         path, name = self.path(victory.level), self._session.source.name
+        turns = history.turns
         try:
+            is_best = await asyncio.to_thread(_is_best, path, victory)
+            if not is_best or history.turns != turns:
+                return
             replay = await gather(history, write_native, lambda _: name, last=victory.tick)
-            is_best = await asyncio.to_thread(_keep_best, path, replay)
-        except Superseded:
-            return
+            await asyncio.to_thread(_write, path, replay)
+        except Superseded:  # the robots went another way meanwhile
+            pass
         except (InputError, OSError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             self._ui.warn(f"This run can't be kept to race against: {reason or error}")
-            return
-        if is_best:
+        else:
             self.kept()
 
 
-def _keep_best(path: Path, replay: Replay) -> bool:
-    """Write a run unless a better one is there, and return whether; raise InputError, OSError."""
+def _is_best(path: Path, victory: Victory) -> bool:
+    """Return whether no better run is kept; one that can't be read is renamed."""
     from logical_robots_tui.game.replay import load_replay
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if path.exists():
-        try:
-            known = load_replay(path)
-        except InputError:
-            path.replace(path.with_name(f"{path.stem}-unreadable{path.suffix}"))
-        else:
-            if known.last <= replay.last and alike(known.levels[0], replay.levels[0]):
-                return False
+    if not path.exists():
+        return True
+    try:
+        known = load_replay(path)
+    except InputError:
+        path.replace(path.with_name(f"{path.stem}-unreadable{path.suffix}"))
+        return True
+    return known.last > victory.tick or not alike(known.levels[0], victory.level)
+
+
+def _write(path: Path, replay: Replay) -> None:
+    """Write a run, and remove the oldest of too many; raise InputError, OSError."""
     content = replay.to_bytes()
     if len(content) > MOST_BYTES:
         raise InputError(f"it takes {len(content):,} bytes.")
+    path.parent.mkdir(parents=True, exist_ok=True)
     write_atomically(path, content)
     runs = sorted(path.parent.glob("*.replay"), key=lambda run: run.stat().st_mtime)
     for old in runs[:-MOST_RUNS]:
-        with suppress(OSError):
-            old.unlink()
-    return True
+        old.unlink(missing_ok=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.ghost import ghost_of, reached
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world.level import alike
@@ -68,8 +69,6 @@ class GhostController(SessionListener):
 
     def tick_shown(self, frame: Frame) -> None:
         """Note which areas are reached, once in each run; tell it if there is a ghost."""
-        from logical_robots_tui.game.ghost import reached
-
         is_next, self._tick = frame.tick == self._tick + 1, frame.tick
         history = self._session.history
         if history is not None and history.turns != self._turns:
@@ -115,13 +114,11 @@ class GhostController(SessionListener):
         await self._race(replay, BEST, is_told=not is_new)
 
     async def _race(self, replay: Replay, name: str, *, is_told: bool = True) -> None:
-        from logical_robots_tui.game.ghost import ghost_of
-
         level = self._session.level
         try:
             ghost = await asyncio.to_thread(ghost_of, replay, level, name)
         except InputError as error:
-            self._ui.warn(f"There is no racing this {name}. {error}")
+            self._ui.warn(f"This {name} can't be raced against. {error}")
             return
         if level is not self._session.level:
             return
