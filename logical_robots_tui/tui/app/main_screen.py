@@ -31,6 +31,7 @@ from logical_robots_tui.tui.commands.keymap import (
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, BriefingCard
+from logical_robots_tui.tui.labyrinth.ghost import GhostController
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
@@ -147,6 +148,7 @@ class MainScreen(Screen[None], SessionListener):
         self.replays = Replays(
             session, ui, data_dir / "replays", library.programs, library.open_with
         )
+        self.ghost = GhostController(session, ui, view, self.player.best_runs, data_dir / "replays")
         self.search = Search(session, ui, self.timeline_controller.go_to)
         self.announcer = VictoryAnnouncer(
             session,
@@ -160,7 +162,7 @@ class MainScreen(Screen[None], SessionListener):
             following=library.following,
             run=self.action_command,
         )
-        heard = [self.editing, recorder, self.announcer, self.timeline_controller, self]
+        heard = [self.editing, recorder, self.announcer, self.timeline_controller, self.ghost, self]
         session.listeners += heard
 
     def _look_of_pictures(self) -> tuple[Drawing, Palette] | None:

@@ -252,12 +252,19 @@ view.add("wider_labyrinth", "Wider labyrinth", "L", lambda s: s.arrangement.chan
     "Give the labyrinth more columns.")
 view.add("taller_inspector", "Taller inspector", "I", lambda s: s.arrangement.change(0, 2),
     "Give the inspector more rows.")
-view.add("taller_labyrinth", "Taller labyrinth", "G", lambda s: s.arrangement.change(0, -2),
+view.add("taller_labyrinth", "Taller labyrinth", "underscore",
+    lambda s: s.arrangement.change(0, -2),
     "Give the labyrinth more rows.")
 view.add("cones", "Cones", "y", general.cones, "Show or hide what the robots' radars reach.")
 view.add("single_rays", "Single rays", "Y", general.single_rays,
     "Show or hide each ray of the selected robot.")
 view.add("trails", "Trails", "u", general.trails, "Show or hide where the robots came from.")
+view.add("ghost", "Ghost", "G", lambda s: s.ghost.toggle(),
+    "Show or hide the robots of your best run of this level, faintly, to race against.",
+    worker="ghost", also="best run race compare")
+view.add("race_replay", "Race a replay…", "", lambda s: s.ghost.choose(),
+    "Show the robots of a saved replay of this level, faintly, to race against.",
+    worker="ghost", also="ghost compare")
 view.add("drawing", "Drawing style", "d", general.drawing,
     "Draw the labyrinth in quadrants, half blocks, sextants, or plain characters.")
 

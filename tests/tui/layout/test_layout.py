@@ -258,7 +258,7 @@ async def test_panes_are_resized(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         before = game.main.labyrinth.region.size
-        await game.press("L", "G")
+        await game.press("L", "underscore")
         await game.until(lambda: game.main.labyrinth.region.size - (4, 2) == before)
         await game.press("D", "I")
         await game.until(lambda: game.main.labyrinth.region.size == before)
