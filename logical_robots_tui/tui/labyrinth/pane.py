@@ -89,7 +89,7 @@ class LabyrinthPane(Pane, can_focus=True):
         }
         note, ghost = words[camera.sight], self.view.ghost
         if ghost is not None:
-            told = f"ghost: {ghost.name}, {count_of(ghost.last, 'tick')}"
+            told = f"ghost: {count_of(ghost.last, 'tick')}"
             note = f"{note} · {told}" if note else told
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.select(self.view.selected)
