@@ -6,7 +6,6 @@ import asyncio
 import re
 from collections.abc import Callable
 from functools import partial
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,6 +41,8 @@ class BestRuns(SessionListener):
             self._ui.spawn(partial(self._keep, history, victory), "best run", exclusive=False)
 
     def path(self, level: Level) -> Path:
+        from hashlib import sha256  # takes time that the first picture needs
+
         name = re.sub(r"[^\w-]+", "-", level.name, flags=re.ASCII)[:40]
         digest = sha256(level_key(level).encode("utf-8", "replace")).hexdigest()[:12]
         return self._folder / f"{name}-{digest}.replay"

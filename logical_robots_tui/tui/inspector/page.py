@@ -13,7 +13,7 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
-from logical_robots_tui.game import MIND, Frame, Superseded
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import LinesView
@@ -304,6 +304,7 @@ def traced_value(
     """
     from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explanation import Subject
+    from logical_robots_tui.game import MIND
 
     subject = Subject(path=path)
     whose = next((row[name] for name in (MIND, "robot_name") if name in row), robot)
