@@ -20,13 +20,17 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level, WorldState
 
 
+BEST, REPLAY = "best run", "replay"
+"""What a ghost may be."""
+
+
 @dataclass(frozen=True, eq=False)
 class Ghost:
     """Where the robots of another run of a level were.
 
     Attributes:
         level: The level as it was.
-        name: What the run is: ``best run`` or ``replay``.
+        name: What the run is, `BEST` or `REPLAY`.
         poses: x and y in map units and heading in radians after each tick from 0 on, of shape
             (ticks, robots, 3), robots in file order.
         arrivals: By the area's number, the tick in which it was first reached, if it was.
@@ -41,6 +45,11 @@ class Ghost:
     def last(self) -> int:
         return len(self.poses) - 1
 
+    @property
+    def run(self) -> str:
+        """The run in words: ``your best run`` or ``the replay``."""
+        return f"{'your' if self.name == BEST else 'the'} {self.name}"
+
     def at(self, tick: int) -> NDArray[np.float32]:
         """Return the poses after a tick; after the run's end, those at the end."""
         poses: NDArray[np.float32] = self.poses[min(tick, self.last)]
@@ -49,13 +58,12 @@ class Ghost:
     def comparison(self, area: int, tick: int) -> str:
         """Say how reaching an area in a tick compares with this run."""
         there = self.arrivals.get(area)
-        run = f"{'your' if self.name == 'best run' else 'the'} {self.name}"
         if there is None:
-            return f"which {run} never did"
+            return f"which {self.run} never did"
         if there == tick:
-            return f"in the same tick as {run}"
+            return f"in the same tick as {self.run}"
         side = "before" if tick < there else "after"
-        return f"{count_of(abs(tick - there), 'tick')} {side} {run}"
+        return f"{count_of(abs(tick - there), 'tick')} {side} {self.run}"
 
 
 def ghost_of(replay: Replay, level: Level, name: str) -> Ghost:

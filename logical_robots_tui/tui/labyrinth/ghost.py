@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logical_robots_tui.errors import InputError
-from logical_robots_tui.game.ghost import ghost_of, reached
+from logical_robots_tui.game.ghost import BEST, REPLAY, ghost_of, reached
 from logical_robots_tui.player.session_state import SessionListener
 from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world.level import alike
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from logical_robots_tui.tui.app.ui import Dialogs
     from logical_robots_tui.tui.labyrinth.view import LabyrinthView
     from logical_robots_tui.world import Level
-
-BEST, REPLAY = "best run", "replay"
 
 
 class GhostController(SessionListener):
@@ -125,5 +123,6 @@ class GhostController(SessionListener):
         self._view.ghost = ghost
         if is_told:
             sign = self._view.drawing.glyphs.ghost(0.0)
-            run = f"your {name}" if name == BEST else f"the {name}"
-            self._ui.tell(f"Faint {sign}: the robots of {run}, {count_of(ghost.last, 'tick')}.")
+            self._ui.tell(
+                f"Faint {sign}: the robots of {ghost.run}, {count_of(ghost.last, 'tick')}."
+            )
