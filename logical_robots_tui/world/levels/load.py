@@ -181,7 +181,8 @@ def load_level(path_or_name: str | Path) -> Level:
     Args:
         path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
             platform; the format of any other file is guessed from its first character. Text without
-            a folder and an ending is the name of a shipped level or of a labyrinth of the day.
+            a folder and an ending is the name or number of a shipped level, or the name of a
+            labyrinth of the day.
 
     Raises:
         LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
@@ -219,6 +220,8 @@ def is_web_file(path: str | Path) -> bool:
 
 def _shipped_path(name: str) -> Path:
     folder, known = shipped_folder("levels"), list_shipped()
+    if re.fullmatch("[0-9]{1,2}", name):
+        name = next((each for each in known if each.startswith(f"{int(name):02}-")), name)
     for path in (
         *(folder / f"{name}{suffix}" for suffix in SUFFIXES),
         folder / ARENAS / f"{name}{NATIVE}",
