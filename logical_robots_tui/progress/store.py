@@ -49,10 +49,13 @@ class Bests(NamedTuple):
 
 
 class LevelRecord(NamedTuple):
+    """What is known of a level; `answers` are questions and the queries that answer them."""
+
     state: State = "new"
     hints: int = 0
     bests: Bests = Bests()
     versions: int = 0
+    answers: tuple[tuple[str, str], ...] = ()
 
 
 class Version(NamedTuple):
@@ -117,6 +120,17 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         UPDATE OR REPLACE version
         SET text = first_program(text), digest = sha256(first_program(text))
         WHERE text LIKE '# teams: %'
+        """,
+    ),
+    (
+        # question: as the level asks it. query: the player's last right answer.
+        """
+        CREATE TABLE answer (
+            level TEXT NOT NULL,
+            question TEXT NOT NULL,
+            query TEXT NOT NULL,
+            PRIMARY KEY (level, question)
+        )
         """,
     ),
 )
