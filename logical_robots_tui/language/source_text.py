@@ -102,7 +102,7 @@ def statements(source: Prepared) -> Iterator[tuple[int, int]]:
 
 
 _SYMBOL = re.compile(
-    r"(?P<space>\s+|:-|[(){}\[\],;:.`]|\bthen\b|\belse\b)"
+    r"(?P<space>\s+|:[-=]|[(){}\[\],;:.`]|\bthen\b|\belse\b)"
     r'|"{3}.*?"{3}|"[^"]*"|[0-9]+(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?|\w+|[^\w\s"(){}\[\],;:.`]+',
     re.DOTALL,
 )

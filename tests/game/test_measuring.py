@@ -73,7 +73,7 @@ def level(tmp_path: Path) -> Level:
         ("F := G(A: B);", 4),
         ("A(x:, y: z) :- B(x:, y: z.w);", 9),
         ("A(x) = (if x >= 1 then -x else x + 2);", 12),
-        ("A(x) distinct :- x in [1, 2], ~B(x), C{z :- D(z)} == !d || true;", 20),
+        ("A(x) distinct :- x in [1, 2], ~B(x), C{z :- D(z)} == !d || true;", 19),
         ("`a b`(x);", 3),
     ],
 )
@@ -81,9 +81,9 @@ def test_the_size_is_the_number_of_names_literals_and_operators(text: str, size:
     assert size_of(text) == size
 
 
-@given(st.lists(st.sampled_from(AHEAD.split()), max_size=30))
+@given(st.lists(st.sampled_from([*"(){};:,=!x", "Robot", "1.5", '"on my way"', ":-"]), max_size=30))
 def test_layout_and_comments_have_no_size(words: list[str]) -> None:
-    assert size_of(" ".join(words)) == size_of("  # a remark\n".join(words))
+    assert size_of(" ".join(words)) == size_of("  # a remark\n".join(words)) <= len(words)
 
 
 def test_a_mirrored_level_is_played_as_the_other_way_round(level: Level) -> None:
