@@ -25,7 +25,7 @@ FORMAT = 1
 """The version of the exported document."""
 
 CONFIRMED, NOT_CONFIRMED = 0, 1
-CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
+CELLS = ("state", "hints", "ticks", "size", "distance", "wins", "starts", "goals")
 
 
 @command.declare(
@@ -73,7 +73,7 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
             cells = (record.state, record.hints, *record.bests[:-1], "; ".join(record.bests.goals))
             table.writerow([level, *("" if cell is None else cell for cell in cells)])
     else:
-        head = ("LEVEL", "STATE", "HINTS", "TICKS", "RULES", "DISTANCE", "ROBUST", "GOALS")
+        head = ("LEVEL", "STATE", "HINTS", "TICKS", "SIZE", "DISTANCE", "ROBUST", "GOALS")
         rows = [(level, *_row(record)) for level, record in records.items()]
         print(*columns([head, *rows]), sep="\n")
 
@@ -87,7 +87,7 @@ def _row(record: LevelRecord) -> tuple[str, ...]:
     bests = record.bests
     robust = "" if bests.wins is None else f"{bests.wins} of {bests.starts}"
     distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
-    numbers = (bests.ticks, bests.rules)
+    numbers = (bests.ticks, bests.size)
     shown = ("" if number is None else str(number) for number in numbers)
     goals = str(len(bests.goals) or "")
     return record.state, str(record.hints or ""), *shown, distance, robust, goals
@@ -121,7 +121,7 @@ _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 class _Victory(msgspec.Struct):
     program: str
     ticks: _Count
-    rules: _Count
+    size: _Count
     distance: Annotated[float, msgspec.Meta(ge=0)]
     wins: _Count | None = None
     starts: _Count = 0
@@ -172,7 +172,7 @@ def _check(file: Path, *, as_json: bool) -> int:
     results: list[dict[str, Any]] = []
     played: dict[tuple[str, str], Measures | str] = {}
     if not as_json:
-        print(f"{'LEVEL':24}  {'TICKS':>6}  {'RULES':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
+        print(f"{'LEVEL':24}  {'TICKS':>6}  {'SIZE':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
     for level, text, claimed in claims:
         if (level, text) not in played:
             played[level, text] = asyncio.run(_replay(level, text))
@@ -203,7 +203,7 @@ async def _replay(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.world.levels.labyrinths import Daily
 
-    if level not in world.list_levels() and Daily.named(level) is None:
+    if world.name_now(level) not in world.list_levels() and Daily.named(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
     where = world.load_level(level)
     if is_reference(where, text):
@@ -218,7 +218,7 @@ async def _replay(level: str, text: str) -> Measures | str:
 
 
 def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
-    for name in ("ticks", "rules", "distance"):
+    for name in ("ticks", "size", "distance"):
         mine, theirs = getattr(claimed, name), getattr(found, name)
         if not math.isclose(mine, theirs, rel_tol=1e-6):
             yield f"{name}: {mine:,.10g} claimed, {theirs:,.10g} found"
@@ -231,5 +231,5 @@ def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
 
 def _line(level: str, shown: Measures, problem: str) -> str:
     robust = "" if shown.wins is None else f"{shown.wins} of {shown.starts}"
-    numbers = f"{shown.ticks:6}  {shown.rules:5}  {shown.distance:8,.0f}  {robust:>8}"
+    numbers = f"{shown.ticks:6}  {shown.size:5}  {shown.distance:8,.0f}  {robust:>8}"
     return f"{harmless(level):24}  {numbers}  {harmless(problem) or 'confirmed'}"

@@ -10,8 +10,9 @@ import pickle
 import random
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from logical_robots_tui.game.advancing import play_tick, start_frame
 from logical_robots_tui.game.frame import Frame, driven
@@ -20,7 +21,9 @@ from logical_robots_tui.game.victory import measures_of
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.world import Level, World
+from logical_robots_tui.world import Area, Beacon, Level, Robot, World
+
+T = TypeVar("T", Robot, Beacon, Area)
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -79,6 +82,24 @@ def shift_start(level: Level, seed: int) -> Level:
             x, y = x * cos - y * sin, x * sin + y * cos
         robots.append(replace(robot, x=robot.x + x, y=robot.y + y, angle=robot.angle + turn))
     return replace(level, robots=tuple(robots))
+
+
+def mirrored(level: Level) -> Level:
+    """Return a level with left and right exchanged."""
+
+    def moved(thing: T) -> T:
+        return replace(thing, x=level.width - thing.x)
+
+    walls = level.walls[:, ::-1].copy()
+    walls.flags.writeable = False
+    robots = (replace(moved(robot), angle=math.pi - robot.angle) for robot in level.robots)
+    return replace(
+        level,
+        walls=walls,
+        robots=tuple(robots),
+        beacons=tuple(map(moved, level.beacons)),
+        areas=tuple(map(moved, level.areas)),
+    )
 
 
 def play_through(
@@ -250,7 +271,20 @@ def _measure(level: Level, program: Program, known: Measures | None) -> Measures
         known = measures_of(level, program, played.won_at, played.distance, played.is_blocked)
     patience = patience_for(known.ticks)
     wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
-    return known._replace(wins=wins, starts=STARTS)
+    goals = (*known.goals, *_reached_elsewhere(level, program, patience, wins))
+    return known._replace(wins=wins, starts=STARTS, goals=goals)
+
+
+def _reached_elsewhere(level: Level, program: Program, patience: int, wins: int) -> Iterator[str]:
+    for goal in level.second_goals:
+        if goal.kind == "starts":
+            is_reached = wins == STARTS
+        elif goal.kind == "mirrored":
+            is_reached = play_through(mirrored(level), program, patience).won_at is not None
+        else:
+            continue
+        if is_reached:
+            yield goal.words
 
 
 def _say(**what: object) -> None:

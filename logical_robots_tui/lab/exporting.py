@@ -98,7 +98,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
             "won": result.outcome == "won",
             "ticks": result.ticks if result.outcome == "won" else None,
             "distance": result.distance,
-            "rules": result.rules or None,
+            "size": result.size or None,
         }
         first = result.first and "tick {}, {}: {}".format(*result.first)
         if result.outcome == "infrastructure" and result.first:

@@ -26,7 +26,7 @@ _MOST_NESTED = 5_000_000  # brackets and commas of one, whose objects take far m
 _UNREADABLE = (msgspec.MsgspecError, AttributeError, RecursionError, TypeError, ValueError)
 _NESTING = (b"[", b"{", b",")
 
-BUILT_IN = ("won", "ticks", "distance", "rules")
+BUILT_IN = ("won", "ticks", "distance", "size")
 """Measures of every run."""
 
 Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]

@@ -33,7 +33,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     won: bool
     outcome: str
     ticks: int | None
-    rules: int | None
+    size: int | None
     distance: float
     wins: int
     starts: int
@@ -118,7 +118,7 @@ def _level(
         won,
         outcome,
         first.ticks if first and won else None,
-        first.rules or None if first else None,
+        first.size or None if first else None,
         first.distance if first else 0.0,
         wins,
         manifest.starts,
@@ -135,8 +135,8 @@ def _share(assignment: Assignment, name: str, first: Result, robust: float) -> f
     reached = split.won * won + split.starts * robust
     if won and reference is not None:
         reached += split.ticks * min(1, reference.ticks / first.ticks)
-        reached += split.rules * min(1, reference.rules / max(first.rules, 1))
-    return reached / (split.won + split.starts + split.ticks + split.rules)
+        reached += split.size * min(1, reference.size / max(first.size, 1))
+    return reached / (split.won + split.starts + split.ticks + split.size)
 
 
 def _round(points: float) -> float:
@@ -161,7 +161,7 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
     for grade, name in zip(grades, names, strict=True):
         data = {**msgspec.to_builtins(grade), "title": manifest.title}
         for level in data["levels"]:
-            for key in {"won", "ticks", "rules", "distance"} - set(show):
+            for key in {"won", "ticks", "size", "distance"} - set(show):
                 del level[key]
             if "won" not in show:
                 del level["outcome"]
@@ -238,8 +238,8 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
         said.append(f"From the given start: {level.outcome}.")
     if "ticks" in show and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
-    if "rules" in show and level.rules is not None:
-        said.append(f"{count_of(level.rules, 'rule')}.")
+    if "size" in show and level.size is not None:
+        said.append(f"{count_of(level.size, 'symbol')}.")
     if "distance" in show and level.distance:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):

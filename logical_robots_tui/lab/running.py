@@ -20,7 +20,7 @@ import msgspec
 from logical_robots_tui.game.frame import Frame, standing
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
-from logical_robots_tui.game.victory import count_rules
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import (
     Diagnostic,
     Limits,
@@ -97,7 +97,7 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     outcome: Outcome
     ticks: int = 0
     distance: float = 0.0
-    rules: int = 0
+    size: int = 0
     notices: dict[str, int] = {}
     first: tuple[int, str, str] | None = None
     series: dict[str, Series] = {}
@@ -183,7 +183,7 @@ class _Prepared:
         self.questions: dict[Asked, Question] = {}
         try:
             self.program = Program.compile(task.programs)
-            self.rules = sum(map(count_rules, task.programs.values()))
+            self.size = sum(map(size_of, task.programs.values()))
             for asked in task.asked:
                 self.questions[asked] = self.program.question(asked.query)
         except ProgramError as error:
@@ -219,7 +219,7 @@ class _Prepared:
             "won" if played.won_at is not None else watcher.ended or lasts,
             played.ticks,
             played.distance,
-            self.rules,
+            self.size,
             dict(watcher.notices),
             watcher.first,
             {asked.name: watcher.series(asked) for asked in self.questions},

@@ -101,6 +101,28 @@ def statements(source: Prepared) -> Iterator[tuple[int, int]]:
         start = end + 1
 
 
+_SYMBOL = re.compile(
+    r"(?P<space>\s+|:[-=]|[(){}\[\],;:.`]|\bthen\b|\belse\b)"
+    r'|"{3}.*?"{3}|"[^"]*"|[0-9]+(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?|\w+|[^\w\s"(){}\[\],;:.`]+',
+    re.DOTALL,
+)
+
+
+def size_of(text: str) -> int:
+    """Return the size of a program: how many names, literals and operators it has.
+
+    These are the leaves and operators of its tree. Brackets and other punctuation, comments and
+    annotations don't count, ``if then else`` is one operator.
+    """
+    source = prepare(text)
+    return sum(
+        found.lastgroup is None
+        for start, end in statements(source)
+        if source.text[start] != "@"
+        for found in _SYMBOL.finditer(source.text, start, end)
+    )
+
+
 def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]:
     """Return a place with the other halves of its brackets, which the package takes off."""
     depth = lowest = 0

@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, TypeVar
 
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.records import texts_of
 
@@ -25,12 +26,13 @@ State: TypeAlias = Literal["new", "in work", "won"]
 class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins` and `goals`.
 
+    `size` is the number of symbols of the program, as `language.source_text.size_of` counts them;
     `distance` is map units of all robots together; `wins` of `starts` shifted starts is None if
     not tried.
     """
 
     ticks: int
-    rules: int
+    size: int
     distance: float
     wins: int | None = None
     starts: int = 0
@@ -41,7 +43,7 @@ class Bests(NamedTuple):
     """The best of each measure, possibly of different programs; None if not measured yet."""
 
     ticks: int | None = None
-    rules: int | None = None
+    size: int | None = None
     distance: float | None = None
     wins: int | None = None
     starts: int = 0
@@ -123,6 +125,11 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         """,
     ),
     (
+        # rules, which was a measure until then, keeps what it has.
+        "ALTER TABLE version ADD COLUMN size INTEGER",
+        "UPDATE version SET size = size_of(text) WHERE ticks NOT NULL",
+    ),
+    (
         # question: as the level asks it. query: the player's last right answer.
         """
         CREATE TABLE answer (
@@ -159,6 +166,7 @@ def prepare(
         return
     from hashlib import sha256  # takes time that the first picture needs
 
+    connection.create_function("size_of", 1, size_of)
     connection.create_function("first_program", 1, lambda text: next(iter(texts_of(text).values())))
     connection.create_function("sha256", 1, lambda text: sha256(text.encode()).hexdigest())
     with connection:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
@@ -143,15 +144,21 @@ class Score:
     points: float = 1.0
 
 
-_GoalKind: TypeAlias = Literal["tick", "rule", "unit", "blocked", "memory"]
+_GoalKind: TypeAlias = Literal["tick", "symbol", "unit", "blocked", "starts", "mirrored"]
+_IN_WORDS: Mapping[_GoalKind, str] = {
+    "blocked": "never blocked",
+    "starts": "won from all 20 starts",
+    "mirrored": "won in the mirrored labyrinth",
+}
 
 
 class SecondGoal(NamedTuple):
-    """What a player may achieve besides winning, as a limit to something that is measured.
+    """What a player may achieve besides winning.
 
     Attributes:
-        kind: What is limited: ticks, rules, the units driven, in how many ticks a robot was
-            blocked, or how often the program mentions ``Memory``.
+        kind: What is limited: ticks, the program's size, the units driven, or in how many ticks a
+            robot was blocked; or from where the same program has to win as well: from all shifted
+            ``starts``, or in the ``mirrored`` labyrinth.
         most: The limit.
     """
 
@@ -161,10 +168,8 @@ class SecondGoal(NamedTuple):
     @property
     def words(self) -> str:
         """The goal as a level file says it."""
-        if self.kind == "blocked":
-            return "never blocked"
-        if self.kind == "memory":
-            return "without memory"
+        if self.kind in _IN_WORDS:
+            return _IN_WORDS[self.kind]
         return f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
 
     @classmethod

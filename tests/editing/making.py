@@ -109,7 +109,7 @@ _VALUES: dict[Kind, dict[str, st.SearchStrategy[Any]]] = {
 }
 _ALL = {"name": NAMES, "x": PLACES, "y": PLACES}
 GOALS = st.sampled_from(
-    [SecondGoal("rule", 1), SecondGoal("tick", 900), SecondGoal("unit", 7), SecondGoal("blocked")]
+    [SecondGoal("symbol", 1), SecondGoal("tick", 900), SecondGoal("unit", 7), SecondGoal("blocked")]
 )
 QUESTIONS = st.builds(
     LevelQuestion,

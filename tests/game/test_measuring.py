@@ -1,4 +1,4 @@
-"""Ticks, rules, distance and robustness: what is measured of a program that wins."""
+"""Ticks, size, distance and robustness: what is measured of a program that wins."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from benchmarks.reference import measure_reference
-from logical_robots_tui import Game, Program, list_levels, load_level
+from logical_robots_tui import Desire, Game, Program, World, list_levels, load_level
 from logical_robots_tui.game import (
-    count_rules,
     level_key,
     load_program,
     measuring,
@@ -22,6 +24,7 @@ from logical_robots_tui.game import (
 from logical_robots_tui.game.measuring import (
     Trial,
     measure,
+    mirrored,
     patience_for,
     play_through,
     shift_start,
@@ -29,6 +32,7 @@ from logical_robots_tui.game.measuring import (
 )
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from tests.short import AHEAD
@@ -57,20 +61,42 @@ def level(tmp_path: Path) -> Level:
 
 
 @pytest.mark.parametrize(
-    ("text", "rules"),
+    ("text", "size"),
     [
-        (AHEAD, 1),
-        ("# A(x) :- B(x);\n" + AHEAD, 1),
-        ('@Visible(Memory, "all");\n' + AHEAD, 1),
-        ("A(1);\nA(2);\n/* A(3); */\n" + AHEAD, 3),
-        ('A("a; b; c");\n' + AHEAD, 2),
-        ("F := G(A: B);\n" + AHEAD, 2),
-        (AHEAD.rstrip().removesuffix(";"), 1),
         ("", 0),
+        ("A(1);", 2),
+        ("A ( 1 ) ;  # A(x) :- B(x);", 2),
+        ("/* A(3); */ A(1)", 2),
+        ('@Visible(Memory, "all"); A(1);', 2),
+        ('A("a; b, c");', 2),
+        ("A(1.5e3);", 2),
+        ("F := G(A: B);", 4),
+        ("A(x:, y: z) :- B(x:, y: z.w);", 9),
+        ("A(x) = (if x >= 1 then -x else x + 2);", 12),
+        ("A(x) distinct :- x in [1, 2], ~B(x), C{z :- D(z)} == !d || true;", 19),
+        ("`a b`(x);", 3),
     ],
 )
-def test_every_statement_is_a_rule_but_for_comments_and_annotations(text: str, rules: int) -> None:
-    assert count_rules(text) == rules
+def test_the_size_is_the_number_of_names_literals_and_operators(text: str, size: int) -> None:
+    assert size_of(text) == size
+
+
+@given(st.lists(st.sampled_from([*"(){};:,=!x", "Robot", "1.5", '"on my way"', ":-"]), max_size=30))
+def test_layout_and_comments_have_no_size(words: list[str]) -> None:
+    assert size_of(" ".join(words)) == size_of("  # a remark\n".join(words)) <= len(words)
+
+
+def test_a_mirrored_level_is_played_as_the_other_way_round(level: Level) -> None:
+    twice = mirrored(mirrored(level))
+    assert np.array_equal(twice.walls, level.walls)
+    assert (twice.beacons, twice.areas) == (level.beacons, level.areas)
+    one, other = World(level), World(mirrored(level))
+    for _ in range(50):
+        one.act({robot.name: Desire(0.7, 0.4) for robot in level.robots})
+        other.act({robot.name: Desire(0.4, 0.7) for robot in level.robots})
+    for mine, theirs in zip(one.robots, other.robots, strict=True):
+        assert theirs.x == pytest.approx(level.width - mine.x)
+        assert theirs.y == pytest.approx(mine.y)
 
 
 async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back(
@@ -136,17 +162,17 @@ async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level
     found = await measure(level, program, None, told.append)
     played = play_through(level, program, 1000)
     assert found is not None
-    assert (found.ticks, found.rules, found.starts) == (played.won_at, 1, 20)
+    assert (found.ticks, found.size, found.starts) == (played.won_at, size_of(AHEAD), 20)
     assert found.distance == played.distance
     assert told[-1] == Trial(20, found.wins or 0, 20)
     assert [trial.tried for trial in told] == list(range(1, 21))
 
 
 async def test_what_is_known_of_the_given_start_is_not_played_again(level: Level) -> None:
-    known = Measures(ticks=55, rules=7, distance=1.0)
+    known = Measures(ticks=55, size=7, distance=1.0)
     found = await measure(level, Program.compile(AHEAD), known)
     assert found is not None
-    assert (found.ticks, found.rules, found.distance, found.starts) == (55, 7, 1.0, 20)
+    assert (found.ticks, found.size, found.distance, found.starts) == (55, 7, 1.0, 20)
 
 
 def test_a_program_that_does_not_win_from_the_start_has_no_measures(
@@ -200,7 +226,7 @@ def test_there_are_references_for_each_level_that_has_a_solution() -> None:
     assert {name: list(table) for name, table in reference_table().items()} == solved
     for table in reference_table().values():
         for program, measures in table.items():
-            assert measures.rules == count_rules(load_program(program).text)
+            assert measures.size == size_of(load_program(program).text)
             assert 0 < measures.ticks <= 20_000
 
 

@@ -45,7 +45,7 @@ THOUGHTS_FOR_A_STARTER = 1_500
 THOUGHTS_TO_THE_END = 600_000  # of a swarm; the others end at the most ticks that a level may take
 THOUGHTS_OF_A_SOLUTION = 60_000  # as many as one waits for
 
-RECORDS = {"fastest": "ticks", "shortest": "rules", "careful": "distance"}
+RECORDS = {"fastest": "ticks", "shortest": "size", "careful": "distance"}
 SIGHT = ("own", "seen", "all")
 
 each_reference = pytest.mark.parametrize(("name", "program"), reference_cases())

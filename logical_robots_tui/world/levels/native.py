@@ -246,8 +246,8 @@ def _second_goals(top: Fields) -> Iterator[SecondGoal]:
             raise top.error(
                 f"second_goals[{i}]",
                 f'"{words}" is not a second goal.',
-                'Write "at most N ticks", "at most N rules", "at most N units", "never blocked" or '
-                '"without memory".',
+                'Write "at most N ticks", "at most N symbols", "at most N units", "never blocked", '
+                '"won from all 20 starts" or "won in the mirrored labyrinth".',
             )
         yield goal
 
