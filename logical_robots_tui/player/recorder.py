@@ -122,6 +122,11 @@ class ProgressRecorder(SessionListener):
         key, self.record = self._key, self.record._replace(hints=hints)
         self._write(lambda progress: progress.reveal(key, hints))
 
+    def answer(self, question: str, query: str) -> None:
+        key, answers = self._key, dict(self.record.answers) | {question: query}
+        self.record = self.record._replace(answers=tuple(sorted(answers.items())))
+        self._write(lambda progress: progress.answer(key, question, query))
+
     def keep(self, *texts: str) -> None:
         key = self._key
 

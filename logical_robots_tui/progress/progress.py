@@ -31,6 +31,8 @@ ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1
 
 _GOALS = "SELECT DISTINCT goals FROM version WHERE level = ? AND goals <> ''"
 
+_ANSWERS = "SELECT question, query FROM answer WHERE level = ? ORDER BY question"
+
 _KEEP = """
 INSERT INTO version (level, digest, text, turn, kept)
 VALUES (?1, ?2, ?3, (SELECT coalesce(max(turn), 0) + 1 FROM version), ?4)
@@ -73,7 +75,8 @@ class Progress(Store):
             }
             bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached)))
             state: State = "won" if won else "in work" if begun else "new"
-            return LevelRecord(state, hints or 0, bests, versions)
+            answers = connection.execute(_ANSWERS, (level,)).fetchall()
+            return LevelRecord(state, hints or 0, bests, versions, tuple(answers))
 
         return self.read(look)
 
@@ -87,6 +90,10 @@ class Progress(Store):
     def reveal(self, level: str, hints: int) -> None:
         """Record the number of revealed hints of a level; they are never hidden again."""
         self._note(_reveal, level, hints)
+
+    def answer(self, level: str, question: str, query: str) -> None:
+        """Record the query that answers a question of a level."""
+        self._note(_answer, level, question, query)
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
         """Record that a program has won a level; unknown measures stay unchanged."""
@@ -153,6 +160,13 @@ def _begin(connection: sqlite3.Connection, level: str) -> None:
 def _reveal(connection: sqlite3.Connection, level: str, hints: int) -> None:
     connection.execute("INSERT OR IGNORE INTO level (name) VALUES (?)", (level,))
     connection.execute("UPDATE level SET hints = max(hints, ?) WHERE name = ?", (hints, level))
+
+
+def _answer(connection: sqlite3.Connection, level: str, question: str, query: str) -> None:
+    connection.execute(
+        "INSERT OR REPLACE INTO answer VALUES (?, ?, ?)",
+        (level, _storable(question), _storable(query)),
+    )
 
 
 def _win(connection: sqlite3.Connection, level: str, text: str, found: Measures | None) -> None:

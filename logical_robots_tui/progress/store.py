@@ -51,10 +51,13 @@ class Bests(NamedTuple):
 
 
 class LevelRecord(NamedTuple):
+    """What is known of a level; `answers` are questions and the queries that answer them."""
+
     state: State = "new"
     hints: int = 0
     bests: Bests = Bests()
     versions: int = 0
+    answers: tuple[tuple[str, str], ...] = ()
 
 
 class Version(NamedTuple):
@@ -125,6 +128,17 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         # rules, which was a measure until then, keeps what it has.
         "ALTER TABLE version ADD COLUMN size INTEGER",
         "UPDATE version SET size = size_of(text) WHERE ticks NOT NULL",
+    ),
+    (
+        # question: as the level asks it. query: the player's last right answer.
+        """
+        CREATE TABLE answer (
+            level TEXT NOT NULL,
+            question TEXT NOT NULL,
+            query TEXT NOT NULL,
+            PRIMARY KEY (level, question)
+        )
+        """,
     ),
 )
 

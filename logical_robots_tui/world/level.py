@@ -181,6 +181,22 @@ class SecondGoal(NamedTuple):
         return next((goal for goal in goals if goal.words == words), None)
 
 
+class LevelQuestion(NamedTuple):
+    """A question to answer with one query, as somebody who sees the rows of all robots.
+
+    Attributes:
+        ask: What is asked, plain text.
+        answer: A query with the rows that are wanted.
+        ticks: At least one, ascending; an answer must be right at each of them.
+        program: Name of the program that runs until then, or "" for the starter.
+    """
+
+    ask: str
+    answer: str
+    ticks: tuple[int, ...]
+    program: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Level:
     """An immutable description of a labyrinth, its inhabitants and its teaching text.
@@ -199,6 +215,7 @@ class Level:
         briefing: The task, plain text with line breaks, or "".
         hints: Hints to reveal one at a time.
         lesson: What it teaches, in Markdown, or "".
+        questions: What to find out with queries, beside the lesson.
         further: What to try after winning, or "".
         story: What these robots are for, told after a victory, plain text, or "".
         starter: Name of the program to start with, or "".
@@ -226,6 +243,7 @@ class Level:
     briefing: str = ""
     hints: tuple[str, ...] = ()
     lesson: str = ""
+    questions: tuple[LevelQuestion, ...] = ()
     further: str = ""
     story: str = ""
     starter: str = ""

@@ -71,6 +71,20 @@ def test_everything_is_there_in_the_next_session(file: Path) -> None:
     assert second.fact("tour") == "seen"
 
 
+def test_the_last_answer_to_a_question_is_kept(file: Path) -> None:
+    first = opened(file)
+    first.answer("one", "Who?", "Robot")
+    first.answer("one", "How far?", "sensor.forward_distance")
+    first.answer("one", "Who?", "Here(1);")
+    first.answer("two", "Who?", "\ud800")
+    first.close()
+    second = opened(file)
+    assert second.record("one") == NEW._replace(
+        answers=(("How far?", "sensor.forward_distance"), ("Who?", "Here(1);"))
+    )
+    assert second.record("two").answers == (("Who?", "?"),)
+
+
 def test_hints_once_revealed_stay_revealed(file: Path) -> None:
     progress = opened(file)
     progress.reveal("one", 3)
