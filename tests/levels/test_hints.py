@@ -175,7 +175,7 @@ def ruby_sees_home() -> bool:
 
 def ships_choose_any_light() -> bool:
     before, after = (chosen(m, "Course") for m in at("05-lighthouse", [400, 800], "Course"))
-    return set(before.values()) == {"White", "Blue"} and set(after.values()) == {"Wreck"}
+    return before["Otter"] == "White" and after == {"Otter": "Blue", "Heron": "Wreck"}
 
 
 def hansel_turns_back_to_oat() -> bool:
@@ -235,7 +235,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     ("02-open-space", 2, ("rays", "tick 150", "stuck"), the_long_rays_are_on_the_right),
     ("03-the-long-hall", 1, ("first door", "tick 60"), the_door_is_far_on_the_right),
     ("04-everybody-home", 1, ("Ruby", "tick 750"), ruby_sees_home),
-    ("05-lighthouse", 1, ("Course", "tick 400", "tick 800"), ships_choose_any_light),
+    ("05-lighthouse", 1, ("Course", "tick 400", "tick 800", "Otter turn back"), ships_choose_any_light),
     ("06-breadcrumbs", 1, ("Hansel", "Last", "Next", "tick 780"), hansel_turns_back_to_oat),
     ("07-station-management", 1, ("Fay", "PostInSight", "tick 950"), fay_has_no_post_in_sight),
     ("08-formation", 1, ("Memory", "tick 504", "tick 520"), amber_and_teal_have_met),
