@@ -50,7 +50,6 @@ WINS_TODAY = {
     ("03-the-long-hall", "left-ray"): 20,
     ("03-the-long-hall", "mean-hand"): 20,
     ("03-the-long-hall", "right-ray"): 20,
-    ("06-breadcrumbs", "breadcrumbs-shortest"): 2,
     ("07-station-management", "if"): 20,
     ("07-station-management", "join"): 20,
     ("08-formation", "after-amber"): 2,
