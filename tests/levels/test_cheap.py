@@ -43,7 +43,9 @@ HAVE_THE_IDEA = {
 WINS_TODAY = {
     ("02-open-space", "longest-of-three"): 20,
     ("02-open-space", "one-ray"): 20,
+    ("02-open-space", "one-ray-left"): 3,
     ("02-open-space", "two-rays"): 20,
+    ("02-open-space", "two-rays-apart"): 20,
     ("02-open-space", "two-slanting-rays"): 20,
     ("03-the-long-hall", "drift-left"): 20,
     ("03-the-long-hall", "drift-right"): 20,
