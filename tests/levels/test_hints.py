@@ -184,18 +184,23 @@ def hansel_turns_back_to_oat() -> bool:
     return last["Hansel"] == "wheat" and chosen(moment, "Next")["Hansel"] == "oat"
 
 
-def fay_has_no_post_in_sight() -> bool:
-    (moment,) = at("07-station-management", [950], "Post", "PostInSight")
-    sees = any(ray["label"] == "Fire station" for ray in moment.radar("Fay"))
-    posts = {row[-1] for row in moment.tables["Post"].rows}
-    return sees and posts == {"Mine"} and "Fay" not in chosen(moment, "PostInSight")
+def fay_goes_round_a_pillar() -> bool:
+    found = at("07-station-management", [300, 800], "Post", "PostInSight")
+    sees = any(ray["object"] == "beacon" for moment in found for ray in moment.radar("Fay"))
+    posts = {row[-1] for row in found[0].tables["Post"].rows}
+    fays = [robot for moment in found for robot in moment.state.robots if robot.name == "Fay"]
+    near = all(dist((robot.x, robot.y), (145, 300)) < 90 for robot in fays)
+    return near and not sees and posts == {"Mine"}
 
 
-def amber_and_teal_have_met() -> bool:
-    found = at("08-formation", [503, 504, 520])
-    sees = ["Teal" in {ray["label"] for ray in moment.radar("Amber")} for moment in found]
+def amber_and_indigo_have_met() -> bool:
+    found = at("08-formation", [372, 376, 400])
+    sees = ["Indigo" in {ray["label"] for ray in moment.radar("Amber")} for moment in found]
     leaders = {name: memory["leader"] for name, memory in found[-1].memories.items()}
-    return sees == [False, True, True] and (leaders["Amber"], leaders["Teal"]) == ("Amber", "Teal")
+    return sees == [False, True, True] and (leaders["Amber"], leaders["Indigo"]) == (
+        "Amber",
+        "Indigo",
+    )
 
 
 def ada_circles_the_torch() -> bool:
@@ -242,8 +247,13 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
         ships_choose_any_light,
     ),
     ("06-breadcrumbs", 1, ("Hansel", "Last", "Next", "tick 780"), hansel_turns_back_to_oat),
-    ("07-station-management", 1, ("Fay", "PostInSight", "tick 950"), fay_has_no_post_in_sight),
-    ("08-formation", 1, ("Memory", "tick 504", "tick 520"), amber_and_teal_have_met),
+    (
+        "07-station-management",
+        1,
+        ("Fay", "pillar", "tick 300", "tick 800"),
+        fay_goes_round_a_pillar,
+    ),
+    ("08-formation", 1, ("Memory", "tick 376", "tick 400"), amber_and_indigo_have_met),
     ("09-the-gate", 1, ("Memory", "circles", "tick 500"), ada_circles_the_torch),
     ("10-distributed-mapping", 1, ("Beryl", "tick 100"), beryl_sees_several_beacons),
     ("11-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),

@@ -206,7 +206,7 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "05-lighthouse": [(("0.9 - angle", "1 - angle"), ("0.9 + angle", "1 + angle"))],
     "06-breadcrumbs": [FASTER],
     "07-station-management": [FASTER],
-    "08-formation": [(("Steer(0.6,", "Steer(0.8,"),)],
+    "08-formation": [(("else 0.6)", "else 0.8)"),)],
     "09-the-gate": [FASTER, (("80 else", "40 else"),)],
     "10-distributed-mapping": [
         (("{left_engine: 0.8, right_engine: -0.8}", "{left_engine: -0.8, right_engine: 0.8}"),)
