@@ -25,12 +25,12 @@ State: TypeAlias = Literal["new", "in work", "won"]
 class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins` and `goals`.
 
-    `distance` is map units of all robots together; `wins` of `starts` shifted starts is None if
-    not tried.
+    `size` is the symbols of the program, `distance` map units of all robots together; `wins` of
+    `starts` shifted starts is None if not tried.
     """
 
     ticks: int
-    rules: int
+    size: int
     distance: float
     wins: int | None = None
     starts: int = 0
@@ -38,14 +38,18 @@ class Measures(NamedTuple):
 
 
 class Bests(NamedTuple):
-    """The best of each measure, possibly of different programs; None if not measured yet."""
+    """The best of each measure, possibly of different programs; None if not measured yet.
+
+    `rules` is what earlier versions counted instead of `size`.
+    """
 
     ticks: int | None = None
-    rules: int | None = None
+    size: int | None = None
     distance: float | None = None
     wins: int | None = None
     starts: int = 0
     goals: tuple[str, ...] = ()
+    rules: int | None = None
 
 
 class LevelRecord(NamedTuple):
@@ -119,6 +123,11 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         WHERE text LIKE '# teams: %'
         """,
     ),
+    (
+        # size: symbols of the program, once it has measures. Its rules are no longer counted.
+        "ALTER TABLE version ADD COLUMN size INTEGER",
+        "UPDATE version SET size = size_of(text) WHERE ticks NOT NULL",
+    ),
 )
 
 _TABLES = {"level", "version", "fact"}
@@ -145,7 +154,10 @@ def prepare(
         return
     from hashlib import sha256  # takes time that the first picture needs
 
+    from logical_robots_tui.language.source_text import size_of
+
     connection.create_function("first_program", 1, lambda text: next(iter(texts_of(text).values())))
+    connection.create_function("size_of", 1, size_of)
     connection.create_function("sha256", 1, lambda text: sha256(text.encode()).hexdigest())
     with connection:
         connection.execute("BEGIN IMMEDIATE")

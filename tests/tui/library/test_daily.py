@@ -58,7 +58,7 @@ async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: P
     [
         (
             Measures(1258, 2, 971.4),
-            "Logical Robots · First steps · 1,258 ticks · 2 rules · 971 units driven",
+            "Logical Robots · First steps · 1,258 ticks · 35 symbols · 971 units driven",
         ),
         (
             Measures(31, 1, 15.5, 19, 20),
