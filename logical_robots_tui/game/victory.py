@@ -164,7 +164,7 @@ def result_line(level: Level, measures: Measures) -> str:
 def brief(bests: Bests | Measures, width: int = 100) -> str:
     if bests.ticks is None or bests.size is None or bests.distance is None:
         return ""
-    parts = [count_of(bests.ticks, "tick"), count_of(bests.size, "symbol")]
+    parts = [count_of(bests.ticks, "tick"), f"size {bests.size}"]
     parts.append(f"{bests.distance:.0f} driven")
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")
