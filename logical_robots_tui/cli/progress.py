@@ -18,6 +18,7 @@ from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 
@@ -25,7 +26,7 @@ FORMAT = 1
 """The version of the exported document."""
 
 CONFIRMED, NOT_CONFIRMED = 0, 1
-CELLS = ("state", "hints", "ticks", "size", "distance", "wins", "starts", "goals")
+CELLS = ("state", "hints", "ticks", "size", "distance", "wins", "starts", "goals", "rules")
 
 
 @command.declare(
@@ -70,7 +71,8 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
         table = csv.writer(sys.stdout, lineterminator="\n")
         table.writerow(["level", *CELLS])
         for level, record in records.items():
-            cells = (record.state, record.hints, *record.bests[:-1], "; ".join(record.bests.goals))
+            bests = {**record.bests._asdict(), "goals": "; ".join(record.bests.goals)}
+            cells = (record.state, record.hints, *bests.values())
             table.writerow([level, *("" if cell is None else cell for cell in cells)])
     else:
         head = ("LEVEL", "STATE", "HINTS", "TICKS", "SIZE", "DISTANCE", "ROBUST", "GOALS")
@@ -121,11 +123,16 @@ _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 class _Victory(msgspec.Struct):
     program: str
     ticks: _Count
-    size: _Count
     distance: Annotated[float, msgspec.Meta(ge=0)]
+    size: _Count | None = None
     wins: _Count | None = None
     starts: _Count = 0
     goals: tuple[str, ...] = ()
+
+    def claim(self) -> Measures:
+        """Return the measures; the size is the program's where an earlier version counted rules."""
+        size = size_of(self.program) if self.size is None else self.size
+        return Measures(self.ticks, size, self.distance, self.wins, self.starts, self.goals)
 
 
 class _Level(msgspec.Struct):
@@ -161,9 +168,7 @@ def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
             place=f"{file}: format",
         )
     return (
-        (each.level, won.program, Measures(*(getattr(won, name) for name in Measures._fields)))
-        for each in export.levels
-        for won in each.victories
+        (each.level, won.program, won.claim()) for each in export.levels for won in each.victories
     )
 
 

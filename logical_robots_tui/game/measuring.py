@@ -10,20 +10,18 @@ import pickle
 import random
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 from logical_robots_tui.game.advancing import play_tick, start_frame
 from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.minds import mind_for
-from logical_robots_tui.game.victory import measures_of
+from logical_robots_tui.game.victory import measures_of, reached_goals
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.world import Area, Beacon, Level, Robot, World
-
-T = TypeVar("T", Robot, Beacon, Area)
+from logical_robots_tui.world import Level, World
+from logical_robots_tui.world.level import GoalKind
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -84,21 +82,17 @@ def shift_start(level: Level, seed: int) -> Level:
     return replace(level, robots=tuple(robots))
 
 
-def mirrored(level: Level) -> Level:
-    """Return a level with left and right exchanged."""
-
-    def moved(thing: T) -> T:
-        return replace(thing, x=level.width - thing.x)
-
+def mirror(level: Level) -> Level:
+    """Return the level mirrored left to right."""
     walls = level.walls[:, ::-1].copy()
     walls.flags.writeable = False
-    robots = (replace(moved(robot), angle=math.pi - robot.angle) for robot in level.robots)
+    width = level.width
     return replace(
         level,
         walls=walls,
-        robots=tuple(robots),
-        beacons=tuple(map(moved, level.beacons)),
-        areas=tuple(map(moved, level.areas)),
+        robots=tuple(replace(r, x=width - r.x, angle=math.pi - r.angle) for r in level.robots),
+        beacons=tuple(replace(beacon, x=width - beacon.x) for beacon in level.beacons),
+        areas=tuple(replace(area, x=width - area.x) for area in level.areas),
     )
 
 
@@ -270,21 +264,14 @@ def _measure(level: Level, program: Program, known: Measures | None) -> Measures
             return None
         known = measures_of(level, program, played.won_at, played.distance, played.is_blocked)
     patience = patience_for(known.ticks)
-    wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
-    goals = (*known.goals, *_reached_elsewhere(level, program, patience, wins))
-    return known._replace(wins=wins, starts=STARTS, goals=goals)
-
-
-def _reached_elsewhere(level: Level, program: Program, patience: int, wins: int) -> Iterator[str]:
-    for goal in level.second_goals:
-        if goal.kind == "starts":
-            is_reached = wins == STARTS
-        elif goal.kind == "mirrored":
-            is_reached = play_through(mirrored(level), program, patience).won_at is not None
-        else:
-            continue
-        if is_reached:
-            yield goal.words
+    if known.wins is None:
+        wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
+        known = known._replace(wins=wins, starts=STARTS)
+    found: dict[GoalKind, int] = {"starts": known.starts - (known.wins or 0)}
+    if any(goal.kind == "mirrored" for goal in level.second_goals):
+        found["mirrored"] = play_through(mirror(level), program, patience).won_at is None
+    goals = dict.fromkeys((*known.goals, *reached_goals(level, found)))
+    return known._replace(goals=tuple(goals))
 
 
 def _say(**what: object) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
@@ -13,7 +13,7 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.progress import Bests, Measures, Progress
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
-from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.level import GoalKind, SecondGoal, alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
@@ -117,13 +117,20 @@ def measures_of(
 ) -> Measures:
     """Return the measures of a victory; the distance is map units of all robots together."""
     size = size_of(program.text)
-    found = {"tick": ticks, "symbol": size, "unit": round(distance), "blocked": int(is_blocked)}
-    reached = (
-        goal.words
-        for goal in level.second_goals
-        if goal.kind in found and found[goal.kind] <= goal.most
-    )
-    return Measures(ticks, size, distance, goals=tuple(reached))
+    found: dict[GoalKind, int] = {
+        "tick": ticks,
+        "symbol": size,
+        "unit": round(distance),
+        "blocked": int(is_blocked),
+    }
+    return Measures(ticks, size, distance, goals=tuple(reached_goals(level, found)))
+
+
+def reached_goals(level: Level, found: Mapping[GoalKind, int]) -> Iterator[str]:
+    """Yield the second goals that are reached, as far as what they limit was found."""
+    for kind, most in level.second_goals:
+        if kind in found and found[kind] <= most:
+            yield SecondGoal(kind, most).words
 
 
 def is_reference(level: Level, text: str) -> bool:
@@ -157,7 +164,7 @@ def result_line(level: Level, measures: Measures) -> str:
 def brief(bests: Bests | Measures, width: int = 100) -> str:
     if bests.ticks is None or bests.size is None or bests.distance is None:
         return ""
-    parts = [count_of(bests.ticks, "tick"), count_of(bests.size, "symbol")]
+    parts = [count_of(bests.ticks, "tick"), f"size {bests.size}"]
     parts.append(f"{bests.distance:.0f} driven")
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")

@@ -99,6 +99,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
             "ticks": result.ticks if result.outcome == "won" else None,
             "distance": result.distance,
             "size": result.size or None,
+            "rules": result.rules or None,
         }
         first = result.first and "tick {}, {}: {}".format(*result.first)
         if result.outcome == "infrastructure" and result.first:

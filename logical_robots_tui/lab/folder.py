@@ -27,12 +27,12 @@ _UNREADABLE = (msgspec.MsgspecError, AttributeError, RecursionError, TypeError, 
 _NESTING = (b"[", b"{", b",")
 
 BUILT_IN = ("won", "ticks", "distance", "size")
-"""Measures of every run."""
+"""Measures of every run; folders of earlier versions also have ``rules``."""
 
 Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]
 Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]
 Starts: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
-Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(BUILT_IN)})$")]
+Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join((*BUILT_IN, 'rules'))})$")]
 Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
 
 

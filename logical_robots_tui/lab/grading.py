@@ -56,7 +56,7 @@ class Grade(msgspec.Struct, frozen=True):
 
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
-    assignment = msgspec.convert(manifest.assignment, Assignment)
+    assignment = _assignment_of(manifest)
     cells: dict[tuple[str, str], Cell] = {(c.student, c.level_name): c for c in manifest.cells}
     runs: dict[tuple[str, str], list[Done]] = defaultdict(list)
     for done in done_runs(manifest, ledger):
@@ -81,6 +81,16 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             )
         )
     return grades
+
+
+def _assignment_of(manifest: Manifest) -> Assignment:
+    """Return the assignment, with ``size`` where earlier versions counted rules."""
+    found = manifest.assignment
+    table, points = dict(found["assignment"]), dict(found["points"])
+    table["show"] = ["size" if each == "rules" else each for each in table["show"]]
+    if "rules" in points:
+        points["size"] = points.pop("rules")
+    return msgspec.convert({**found, "assignment": table, "points": points}, Assignment)
 
 
 def _level(
@@ -155,8 +165,9 @@ def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
 def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     """Write gradebook, feedback and exports; return what was written, or raise InputError."""
     grades = grades_of(manifest, ledger)
-    show = manifest.assignment["assignment"]["show"]
-    kept = manifest.assignment["late"]["keep"]
+    assignment = _assignment_of(manifest)
+    show: list[str] = [*assignment.assignment.show]
+    kept = assignment.late.keep
     names = _file_names([grade.student.id for grade in grades])
     for grade, name in zip(grades, names, strict=True):
         data = {**msgspec.to_builtins(grade), "title": manifest.title}

@@ -89,7 +89,8 @@ class Series(msgspec.Struct, frozen=True):
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     """The result of a run, determined by its inputs alone.
 
-    `distance` is map units of all robots together, `notices` the number of ticks with a notice
+    `distance` is map units of all robots together, `size` the symbols of the programs, `rules` what
+    earlier versions counted instead, `notices` the number of ticks with a notice
     of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
     because their programs failed.
     """
@@ -104,6 +105,7 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     mistakes: tuple[Diagnostic, ...] = ()
     points: dict[str, float] = {}
     forfeit: tuple[str, ...] = ()
+    rules: int = 0
 
 
 class Answer(msgspec.Struct, frozen=True):

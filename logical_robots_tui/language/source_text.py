@@ -25,6 +25,12 @@ _TOKEN = re.compile(
     r"|(?P<sign>[(){}\[\];])|[^#/\"'`(){}\[\];]+|.",
     re.DOTALL,
 )
+_SYMBOL = re.compile(
+    r"(?P<none>:-|\b(?:then|else|distinct)\b)"
+    r'|"{3}.*?"{3}|"[^"]*"|`[^`]*`|\d+\.\d+|is\s+not\b|\w+'
+    r"|[-:=!<>]=|[-=]>|&&|\|\||\+\+|[-+*/%^=<>!~|]",
+    re.DOTALL,
+)
 
 # What stands in a text for the parser, which knows no single quotes.
 _INNER_QUOTE = "\ue022"
@@ -101,25 +107,18 @@ def statements(source: Prepared) -> Iterator[tuple[int, int]]:
         start = end + 1
 
 
-_SYMBOL = re.compile(
-    r"(?P<space>\s+|:[-=]|[(){}\[\],;:.`]|\bthen\b|\belse\b)"
-    r'|"{3}.*?"{3}|"[^"]*"|[0-9]+(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?|\w+|[^\w\s"(){}\[\],;:.`]+',
-    re.DOTALL,
-)
-
-
 def size_of(text: str) -> int:
-    """Return the size of a program: how many names, literals and operators it has.
+    """Return the number of symbols of a program: its names, literals and operators.
 
-    These are the leaves and operators of its tree. Brackets and other punctuation, comments and
-    annotations don't count, ``if then else`` is one operator.
+    These are the leaves and operators of its tree, counted as tokens, which takes no parser.
+    Punctuation, ``:-``, ``then``, ``else``, ``distinct``, comments and annotations don't count.
     """
     source = prepare(text)
     return sum(
         found.lastgroup is None
-        for start, end in statements(source)
+        for start, stop in statements(source)
         if source.text[start] != "@"
-        for found in _SYMBOL.finditer(source.text, start, end)
+        for found in _SYMBOL.finditer(source.text, start, stop)
     )
 
 

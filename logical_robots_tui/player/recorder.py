@@ -192,7 +192,8 @@ class ProgressRecorder(SessionListener):
 
         text = program.text
         known = await self.ask(lambda progress: progress.measures(key, text))
-        if known is None or known.wins is None:
+        later = {goal.words for goal in level.second_goals if goal.is_tried_later}
+        if known is None or known.wins is None or not later.issubset(known.goals):
             mine = (text, Trial())
             self._trials[key] = mine
             self._changed()

@@ -19,8 +19,9 @@ SELECT
     max(begun IS NOT NULL), max(won IS NOT NULL), max(hints),
     (SELECT count(*) FROM version WHERE level = ?1),
     (SELECT min(ticks) FROM version WHERE level = ?1),
-    (SELECT min(size) FROM version WHERE level = ?1 AND ticks NOT NULL),
-    (SELECT min(distance) FROM version WHERE level = ?1)
+    (SELECT min(size) FROM version WHERE level = ?1),
+    (SELECT min(distance) FROM version WHERE level = ?1),
+    (SELECT min(rules) FROM version WHERE level = ?1)
 FROM level WHERE name = ?1
 """
 
@@ -66,14 +67,14 @@ class Progress(Store):
         level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:
-            begun, won, hints, versions, ticks, size, distance = connection.execute(
+            begun, won, hints, versions, ticks, size, distance, rules = connection.execute(
                 _RECORD, (level,)
             ).fetchone()
             wins, starts = connection.execute(_MOST_WINS, (level,)).fetchone() or (None, 0)
             reached = {
                 goal for (goals,) in connection.execute(_GOALS, (level,)) for goal in _split(goals)
             }
-            bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached)))
+            bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached)), rules)
             state: State = "won" if won else "in work" if begun else "new"
             answers = connection.execute(_ANSWERS, (level,)).fetchall()
             return LevelRecord(state, hints or 0, bests, versions, tuple(answers))
@@ -189,6 +190,10 @@ def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
 
 
 def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measures) -> None:
+    key = level, _digest(text)
+    (kept,) = connection.execute(
+        "SELECT goals FROM version WHERE level = ? AND digest = ?", key
+    ).fetchone()
     connection.execute(
         "UPDATE version SET ticks = ?, size = ?, distance = ?, goals = ?, "
         "wins = coalesce(?, wins), starts = CASE WHEN ? THEN ? ELSE starts END "
@@ -197,12 +202,11 @@ def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measu
             found.ticks,
             found.size,
             found.distance,
-            "\n".join(found.goals),
+            "\n".join(dict.fromkeys((*_split(kept), *found.goals))),
             found.wins,
             found.wins is not None,
             found.starts,
-            level,
-            _digest(text),
+            *key,
         ),
     )
 

@@ -26,9 +26,8 @@ State: TypeAlias = Literal["new", "in work", "won"]
 class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins` and `goals`.
 
-    `size` is the number of symbols of the program, as `language.source_text.size_of` counts them;
-    `distance` is map units of all robots together; `wins` of `starts` shifted starts is None if
-    not tried.
+    `size` is the symbols of the program, `distance` map units of all robots together; `wins` of
+    `starts` shifted starts is None if not tried.
     """
 
     ticks: int
@@ -40,7 +39,10 @@ class Measures(NamedTuple):
 
 
 class Bests(NamedTuple):
-    """The best of each measure, possibly of different programs; None if not measured yet."""
+    """The best of each measure, possibly of different programs; None if not measured yet.
+
+    `rules` is what earlier versions counted instead of `size`.
+    """
 
     ticks: int | None = None
     size: int | None = None
@@ -48,6 +50,7 @@ class Bests(NamedTuple):
     wins: int | None = None
     starts: int = 0
     goals: tuple[str, ...] = ()
+    rules: int | None = None
 
 
 class LevelRecord(NamedTuple):
@@ -125,7 +128,7 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         """,
     ),
     (
-        # rules, which was a measure until then, keeps what it has.
+        # size: symbols of the program, once it has measures. Its rules are no longer counted.
         "ALTER TABLE version ADD COLUMN size INTEGER",
         "UPDATE version SET size = size_of(text) WHERE ticks NOT NULL",
     ),
@@ -166,8 +169,8 @@ def prepare(
         return
     from hashlib import sha256  # takes time that the first picture needs
 
-    connection.create_function("size_of", 1, size_of)
     connection.create_function("first_program", 1, lambda text: next(iter(texts_of(text).values())))
+    connection.create_function("size_of", 1, size_of)
     connection.create_function("sha256", 1, lambda text: sha256(text.encode()).hexdigest())
     with connection:
         connection.execute("BEGIN IMMEDIATE")

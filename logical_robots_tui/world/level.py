@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
@@ -144,41 +143,49 @@ class Score:
     points: float = 1.0
 
 
-_GoalKind: TypeAlias = Literal["tick", "symbol", "unit", "blocked", "starts", "mirrored"]
-_IN_WORDS: Mapping[_GoalKind, str] = {
+GoalKind: TypeAlias = Literal["tick", "symbol", "unit", "blocked", "starts", "mirrored"]
+_WORDS: dict[GoalKind, str] = {
     "blocked": "never blocked",
-    "starts": "won from all 20 starts",
-    "mirrored": "won in the mirrored labyrinth",
+    "starts": "wins from all 20 starts",
+    "mirrored": "wins in the mirrored labyrinth",
 }
+_FORMER = re.compile("without memory|at most [0-9]{1,9} rules?")
 
 
 class SecondGoal(NamedTuple):
     """What a player may achieve besides winning.
 
     Attributes:
-        kind: What is limited: ticks, the program's size, the units driven, or in how many ticks a
-            robot was blocked; or from where the same program has to win as well: from all shifted
-            ``starts``, or in the ``mirrored`` labyrinth.
+        kind: What is limited: ticks, the program's symbols, the units driven, in how many ticks a
+            robot was blocked, how many shifted starts are lost, or whether the mirrored level is.
         most: The limit.
     """
 
-    kind: _GoalKind
+    kind: GoalKind
     most: int = 0
 
     @property
     def words(self) -> str:
         """The goal as a level file says it."""
-        if self.kind in _IN_WORDS:
-            return _IN_WORDS[self.kind]
-        return f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
+        return _WORDS.get(self.kind) or f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
+
+    @property
+    def is_tried_later(self) -> bool:
+        """Whether a victory does not show it, but only further runs of the program."""
+        return self.kind in ("starts", "mirrored")
 
     @classmethod
     def of(cls, words: str) -> SecondGoal | None:
         """Return the goal that a level file says, or None."""
-        number = re.search("[0-9]{1,9}", words)
-        most = int(number[0]) if number else 0
-        goals = (cls(kind, most) for kind in get_args(_GoalKind))
+        number = re.fullmatch("at most ([0-9]{1,9}) [a-z]+", words)
+        most = int(number[1]) if number else 0
+        goals = (cls(kind, most) for kind in get_args(GoalKind))
         return next((goal for goal in goals if goal.words == words), None)
+
+    @staticmethod
+    def was_one(words: str) -> bool:
+        """Return whether these words were a second goal in level files of earlier versions."""
+        return _FORMER.fullmatch(words) is not None
 
 
 class LevelQuestion(NamedTuple):

@@ -84,7 +84,9 @@ def test_an_export_holds_the_programs_of_the_best_results(
     command: Command, folder: Path, won: tuple[str, Measures]
 ) -> None:
     first = exported(command, folder)["levels"][0]
-    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)}
+    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)} | {
+        "rules": None
+    }
     assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
 
 

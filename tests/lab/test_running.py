@@ -9,7 +9,6 @@ import pytest
 
 from logical_robots_tui.game.measuring import play_through, start_of
 from logical_robots_tui.lab.running import Asked, Result, Task, execute, fingerprint
-from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import load_level
@@ -42,7 +41,7 @@ def test_a_run_is_the_game_played_through() -> None:
         result = msgspec.json.decode(text, type=Result)
         assert (result.outcome, result.ticks) == ("won", played.won_at)
         assert result.distance == played.distance
-        assert result.size == size_of(FIRST_STEPS)
+        assert result.size == 38
     assert [start for start, _, _ in answer.results] == [0, 2]
 
 

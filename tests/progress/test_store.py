@@ -232,6 +232,7 @@ def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
     record = progress.record("01-first-steps")
     assert (record.state, record.hints, record.versions) == ("won", 2, 2)
     assert (record.bests.ticks, record.bests.size, record.bests.wins) == (1255, 2, 19)
+    assert record.bests.rules == 1
     assert record.bests.goals == ()
     assert progress.record("02-open-space").state == "in work"
     assert progress.newest("01-first-steps") == "Robot(later);"

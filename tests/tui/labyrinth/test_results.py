@@ -18,7 +18,7 @@ from tests.short import AHEAD
 from tests.tui.conftest import opened
 
 THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
-GOALS = [SecondGoal("symbol", 90), SecondGoal("blocked")]
+GOALS = [SecondGoal("symbol", 11), SecondGoal("blocked")]
 SIZES = [(80, 24), (120, 40)]
 
 
@@ -60,7 +60,7 @@ def test_equal_references_are_one_mark() -> None:
 
 def test_second_goals_are_ticked_when_they_are_reached() -> None:
     lines = goal_lines(GOALS, ["never blocked"])
-    assert [line.plain for line in lines] == ["☐ at most 90 symbols", "✓ never blocked"]
+    assert [line.plain for line in lines] == ["☐ at most 11 symbols", "✓ never blocked"]
     assert list(goal_lines([], ["never blocked"])) == []
 
 
@@ -89,7 +89,7 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
 
 @pytest.fixture
 def with_goals(short: Path) -> Path:
-    goals = 'second_goals = ["at most 90 symbols", "at most 20 ticks"]\n'
+    goals = 'second_goals = ["at most 11 symbols", "at most 20 ticks"]\n'
     short.write_text(goals + short.read_text())
     return short
 
@@ -101,12 +101,13 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
 ) -> None:
     async with opened(data_dir, level=with_goals, text=AHEAD, size=size) as game:
         await game.ready()
-        await game.sees("☐ at most 90 symbols")
+        await game.sees("☐ at most 11 symbols")
         await game.press(*["plus"] * 6, "space")
-        await game.sees("✓ at most 90 symbols")
+        await game.sees("✓ at most 11 symbols")
         await game.sees("☐ at most 20 ticks")
-    record = Progress(data_dir / FILE_NAME).record(str(with_goals))
-    assert record.bests.goals == ("at most 90 symbols",)
+    assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == (
+        "at most 11 symbols",
+    )
 
 
 async def test_what_is_measured_before_the_results_are_mounted_is_shown(

@@ -132,10 +132,10 @@ async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short
         await game.until(lambda: game.main.recorder.record.state == "won")
         await win(game)
         await game.sees("this run")
-        await game.until(lambda: game.shows("11 ▲"))  # smaller than 50 symbols
+        await game.until(lambda: game.shows("11 ▲"))  # fewer symbols than 50
         latest = game.main.recorder.latest
         assert latest is not None
-        assert latest.ticks == game.session.won_at
+        assert (latest.ticks, latest.size) == (game.session.won_at, 11)
         assert 20 < latest.distance < 40
         await game.until(lambda: game.main.recorder.record.bests.wins is not None)
         bests = game.main.recorder.record.bests
