@@ -146,7 +146,7 @@ def test_old_versions_go_but_never_one_that_holds_a_best(
 def test_second_goals_are_those_of_all_victories_together(file: Path) -> None:
     progress = opened(file)
     progress.win("one", "quiet", MEASURED._replace(goals=("never blocked",)))
-    progress.win("one", "both", MEASURED._replace(goals=("at most 1 rule", "never blocked")))
+    progress.win("one", "both", MEASURED._replace(goals=("at most 90 symbols", "never blocked")))
     progress.win("one", "both", MEASURED._replace(goals=()))
     progress.win("one", "neither", MEASURED)
     assert progress.record("one").bests.goals == ("at most 90 symbols", "never blocked")
