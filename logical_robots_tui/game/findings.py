@@ -195,8 +195,8 @@ def _stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
         begin, period = found
         yield Stretch("circle", name, first + begin, first + len(path) - 1, period)
     elif len(path) > _LONG:
-        begin, end = path[-_LONG], path[-1]
-        way = f", from ({begin.x:.0f}, {begin.y:.0f}) to ({end.x:.0f}, {end.y:.0f})"
+        before, now = path[-_LONG], path[-1]
+        way = f", from ({before.x:.0f}, {before.y:.0f}) to ({now.x:.0f}, {now.y:.0f})"
         last = first + len(path) - 1
         yield Stretch("unfinished", name, last - _LONG + 1, last, way=way)
 
