@@ -233,6 +233,11 @@ def nobody_settles_any_more() -> bool:
     return bool(before == after < 50)
 
 
+def ida_goes_back_and_forth() -> bool:
+    found = at("13-doors", [300, 400])
+    return [moment.memories["Ida"]["room"] for moment in found] == ["attic", "gallery"]
+
+
 LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     # a level, the number of a hint, words of it, and whether that is to be seen
     ("01-first-steps", 1, ("forward_distance", "tick 400"), ada_touches_the_wall),
@@ -258,6 +263,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     ("10-distributed-mapping", 1, ("Beryl", "tick 100"), beryl_sees_several_beacons),
     ("11-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
     ("12-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
+    ("13-doors", 1, ("Memory", "Ida", "tick 300", "tick 400"), ida_goes_back_and_forth),
 ]
 
 
@@ -353,6 +359,20 @@ def more_settle_and_all_stay_settled() -> bool:
     return len(before) > len([m for m in starter.memories.values() if m["settled"]])
 
 
+def reach_grows_from_the_archive() -> bool:
+    """Whether Reach has the rooms that a walk through open doors comes to, and no others."""
+    past = moments("13-doors", step("13-doors", "briefing"), 3)
+    _, _, moment = (next(past) for _ in range(3))
+    found, ways = (
+        moment.mind.query(p, moment.rows, moment.memories).rows for p in ("Reach", "Open")
+    )
+    reached, before = {"archive"}, set[str]()
+    while before != reached:
+        before = set(reached)
+        reached |= {str(room) for room, other, _ in ways if other in before}
+    return {room for (room,) in found} == reached and {"gallery", "yard"} < reached
+
+
 TRIED = {
     "04-everybody-home": ("steer to the beacon", each_comes_home_at_some_time),
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
@@ -362,6 +382,7 @@ TRIED = {
     "10-distributed-mapping": ("let Atlas put all", atlas_has_a_map),
     "11-power-line": ("drive to a station in sight", volta_gets_home),
     "12-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
+    "13-doors": ("a predicate Reach has the archive", reach_grows_from_the_archive),
 }
 
 
