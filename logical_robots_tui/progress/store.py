@@ -143,6 +143,46 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         )
         """,
     ),
+    (
+        # Levels were numbered anew; those of arenas are kept by their paths.
+        "CREATE TEMP TABLE moved (earlier TEXT PRIMARY KEY, now TEXT NOT NULL)",
+        """
+        INSERT INTO moved VALUES
+            ('09-the-gate', '11-the-gate'),
+            ('11-power-line', '12-power-line'),
+            ('12-swarm', '13-swarm')
+        """,
+        """
+        INSERT INTO moved SELECT name, replace(name, earlier, now) FROM
+            (
+                SELECT name FROM level UNION SELECT level FROM version
+                UNION SELECT level FROM answer UNION SELECT value FROM fact WHERE name = 'level'
+            ),
+            (
+                SELECT '13-high-ground' AS earlier, '14-high-ground' AS now
+                UNION SELECT '14-four-doors', '15-four-doors'
+                UNION SELECT '15-low-voltage', '16-low-voltage'
+            )
+        WHERE name LIKE '%/levels/arenas/' || earlier || '.toml'
+        """,
+        """
+        UPDATE level SET name = (SELECT now FROM moved WHERE earlier = name)
+        WHERE name IN (SELECT earlier FROM moved)
+        """,
+        """
+        UPDATE version SET level = (SELECT now FROM moved WHERE earlier = level)
+        WHERE level IN (SELECT earlier FROM moved)
+        """,
+        """
+        UPDATE answer SET level = (SELECT now FROM moved WHERE earlier = level)
+        WHERE level IN (SELECT earlier FROM moved)
+        """,
+        """
+        UPDATE fact SET value = (SELECT now FROM moved WHERE earlier = value)
+        WHERE name = 'level' AND value IN (SELECT earlier FROM moved)
+        """,
+        "DROP TABLE moved",
+    ),
 )
 
 _TABLES = {"level", "version", "fact"}

@@ -204,7 +204,7 @@ def amber_and_indigo_have_met() -> bool:
 
 
 def ada_circles_the_torch() -> bool:
-    found = at("09-the-gate", range(500, 1501, 50))
+    found = at("11-the-gate", range(500, 1501, 50))
     states = {moment.memories["Ada"]["phase"] for moment in found}
     return states == {"out"} and max(moment.to("Torch", "Ada") for moment in found) < 30
 
@@ -218,7 +218,7 @@ def beryl_sees_several_beacons() -> bool:
 def volta_charges_a_little() -> bool:
     powers = [
         row["sensor"]["self"]["battery_level"]
-        for moment in at("11-power-line", range(450, 601, 10))
+        for moment in at("12-power-line", range(450, 601, 10))
         for row in moment.rows
         if row["robot_name"] == "Volta"
     ]
@@ -228,13 +228,13 @@ def volta_charges_a_little() -> bool:
 def nobody_settles_any_more() -> bool:
     before, after = (
         sum(memory["settled"] for memory in moment.memories.values())
-        for moment in at("12-swarm", [300, 400])
+        for moment in at("13-swarm", [300, 400])
     )
     return bool(before == after < 50)
 
 
 def ida_goes_back_and_forth() -> bool:
-    found = at("13-doors", [300, 400])
+    found = at("09-doors", [300, 400])
     return [moment.memories["Ida"]["room"] for moment in found] == ["attic", "gallery"]
 
 
@@ -259,11 +259,11 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
         fay_goes_round_a_pillar,
     ),
     ("08-formation", 1, ("Memory", "tick 376", "tick 400"), amber_and_indigo_have_met),
-    ("09-the-gate", 1, ("Memory", "circles", "tick 500"), ada_circles_the_torch),
+    ("11-the-gate", 1, ("Memory", "circles", "tick 500"), ada_circles_the_torch),
     ("10-distributed-mapping", 1, ("Beryl", "tick 100"), beryl_sees_several_beacons),
-    ("11-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
-    ("12-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
-    ("13-doors", 1, ("Memory", "Ida", "tick 300", "tick 400"), ida_goes_back_and_forth),
+    ("12-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
+    ("13-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
+    ("09-doors", 1, ("Memory", "Ida", "tick 300", "tick 400"), ida_goes_back_and_forth),
 ]
 
 
@@ -328,8 +328,8 @@ def all_follow_amber() -> bool:
 
 
 def ada_sees_the_key() -> bool:
-    text = step("09-the-gate", "briefing")
-    *_, last = moments("09-the-gate", text, 1500)
+    text = step("11-the-gate", "briefing")
+    *_, last = moments("11-the-gate", text, 1500)
     gate = next(area for area in last.state.areas if area.name == "Gate")
     return not gate.active and last.to("Key", "Ada") < 40
 
@@ -344,24 +344,24 @@ def atlas_has_a_map() -> bool:
 
 
 def volta_gets_home() -> bool:
-    *_, last = moments("11-power-line", step("11-power-line", "briefing"), 1300)
+    *_, last = moments("12-power-line", step("12-power-line", "briefing"), 1300)
     return last.state.areas[0].visitors == ("Volta",)
 
 
 def more_settle_and_all_stay_settled() -> bool:
     before: set[str] = set()
-    for moment in moments("12-swarm", step("12-swarm", "briefing"), 301):
+    for moment in moments("13-swarm", step("13-swarm", "briefing"), 301):
         settled = {n for n, memory in moment.memories.items() if memory and memory["settled"]}
         if not before <= settled:
             return False
         before = settled
-    (starter,) = at("12-swarm", [301])
+    (starter,) = at("13-swarm", [301])
     return len(before) > len([m for m in starter.memories.values() if m["settled"]])
 
 
 def reach_grows_from_the_archive() -> bool:
     """Whether Reach has the rooms that a walk through open doors comes to, and no others."""
-    past = moments("13-doors", step("13-doors", "briefing"), 3)
+    past = moments("09-doors", step("09-doors", "briefing"), 3)
     _, _, moment = (next(past) for _ in range(3))
     found, ways = (
         moment.mind.query(p, moment.rows, moment.memories).rows for p in ("Reach", "Open")
@@ -378,11 +378,11 @@ TRIED = {
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
     "07-station-management": ("Firefighter := Worker", the_fire_stays_out),
     "08-formation": ("adopt the leader", all_follow_amber),
-    "09-the-gate": ('begin phase "fetch" and seek only the key', ada_sees_the_key),
+    "11-the-gate": ('begin phase "fetch" and seek only the key', ada_sees_the_key),
     "10-distributed-mapping": ("let Atlas put all", atlas_has_a_map),
-    "11-power-line": ("drive to a station in sight", volta_gets_home),
-    "12-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
-    "13-doors": ("a predicate Reach has the archive", reach_grows_from_the_archive),
+    "12-power-line": ("drive to a station in sight", volta_gets_home),
+    "13-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
+    "09-doors": ("a predicate Reach has the archive", reach_grows_from_the_archive),
 }
 
 

@@ -207,12 +207,12 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "06-breadcrumbs": [FASTER],
     "07-station-management": [FASTER],
     "08-formation": [(("else 0.6)", "else 0.8)"),)],
-    "09-the-gate": [FASTER, (("80 else", "40 else"),)],
+    "11-the-gate": [FASTER, (("80 else", "40 else"),)],
     "10-distributed-mapping": [
         (("{left_engine: 0.8, right_engine: -0.8}", "{left_engine: -0.8, right_engine: 0.8}"),)
     ],
-    "12-swarm": [(("near < 4", "near < 8"),)],
-    "13-doors": [(("0.9 - 2 *", "1 - 2 *"), ("0.9 + 2 *", "1 + 2 *"))],
+    "13-swarm": [(("near < 4", "near < 8"),)],
+    "09-doors": [(("0.9 - 2 *", "1 - 2 *"), ("0.9 + 2 *", "1 + 2 *"))],
 }
 """Easy changes to solutions: a text of it, and another in its place."""
 

@@ -242,6 +242,28 @@ def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
         assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
 
 
+def test_records_follow_their_levels_to_other_numbers(file: Path) -> None:
+    arena, own = "/opt/levels/arenas/13-high-ground.toml", "/home/ada/09-the-gate.toml"
+    before = ["09-the-gate", "11-power-line", "12-swarm", "10-distributed-mapping", arena, own]
+    with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
+        prepare(connection, MIGRATIONS[:-1])
+        for level in before:
+            connection.execute("INSERT INTO level (name, hints) VALUES (?, 1)", (level,))
+            connection.execute(
+                "INSERT INTO version (level, digest, text, turn, kept) VALUES (?, '', ?, 1, '')",
+                (level, level),
+            )
+            connection.execute("INSERT INTO answer VALUES (?, 'Who?', ?)", (level, level))
+        connection.execute("INSERT INTO fact VALUES ('level', '11-power-line')")
+    progress = Progress(file, pytest.fail)
+    after = ["11-the-gate", "12-power-line", "13-swarm", before[3], arena.replace("13", "14"), own]
+    assert [progress.newest(level) for level in after] == before
+    assert [progress.record(level).hints for level in after] == [1] * len(before)
+    assert [progress.record(level).answers for level in after] == [(("Who?", e),) for e in before]
+    assert [progress.newest(level) for level in before[:3]] == [None] * 3
+    assert progress.fact("level") == "12-power-line"
+
+
 def test_a_step_of_migration_is_done_wholly_or_not_at_all(file: Path) -> None:
     Progress(file, pytest.fail).keep("level", "text")
     step = ("ALTER TABLE level ADD COLUMN stars INTEGER", "UPDATE version SET text = text || '!'")
