@@ -51,6 +51,7 @@ WINS_TODAY = {
     ("03-the-long-hall", "left-ray"): 20,
     ("03-the-long-hall", "mean-hand"): 20,
     ("03-the-long-hall", "right-ray"): 20,
+    ("06-breadcrumbs", "farthest-crumb"): 9,
     ("11-the-gate", "angles"): 20,
     ("11-the-gate", "far-from-watchmen"): 20,
     ("11-the-gate", "mean-of-two-angles"): 20,

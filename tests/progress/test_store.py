@@ -16,13 +16,11 @@ import pytest
 
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress import store as store_module
-from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS, prepare
+from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS
 from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-VERSION_1 = Path(__file__).parent / "version-1.sql"
 
 WRITE_MANY = """
 import sys
@@ -222,59 +220,6 @@ def test_a_file_that_was_removed_is_made_anew(file: Path) -> None:
     assert progress.newest("level") is None
     progress.keep("level", "two")
     assert kept(file) == {"two"}
-
-
-def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        connection.executescript(VERSION_1.read_text("utf-8"))
-        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
-    progress = Progress(file, pytest.fail)
-    record = progress.record("01-first-steps")
-    assert (record.state, record.hints, record.versions) == ("won", 2, 2)
-    assert (record.bests.ticks, record.bests.size, record.bests.wins) == (1255, 2, 19)
-    assert record.bests.rules == 1
-    assert record.bests.goals == ()
-    assert progress.record("02-open-space").state == "in work"
-    assert progress.newest("01-first-steps") == "Robot(later);"
-    assert progress.fact("tour") == "seen"
-    progress.keep("02-open-space", "new")
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
-
-
-def test_records_follow_their_levels_to_other_numbers(file: Path) -> None:
-    arena, own = "/opt/levels/arenas/13-high-ground.toml", "/home/ada/09-the-gate.toml"
-    before = ["09-the-gate", "11-power-line", "12-swarm", "10-distributed-mapping", arena, own]
-    with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
-        prepare(connection, MIGRATIONS[:-1])
-        for level in before:
-            connection.execute("INSERT INTO level (name, hints) VALUES (?, 1)", (level,))
-            connection.execute(
-                "INSERT INTO version (level, digest, text, turn, kept) VALUES (?, '', ?, 1, '')",
-                (level, level),
-            )
-            connection.execute("INSERT INTO answer VALUES (?, 'Who?', ?)", (level, level))
-        connection.execute("INSERT INTO fact VALUES ('level', '11-power-line')")
-    progress = Progress(file, pytest.fail)
-    after = ["11-the-gate", "12-power-line", "13-swarm", before[3], arena.replace("13", "14"), own]
-    assert [progress.newest(level) for level in after] == before
-    assert [progress.record(level).hints for level in after] == [1] * len(before)
-    assert [progress.record(level).answers for level in after] == [(("Who?", e),) for e in before]
-    assert [progress.newest(level) for level in before[:3]] == [None] * 3
-    assert progress.fact("level") == "12-power-line"
-
-
-def test_a_step_of_migration_is_done_wholly_or_not_at_all(file: Path) -> None:
-    Progress(file, pytest.fail).keep("level", "text")
-    step = ("ALTER TABLE level ADD COLUMN stars INTEGER", "UPDATE version SET text = text || '!'")
-    with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
-        with pytest.raises(sqlite3.OperationalError, match="nonsense"):
-            prepare(connection, (*MIGRATIONS, (*step, "nonsense")))
-        assert connection.execute("SELECT text FROM version").fetchall() == [("text",)]
-        prepare(connection, (*MIGRATIONS, step))
-        prepare(connection, (*MIGRATIONS, step))
-        assert connection.execute("SELECT text FROM version").fetchall() == [("text!",)]
-        assert connection.execute("SELECT stars FROM level").fetchall() == [(None,)]
 
 
 def test_a_file_of_a_newer_version_is_left_alone_and_told_politely(
