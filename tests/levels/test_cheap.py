@@ -41,11 +41,6 @@ HAVE_THE_IDEA = {
 """Programs for any level that are no cheap way to win one."""
 
 WINS_TODAY = {
-    ("03-the-long-hall", "drift-left"): 20,
-    ("03-the-long-hall", "drift-right"): 20,
-    ("03-the-long-hall", "left-ray"): 20,
-    ("03-the-long-hall", "mean-hand"): 20,
-    ("03-the-long-hall", "right-ray"): 20,
     ("07-station-management", "if"): 20,
     ("07-station-management", "join"): 20,
     ("08-formation", "after-amber"): 2,
