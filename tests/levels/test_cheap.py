@@ -40,17 +40,6 @@ HAVE_THE_IDEA = {
 """Programs for any level that are no cheap way to win one."""
 
 WINS_TODAY = {
-    ("02-open-space", "longest-of-three"): 20,
-    ("02-open-space", "one-ray"): 20,
-    ("02-open-space", "one-ray-left"): 3,
-    ("02-open-space", "two-rays"): 20,
-    ("02-open-space", "two-rays-apart"): 20,
-    ("02-open-space", "two-slanting-rays"): 20,
-    ("03-the-long-hall", "drift-left"): 20,
-    ("03-the-long-hall", "drift-right"): 20,
-    ("03-the-long-hall", "left-ray"): 20,
-    ("03-the-long-hall", "mean-hand"): 20,
-    ("03-the-long-hall", "right-ray"): 20,
     ("06-breadcrumbs", "farthest-crumb"): 9,
     ("11-the-gate", "angles"): 20,
     ("11-the-gate", "far-from-watchmen"): 20,

@@ -94,7 +94,7 @@ def the_door_is_far_on_the_right() -> bool:
         for moment in (before, there)
     )
     ((left, right),) = engines(there)
-    return bool(near < 75 and far > 100 and left == right)
+    return bool(near < 75 and far > 90 and left == right)
 
 
 def ruby_sees_home() -> bool:

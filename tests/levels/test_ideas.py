@@ -50,12 +50,11 @@ HAVE_THE_IDEA = {
         *("open-space", "power-line", "power-line-starter", "station-management-starter", "swarm"),
         *("swarm-starter", "the-gate", "the-gate-starter", "the-long-hall", "wall-crawler"),
     ),
-    # One angle or distance out of many rays: all that aggregate the radar.
+    # One angle or distance out of many rays.
     "02-open-space": (
-        *("breadcrumbs", "distributed-mapping", "distributed-mapping-starter", "everybody-home"),
-        *("everybody-home-starter", "formation", "formation-starter", "herd", "obstacle-avoider"),
-        *("power-line", "power-line-starter", "station-management-starter", "swarm"),
-        *("swarm-starter", "the-gate", "the-gate-starter", "the-long-hall", "wall-crawler"),
+        *("distributed-mapping", "distributed-mapping-starter", "everybody-home-starter"),
+        *("formation", "formation-starter", "obstacle-avoider", "power-line", "power-line-starter"),
+        *("swarm", "swarm-starter"),
     ),
     # A hand on the wall.
     "03-the-long-hall": ("station-management-starter", "wall-crawler"),

@@ -163,7 +163,7 @@ def test_stopping_at_any_beacon_does_not_bring_everybody_home() -> None:
 
 def test_the_printed_program_finds_its_way_through_the_corridor() -> None:
     level = load_level("02-open-space")
-    assert ticks_to_win(level, program_text(OBSTACLE_AVOIDER), TICKS_FOR_LOSING) == 3270
+    assert ticks_to_win(level, program_text(OBSTACLE_AVOIDER), TICKS_FOR_LOSING) == 3325
 
 
 @pytest.mark.sampled
