@@ -5,7 +5,8 @@ first line of a program says what it avoids. The starter, the program that resul
 line of the briefing, and references that do without memory are tried as well; ``test_ideas`` tries
 the programs of other levels.
 
-Among the ordinary tests are the first shifted starts; ``make proof`` tries all 20.
+Among the ordinary tests are the first shifted starts, but for levels with many thoughts;
+``make proof`` tries all 20 everywhere.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ def cases(*, fail: bool) -> list[Any]:
         pytest.param(
             name,
             program,
-            marks=[pytest.mark.slow]
+            marks=[pytest.mark.proof]
             * (len(load_level(name).robots) * patience(name) > THOUGHTS_WHILE_ONE_WAITS),
         )
         for name in LEVELS
