@@ -95,7 +95,7 @@ def test_columns_of_the_same_names_are_compared_by_name() -> None:
 
 
 def test_sums_of_the_same_numbers_are_equal_in_any_order() -> None:
-    one, other = sum([0.1, 0.2, 0.3]), sum([0.3, 0.2, 0.1])
+    one, other = 0.1 + 0.2 + 0.3, 0.3 + 0.2 + 0.1  # sum() of Python 3.12 makes up for it
     assert one != other
     assert not difference(Table(("n",), ((one,), (1e-14,))), Table(("n",), ((other,), (0,))))
 
