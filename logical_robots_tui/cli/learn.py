@@ -98,7 +98,8 @@ class _Lesson:
         """Print the lesson and ask its questions, or only one of them."""
         level = self._level
         if self._is_silent:
-            questions = [self._data(each) for each in level.questions]
+            answers = self._answers()
+            questions = [self._data(each, answers) for each in level.questions]
             print(
                 line_of_json({"level": level.name, "lesson": level.lesson, "questions": questions})
             )
@@ -111,7 +112,8 @@ class _Lesson:
             if number in (None, each) and not self._ask(each, question):
                 break
         if level.questions:
-            answered = sum(question.ask in self._answers() for question in level.questions)
+            answers = self._answers()
+            answered = sum(question.ask in answers for question in level.questions)
             say(f"\n{answered} of {len(level.questions)} answered.")
         return DONE
 
@@ -165,12 +167,12 @@ class _Lesson:
     def _answers(self) -> dict[str, str]:
         return dict(self._progress.record(level_key(self._level)).answers)
 
-    def _data(self, question: LevelQuestion) -> dict[str, Any]:
+    def _data(self, question: LevelQuestion, answers: dict[str, str]) -> dict[str, Any]:
         return {
             "ask": question.ask,
             "ticks": question.ticks,
             "program": program_of(self._level, question),
-            "answered_by": self._answers().get(question.ask),
+            "answered_by": answers.get(question.ask),
         }
 
 

@@ -177,15 +177,8 @@ def toml_text(key: str, value: object) -> str:
 
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "story", "questions", "starter"),
-    *(
-        "solution",
-        "shared_names",
-        "second_goals",
-        "teams",
-        "match_ticks",
-        "scores",
-        "divided_charge",
-    ),
+    *("solution", "shared_names", "second_goals", "teams", "match_ticks", "scores"),
+    "divided_charge",
 )
 _SEEN = Visibility(memory="all", sensor="all")
 

@@ -13,7 +13,7 @@ from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.progress import Bests, Measures, Progress
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
-from logical_robots_tui.world.level import GoalKind, SecondGoal, alike
+from logical_robots_tui.world.level import GoalKind, alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
@@ -128,9 +128,9 @@ def measures_of(
 
 def reached_goals(level: Level, found: Mapping[GoalKind, int]) -> Iterator[str]:
     """Yield the second goals that are reached, as far as what they limit was found."""
-    for kind, most in level.second_goals:
-        if kind in found and found[kind] <= most:
-            yield SecondGoal(kind, most).words
+    for goal in level.second_goals:
+        if goal.kind in found and found[goal.kind] <= goal.most:
+            yield goal.words
 
 
 def is_reference(level: Level, text: str) -> bool:
