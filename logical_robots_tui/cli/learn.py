@@ -182,7 +182,7 @@ async def answer_in_game(level: world.Level, learning: Learning, number: int, qu
     if not query or not 0 < number <= len(questions):
         for each, question in enumerate(questions, start=1):
             say(*_question(level, each, is_answered=question.ask in learning.answers))
-        say(f"{learning.answered}." if questions else "This level has no questions.")
+        say(f"{learning.answered} answered." if questions else "This level has no questions.")
         return
     examiner, question = Examiner(level), questions[number - 1]
     try:

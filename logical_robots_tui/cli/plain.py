@@ -347,7 +347,7 @@ class LineGame(SessionListener):
         learning = self.player.learning
         say(learning.lesson())
         if learning.answered:
-            say(f"Questions: {learning.answered}. Type answer for a list.")
+            say(f"Questions: {learning.answered} answered. Type answer for a list.")
 
     async def answer(self, argument: str) -> None:
         from logical_robots_tui.cli.learn import answer_in_game

@@ -71,9 +71,9 @@ class Learning:
 
     @property
     def answered(self) -> str:
-        """How many questions are answered, in words, or "" if there are none."""
+        """How many questions are answered, as in ``2 of 3``, or "" if there are none."""
         questions = len(self._session.level.questions)
-        return f"{len(self.answers)} of {questions} answered" if questions else ""
+        return f"{len(self.answers)} of {questions}" if questions else ""
 
     def answer(self, question: LevelQuestion, query: str) -> None:
         """Keep a right answer."""

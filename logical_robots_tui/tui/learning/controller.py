@@ -32,8 +32,7 @@ class LearningController:
 
         learning, title = self._learning, self._session.level.title
         if text := learning.lesson():
-            answered = learning.answered.removesuffix(" answered")
-            dialog = Reader(f"Lesson · {title}", markdown(text), answered)
+            dialog = Reader(f"Lesson · {title}", markdown(text), learning.answered)
             self._ui.show(dialog, lambda wish: self.questions() if wish else None)
 
     def questions(self) -> None:

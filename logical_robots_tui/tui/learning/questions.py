@@ -98,7 +98,7 @@ class Questions(Dialog[None]):
         in_background(self, self._name_predicates, "predicates", exclusive=True)
 
     def _head(self) -> None:
-        title = f"Questions · {self._level.title} · {self._learning.answered}"
+        title = f"Questions · {self._level.title} · {self._learning.answered} answered"
         self.query_one("#box").border_title = Content(one_line(title))
         question, is_answered = self._question, self._question.ask in self._learning.answers
         number = f"{self._at + 1} of {len(self._level.questions)}"
