@@ -211,7 +211,7 @@ async def test_a_frame_between_a_new_size_and_the_new_layout_is_drawn(
         cards = await open_levels(game)
         lines = range(cards.size.height)
         before = [cards.render_line(line).text for line in lines]
-        monkeypatch.setattr(type(game.app), "size", Size(80, 60))
+        monkeypatch.setattr(type(game.app), "size", Size(80, 24))
         assert [cards.render_line(line).text for line in lines] == before
 
 
