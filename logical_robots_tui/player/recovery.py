@@ -212,9 +212,7 @@ class Bookmark(SessionListener):
         with contextlib.suppress(OSError):  # no folder, no bookmark
             draft = await offers.at_hand(self._left_here)
             if draft is not None:
-                self._drafts.put_away(draft)
-                with contextlib.suppress(ValueError):
-                    await self._ask(offers, Place.from_text(draft.text), draft)
+                await self._ask(offers, draft)
 
     def level_opened(self, level: Level) -> None:
         if self._offers is not None:
@@ -225,13 +223,20 @@ class Bookmark(SessionListener):
         here = game.level_key(self._session.level)
         return next((each for each in places if each.path == here), None)
 
-    async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
+    async def _ask(self, offers: Offers, draft: Draft) -> None:
+        try:
+            place = Place.from_text(draft.text)
+        except ValueError:
+            self._drafts.put_away(draft)
+            return
         question = (
             f"{short_name(draft)} was cut off at tick {place.tick}, {when_saved(draft)}. "
             "Continue exactly there?"
         )
         answers = [("yes", "Yes, continue"), ("no", "No, from the start")]
-        if await offers.ask("Cut off", question, answers) == "yes":
+        answer = await offers.ask("Cut off", question, answers)
+        self._drafts.put_away(draft)
+        if answer == "yes":
             try:
                 await self._go_to(place)
             except LogicalRobotsError as error:
