@@ -63,6 +63,7 @@ async def test_mistakes_are_counted_and_each_can_be_reached(data_dir: Path) -> N
         game.editor.put(f"{STILL}A(x) :- Nothing(x);\nB(x) :- Nowhere(x);\n")
         await game.press("2")
         await game.sees("2 mistakes")
+        await game.sees("✗ line 4")
         lines = game.screen().splitlines()
         row = next(row for row, line in enumerate(lines) if "✗ line 4" in line)
         await game.click(offset=(lines[row].index("✗ line 4") + 3, row))
