@@ -42,9 +42,6 @@ HAVE_THE_IDEA = {
 
 WINS_TODAY = {
     ("06-breadcrumbs", "farthest-crumb"): 9,
-    ("11-the-gate", "angles"): 20,
-    ("11-the-gate", "far-from-watchmen"): 20,
-    ("11-the-gate", "mean-of-two-angles"): 20,
     ("10-distributed-mapping", "distributed-mapping-fastest"): 20,
     ("10-distributed-mapping", "distributed-mapping-shortest"): 20,
     ("12-power-line", "always-full"): 2,
