@@ -67,6 +67,7 @@ def words_of(level: Level) -> Record:
         **{name: getattr(level, name) for name in ("lesson", "further", "story")},
         "questions": [_question(question) for question in level.questions],
         "divided_charge": level.divided_charge,
+        "shuffled_names": list(level.shuffled_names),
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
         "scores": [_record_of(score) for score in level.scores],
@@ -178,7 +179,7 @@ def toml_text(key: str, value: object) -> str:
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "story", "questions", "starter"),
     *("solution", "shared_names", "second_goals", "teams", "match_ticks", "scores"),
-    "divided_charge",
+    *("divided_charge", "shuffled_names"),
 )
 _SEEN = Visibility(memory="all", sensor="all")
 

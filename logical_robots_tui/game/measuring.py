@@ -10,8 +10,9 @@ import pickle
 import random
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 
 from logical_robots_tui.game.advancing import play_tick, start_frame
 from logical_robots_tui.game.frame import Frame, driven
@@ -20,7 +21,7 @@ from logical_robots_tui.game.victory import measures_of, reached_goals
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.world import Level, World
+from logical_robots_tui.world import Beacon, Level, Robot, World
 from logical_robots_tui.world.level import GoalKind
 
 STARTS = 20
@@ -65,7 +66,8 @@ def named_start_of(level: Level, start: int) -> Level:
 def shift_start(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
-    Robots of the same index in their teams are shifted alike, relative to their heading.
+    Robots of the same index in their teams are shifted alike, relative to their heading. The names
+    that the level shuffles change among the robots, and among the beacons.
     """
     chance = random.Random(seed)  # noqa: S311 - not for security
     most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
@@ -79,7 +81,43 @@ def shift_start(level: Level, seed: int) -> Level:
             cos, sin = math.cos(robot.angle), math.sin(robot.angle)
             x, y = x * cos - y * sin, x * sin + y * cos
         robots.append(replace(robot, x=robot.x + x, y=robot.y + y, angle=robot.angle + turn))
-    return replace(level, robots=tuple(robots))
+    return _shuffle_names(replace(level, robots=tuple(robots)), chance)
+
+
+def _shuffle_names(level: Level, chance: random.Random) -> Level:
+    if not level.shuffled_names:
+        return level
+    robots = _new_names(level.shuffled_names, level.robots, chance)
+    beacons = _new_names(level.shuffled_names, level.beacons, chance)
+    return replace(
+        level,
+        robots=tuple(replace(each, name=robots.get(each.name, each.name)) for each in level.robots),
+        beacons=tuple(
+            replace(each, name=beacons.get(each.name, each.name)) for each in level.beacons
+        ),
+        areas=tuple(
+            replace(
+                area,
+                victory_robots=tuple(robots.get(name, name) for name in area.victory_robots),
+                on_beacon=beacons.get(area.on_beacon, area.on_beacon),
+                off_beacon=beacons.get(area.off_beacon, area.off_beacon),
+            )
+            for area in level.areas
+        ),
+    )
+
+
+def _new_names(
+    patterns: Iterable[str], things: Iterable[Robot | Beacon], chance: random.Random
+) -> dict[str, str]:
+    """Exchange the names that match; of more than two, each moves."""
+    names = [
+        name
+        for name in dict.fromkeys(thing.name for thing in things)
+        if any(fnmatchcase(name, pattern) for pattern in patterns)
+    ]
+    order = chance.sample(names, len(names))
+    return dict(zip(order, order[1:] + order[:1] if len(order) > 2 else names, strict=True))
 
 
 def mirror(level: Level) -> Level:

@@ -234,6 +234,7 @@ class Level:
         match_ticks: Length of a match in ticks; 0 where there is none.
         scores: What a match is about, in file order.
         divided_charge: Whether a source divides what it gives among those that it charges.
+        shuffled_names: Patterns of names of robots and beacons that shifted starts exchange.
         source: Path of the file it came from, or "".
     """
 
@@ -261,6 +262,7 @@ class Level:
     match_ticks: int = 0
     scores: tuple[Score, ...] = ()
     divided_charge: bool = False
+    shuffled_names: tuple[str, ...] = ()
     source: str = ""
 
     def team_of(self, robot_name: str) -> str:
