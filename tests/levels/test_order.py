@@ -1,0 +1,65 @@
+"""Nothing of the language is used before a lesson has told of it."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from logical_robots_tui import load_level
+from logical_robots_tui.language.reference import REFERENCE
+from tests.levels.playing import LEVELS, program_text, solution_of
+
+NAMES = {entry.name for entry in REFERENCE if re.fullmatch("[A-Z][A-Za-z0-9]*", entry.name)}
+MARKS = {
+    "->": "->",
+    "~": "~",
+    ":=": ":=",
+    "distinct": r"\bdistinct\b",
+    "in": r"\bin\b",
+    "if": r"\bif\b",
+    "is null": r"\bis (not )?null\b",
+    "==": "==",
+    "!=": "!=",
+    "&&": "&&",
+    "||": r"\|\|",
+    "+=": r"\+=",
+    "++": r"\+\+",
+    "@": r"@[A-Z]",
+    "Memory": r"\bMemory\(",
+}
+
+
+def code_in(text: str) -> str:
+    """The code of a lesson or a hint: its blocks but those of SQL, and what is in backticks."""
+    blocks = re.findall(r"^```\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    return "\n".join([*blocks, *re.findall(r"`([^`\n]+)`", text)])
+
+
+def used_in(code: str) -> set[str]:
+    """The functions, aggregates and marks that occur in code, but for its comments and texts."""
+    bare = re.sub(r'#.*|"[^"\n]*"', "", code)
+    called = {name for name in NAMES if re.search(rf"\b{name}(\(| ?\{{|=)", bare)}
+    return called | {mark for mark, pattern in MARKS.items() if re.search(pattern, bare)}
+
+
+def told_in(lesson: str) -> set[str]:
+    code = code_in(lesson)
+    named = {name for name in NAMES if re.search(rf"\b{name}\b", lesson)}
+    return named | {mark for mark, pattern in MARKS.items() if re.search(pattern, code)}
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_nothing_is_used_before_its_lesson(name: str) -> None:
+    level = load_level(name)
+    told = set().union(*(told_in(load_level(each).lesson) for each in LEVELS if each <= name))
+    parts = {
+        "briefing": level.briefing,
+        "starter": program_text(level.starter),
+        "solution": program_text(solution_of(name)),
+        "hints": code_in("\n".join(level.hints)),
+        "questions": "\n".join(question.answer for question in level.questions),
+    }
+    assert {part: used_in(code) - told for part, code in parts.items()} == {
+        part: set() for part in parts
+    }
