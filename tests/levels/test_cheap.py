@@ -42,6 +42,7 @@ HAVE_THE_IDEA = {
 
 WINS_TODAY = {
     ("06-breadcrumbs", "farthest-crumb"): 9,
+    ("08-formation", "slow-amber"): 20,
     ("10-distributed-mapping", "distributed-mapping-fastest"): 20,
     ("10-distributed-mapping", "distributed-mapping-shortest"): 20,
     ("12-power-line", "always-full"): 2,
