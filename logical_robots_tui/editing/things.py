@@ -20,7 +20,14 @@ from logical_robots_tui.editing.level_text import (
     words_of,
 )
 from logical_robots_tui.world import WorldState
-from logical_robots_tui.world.level import COMPARED, Beacon, Level, LevelError, Robot
+from logical_robots_tui.world.level import (
+    COMPARED,
+    Beacon,
+    Level,
+    LevelError,
+    Robot,
+    rename_in_areas,
+)
 from logical_robots_tui.world.levels.fields import (
     LONGEST_NAME,
     MOST_OF_A_KIND,
@@ -195,21 +202,15 @@ def _validate(level: Level, ref: Ref, some: Thing) -> Thing:
 
 def _follow(level: Level, before: Thing, after: Thing) -> Level:
     """Rename an object in the areas and scores of a level that refer to it."""
-
-    def new(name: str) -> str:
-        return after.name if name == before.name else name
-
-    areas, scores = level.areas, level.scores
+    areas, scores, names = level.areas, level.scores, {before.name: after.name}
     if isinstance(before, Robot):
-        areas = tuple(replace(a, victory_robots=tuple(map(new, a.victory_robots))) for a in areas)
+        areas = rename_in_areas(areas, names, {})
     elif before.name in [each.name for each in _list(level, kind_of(before))]:
         return level
     elif isinstance(before, Beacon):
-        areas = tuple(
-            replace(a, on_beacon=new(a.on_beacon), off_beacon=new(a.off_beacon)) for a in areas
-        )
+        areas = rename_in_areas(areas, {}, names)
     else:
-        scores = tuple(replace(score, area=new(score.area)) for score in scores)
+        scores = tuple(replace(score, area=names.get(score.area, score.area)) for score in scores)
     return replace(level, areas=areas, scores=scores)
 
 

@@ -22,7 +22,7 @@ from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Beacon, Level, Robot, World
-from logical_robots_tui.world.level import GoalKind
+from logical_robots_tui.world.level import GoalKind, rename_in_areas
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -95,15 +95,7 @@ def _shuffle_names(level: Level, chance: random.Random) -> Level:
         beacons=tuple(
             replace(each, name=beacons.get(each.name, each.name)) for each in level.beacons
         ),
-        areas=tuple(
-            replace(
-                area,
-                victory_robots=tuple(robots.get(name, name) for name in area.victory_robots),
-                on_beacon=beacons.get(area.on_beacon, area.on_beacon),
-                off_beacon=beacons.get(area.off_beacon, area.off_beacon),
-            )
-            for area in level.areas
-        ),
+        areas=rename_in_areas(level.areas, robots, beacons),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
@@ -11,6 +11,8 @@ import numpy as np
 from logical_robots_tui.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from numpy.typing import NDArray
 
 ROBOT_COLOR = "#4a9eff"
@@ -268,6 +270,21 @@ class Level:
     def team_of(self, robot_name: str) -> str:
         """Return the team of a robot, or "" if it has none."""
         return next((each.team for each in self.robots if each.name == robot_name), "")
+
+
+def rename_in_areas(
+    areas: Iterable[Area], robots: Mapping[str, str], beacons: Mapping[str, str]
+) -> tuple[Area, ...]:
+    """Return areas that refer to robots and beacons by new names, given by the old ones."""
+    return tuple(
+        replace(
+            area,
+            victory_robots=tuple(robots.get(name, name) for name in area.victory_robots),
+            on_beacon=beacons.get(area.on_beacon, area.on_beacon),
+            off_beacon=beacons.get(area.off_beacon, area.off_beacon),
+        )
+        for area in areas
+    )
 
 
 COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
