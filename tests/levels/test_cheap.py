@@ -41,7 +41,6 @@ HAVE_THE_IDEA = {
 """Programs for any level that are no cheap way to win one."""
 
 WINS_TODAY = {
-    ("06-breadcrumbs", "farthest-crumb"): 9,
     ("11-the-gate", "angles"): 20,
     ("11-the-gate", "far-from-watchmen"): 20,
     ("11-the-gate", "mean-of-two-angles"): 20,
