@@ -108,10 +108,10 @@ def ships_choose_any_light() -> bool:
     return before["Otter"] == "White" and after == {"Otter": "Blue", "Heron": "Wreck"}
 
 
-def hansel_turns_back_to_oat() -> bool:
-    (moment,) = at("06-breadcrumbs", [780], "Last", "Next")
+def hansel_turns_back_to_spelt() -> bool:
+    (moment,) = at("06-breadcrumbs", [1200], "Last", "Next")
     last = {row[0]: row[1] for row in moment.tables["Last"].rows}
-    return last["Hansel"] == "wheat" and chosen(moment, "Next")["Hansel"] == "oat"
+    return last["Hansel"] == "barley" and chosen(moment, "Next")["Hansel"] == "spelt"
 
 
 def fay_goes_round_a_pillar() -> bool:
@@ -181,7 +181,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
         ("Course", "tick 400", "tick 800", "Otter turn back"),
         ships_choose_any_light,
     ),
-    ("06-breadcrumbs", 1, ("Hansel", "Last", "Next", "tick 780"), hansel_turns_back_to_oat),
+    ("06-breadcrumbs", 1, ("Hansel", "Last", "Next", "tick 1200"), hansel_turns_back_to_spelt),
     (
         "07-station-management",
         1,
