@@ -63,7 +63,7 @@ def words_of(level: Level) -> Record:
         "second_goals": [goal.words for goal in level.second_goals],
         "briefing": level.briefing,
         "hints": list(level.hints),
-        **{name: getattr(level, name) for name in ("lesson", "further", "story", "divided_charge")},
+        **{name: getattr(level, name) for name in ("lesson", "further", "story", *_FLAGS)},
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
         "scores": [_record_of(score) for score in level.scores],
@@ -164,9 +164,10 @@ def toml_text(key: str, value: object) -> str:
     return tomlkit.item(value).as_string()
 
 
+_FLAGS = ("divided_charge", "solid_robots", "all_goals")
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "story", "starter", "solution"),
-    *("shared_names", "second_goals", "teams", "match_ticks", "scores", "divided_charge"),
+    *("shared_names", "second_goals", "teams", "match_ticks", "scores", *_FLAGS),
 )
 _SEEN = Visibility(memory="all", sensor="all")
 

@@ -205,6 +205,8 @@ class Level:
         match_ticks: Length of a match in ticks; 0 where there is none.
         scores: What a match is about, in file order.
         divided_charge: Whether a source divides what it gives among those that it charges.
+        solid_robots: Whether robots block each other.
+        all_goals: Whether all goals must be reached at once, not any one.
         source: Path of the file it came from, or "".
     """
 
@@ -231,6 +233,8 @@ class Level:
     match_ticks: int = 0
     scores: tuple[Score, ...] = ()
     divided_charge: bool = False
+    solid_robots: bool = False
+    all_goals: bool = False
     source: str = ""
 
     def team_of(self, robot_name: str) -> str:

@@ -46,7 +46,7 @@ _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
     "story",
     *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
-    *("scores", "divided_charge", "robots", "beacons", "areas"),
+    *("scores", "divided_charge", "solid_robots", "all_goals", "robots", "beacons", "areas"),
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
@@ -98,7 +98,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "teams": top.each("teams", _read_team),
         "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
         "scores": top.each("scores", _score),
-        "divided_charge": top.flag("divided_charge"),
+        **{key: top.flag(key) for key in ("divided_charge", "solid_robots", "all_goals")},
     }
 
 
