@@ -228,6 +228,12 @@ def nobody_settles_any_more() -> bool:
     return bool(before == after < 50)
 
 
+def two_are_in_the_door() -> bool:
+    (moment,) = at("13-right-of-way", [200])
+    inside = [n for n, memory in moment.memories.items() if memory["place"] == "door"]
+    return {"Moss", "Aster"} <= set(inside)
+
+
 LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     # a level, the number of a hint, words of it, and whether that is to be seen
     ("01-first-steps", 1, ("forward_distance", "tick 400"), ada_touches_the_wall),
@@ -243,6 +249,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     ("10-distributed-mapping", 1, ("Beryl", "tick 100"), beryl_sees_several_beacons),
     ("11-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
     ("12-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
+    ("13-right-of-way", 1, ("Memory", "tick 200", "in the door"), two_are_in_the_door),
 ]
 
 
@@ -336,6 +343,13 @@ def more_settle_and_all_stay_settled() -> bool:
     return len(before) > len([m for m in starter.memories.values() if m["settled"]])
 
 
+def two_still_meet_in_the_door() -> bool:
+    text = step("13-right-of-way", "briefing")
+    *_, last = moments("13-right-of-way", text, 800)
+    places = sorted(memory["place"] for memory in last.memories.values())
+    return places == ["door", "door", "gate", "gate", "road", "road"]
+
+
 TRIED = {
     "04-everybody-home": ("stop when the beacon", home_is_where_they_stop),
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
@@ -345,6 +359,7 @@ TRIED = {
     "10-distributed-mapping": ("let Atlas put all", atlas_has_a_map),
     "11-power-line": ("drive to a station in sight", volta_gets_home),
     "12-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
+    "13-right-of-way": ("wait at the gate", two_still_meet_in_the_door),
 }
 
 

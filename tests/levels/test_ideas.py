@@ -212,6 +212,7 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
         (("{left_engine: 0.8, right_engine: -0.8}", "{left_engine: -0.8, right_engine: 0.8}"),)
     ],
     "12-swarm": [(("near < 4", "near < 8"),)],
+    "13-right-of-way": [(("radar) < 25", "radar) < 20"),)],
 }
 """Easy changes to solutions: a text of it, and another in its place."""
 
