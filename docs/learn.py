@@ -69,11 +69,8 @@ def _lesson(level: Level) -> Iterator[str]:
     yield "The starter program:\n"
     yield from _program(level.starter)
     yield f"{level.lesson.strip()}\n"
-    yield "<details><summary>Hints</summary>\n"
-    yield from (
-        f"{number}. {escape(hint, quote=False)}" for number, hint in enumerate(level.hints, 1)
-    )
-    yield "\n</details>\n"
+    for number, hint in enumerate(level.hints, 1):
+        yield f"<details><summary>Hint {number}</summary>\n\n{_escaped(hint)}\n\n</details>\n"
     goals = "; ".join(goal.words for goal in level.second_goals)
     yield f"**Second goals.** {goals.capitalize()}.\n"
     yield f"**Further.** {level.further.strip()}\n"
@@ -87,6 +84,13 @@ def _solution(level: Level) -> Iterator[str]:
 def _title(level: Level) -> str:
     number = int(level.name.partition("-")[0])
     return f"## {number}. {level.title}\n"
+
+
+def _escaped(text: str) -> str:
+    """Escape text for Markdown, except for code between backticks, which is shown as it is."""
+    parts = text.split("`")
+    parts[::2] = (escape(part, quote=False) for part in parts[::2])
+    return "`".join(parts)
 
 
 def _program(name: str) -> Iterator[str]:

@@ -180,10 +180,13 @@ def _refuse_shared_folder(folder: Path) -> None:
 
 def _prepare_screen() -> None:
     """Set up the environment for the screen; raise InputError if there is no terminal."""
-    streams = (sys.stdin, sys.stdout, sys.stderr)
-    if not all(stream.isatty() for stream in streams) or os.environ.get("TERM") == "dumb":
+    streams = {"input": sys.stdin, "output": sys.stdout, "error": sys.stderr}
+    elsewhere = [name for name, stream in streams.items() if not stream.isatty()]
+    if elsewhere or os.environ.get("TERM") == "dumb":
+        some = 0 < len(elsewhere) < len(streams)
         raise InputError(
-            "the game needs a terminal.",
+            "the game needs a terminal"
+            + (f" for standard {' and '.join(elsewhere)} too." if some else "."),
             hint="Without one: logical-robots play --plain, or: logical-robots run LEVEL PROGRAM",
         )
     from logical_robots_tui.tui.terminal.capabilities import assume_colours

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import typing
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
-from typing import TypeAlias
+from dataclasses import replace
+from typing import TypeAlias, TypeVar
 
 from logical_robots_tui.explain.why import probing
 from logical_robots_tui.explain.why.probing import Span
@@ -16,11 +17,13 @@ from logical_robots_tui.language.tree import (
     Aggregate,
     Aggregation,
     Atom,
+    Call,
     Conjunction,
     Disjunction,
     Expression,
     Head,
     Membership,
+    Node,
     Proposition,
     Record,
     Rule,
@@ -31,11 +34,14 @@ from logical_robots_tui.language.tree import (
     equation_sides,
     is_aggregate,
     operands,
+    rebuild,
     variable_of,
     variables,
     walk,
 )
 from logical_robots_tui.schema import INPUTS, VALUE
+
+N = TypeVar("N", bound=Node)
 
 PartKind: TypeAlias = typing.Literal["call", "condition", "value", "element", "denial"]
 """The kinds of a body's parts: a condition only tests, a value is an equation."""
@@ -193,6 +199,25 @@ def in_order(
         else:
             break
     return ordered, waiting
+
+
+def without_equations(node: N) -> tuple[N, list[Atom]]:
+    """Return a node with the right side of each equation in its expressions, and the equations.
+
+    ``short = distance < 60`` becomes ``distance < 60`` with ``short = distance``.
+    """
+    found: list[Atom] = []
+
+    def change(inner: Node) -> Node:
+        if is_aggregate(inner):
+            return inner
+        inner = rebuild(inner, change)
+        if not isinstance(inner, Call) or inner.name != "=":
+            return inner
+        found.append(Atom("=", inner.arguments, span=inner.span))
+        return replace(operands(inner.arguments)[-1], span=inner.span)
+
+    return change(node), found  # type: ignore[return-value]  # a kind for its kind
 
 
 def outer_aggregates(tree: Tree) -> Iterator[Aggregate]:

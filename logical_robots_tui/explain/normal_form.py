@@ -19,18 +19,21 @@ from logical_robots_tui.explain.bodies import (
     outer_aggregates,
     part_kind,
     span_of,
+    span_of_text,
+    without_equations,
 )
 from logical_robots_tui.explain.why.probing import (
     AggregateInput,
     Body,
     Call,
     Clause,
+    Misread,
     Span,
     Step,
     Term,
     TermKind,
 )
-from logical_robots_tui.language.source_text import Prepared
+from logical_robots_tui.language.source_text import Prepared, with_whole_brackets
 from logical_robots_tui.language.tree import (
     COMPARISONS,
     JUNCTIONS,
@@ -58,6 +61,7 @@ from logical_robots_tui.language.tree import (
     children,
     conjuncts,
     equation_sides,
+    infix_of,
     is_aggregate,
     operands,
     rebuild,
@@ -66,6 +70,7 @@ from logical_robots_tui.language.tree import (
     walk,
 )
 from logical_robots_tui.language.tree import Call as Function
+from logical_robots_tui.language.tree import Span as Place
 from logical_robots_tui.mind.relations import GIVEN
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -107,6 +112,14 @@ class Builder:
     def span(self, tree: Tree) -> Span:
         return span_of(tree, self._source)
 
+    def meant(self, part: Proposition, equation: Place, value: Place) -> Span | None:
+        """Return all from the value of an equation that begins a part to the end of that part."""
+        if part.span is None or part.span.start != equation.start:
+            return None
+        start, stop = with_whole_brackets(self._source.skeleton, value.start, part.span.stop)
+        is_behind = "=" in self._source.skeleton[equation.start : start]
+        return span_of_text(start, stop, self._source.original) if is_behind else None
+
 
 class _ClauseBuilder:
     def __init__(
@@ -121,6 +134,7 @@ class _ClauseBuilder:
         self._builder, self._depth = builder, depth
         self._names = builder.known
         self._calls: dict[str, Function] = {}  # by the variable of their value
+        self._equations: dict[Place, Place] = {}  # with the places of their values
         self._columns: dict[Expression, str] = {}
         self._used: set[str] = set()
         self._body: list[Proposition] = []
@@ -180,7 +194,7 @@ class _ClauseBuilder:
         )
 
     def _without_calls(self, node: N) -> N:
-        """Return a part without the calls in its expressions, which become parts before it."""
+        """Return a part without the calls and equations in it, which become parts before it."""
 
         def change(inner: Node) -> Node:
             if is_aggregate(inner):
@@ -194,6 +208,12 @@ class _ClauseBuilder:
             self._body.append(Atom(inner.name, (*inner.arguments, value), span=inner.span))
             return Variable(name, span=inner.span)
 
+        node, equations = without_equations(node)
+        for each in equations:
+            _, value = operands(each.arguments)
+            if each.span is not None and value.span is not None:
+                self._equations[each.span] = value.span
+            self._body.append(change(each))  # type: ignore[arg-type]  # a kind for its kind
         return change(node)  # type: ignore[return-value]  # a kind for its kind
 
     def _step(self, part: Proposition, known: frozenset[str], after: frozenset[str]) -> Step:
@@ -211,7 +231,27 @@ class _ClauseBuilder:
             (denied,) = outer_aggregates(part)
             return Step(kind, span, "", gives, denied=self._inner(denied))
         shown = self._shown(part, is_test=after == known)
-        return Step(kind, span, "", gives, tuple(map(self._term, shown)))
+        return Step(
+            kind, span, "", gives, tuple(map(self._term, shown)), misread=self._misread(part)
+        )
+
+    def _misread(self, part: Proposition) -> Misread | None:
+        for node in walk(part, is_aggregate):
+            infix = infix_of(node)
+            equation = (
+                next((s.span for s in infix.sides if s.span in self._equations), None)
+                if infix
+                else None
+            )
+            if infix is None or equation is None:
+                continue
+            sides = self._term(infix.left), self._term(infix.right)
+            return Misread(
+                infix.operator,
+                sides,
+                self._builder.meant(part, equation, self._equations[equation]),
+            )
+        return None
 
     @staticmethod
     def _shown(part: Proposition, *, is_test: bool) -> Sequence[Expression]:
@@ -236,15 +276,16 @@ class _ClauseBuilder:
         return replace(self._names.call(atom.name, columns), terms=terms)
 
     def _reads(self, atom: Atom) -> tuple[Term, ...]:
-        found: dict[str, Expression] = {}
+        found: dict[Expression, Expression] = {}
         columns = INPUTS.get(atom.name, ())
         for column in (*columns, REST) if columns else ():
             for value in _values_in(atom, column):
                 root = variable_of(value)
                 mine = [each for each in _chains(self._all) if _chain_root(each) == root]
-                found |= {self._builder.span(each).text: each for each in mine}
+                for chain in mine:
+                    found.setdefault(chain, chain)
                 if column == "memory" and root and not mine:
-                    found[root] = value
+                    found[value] = value
         return tuple(map(self._term, found.values()))
 
     def _term(self, node: Expression) -> Term:

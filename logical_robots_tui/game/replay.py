@@ -53,6 +53,7 @@ Robot(robot_name:, desire: {left_engine: 0.0, right_engine: 0.0}, memory: "") :-
 """
 """What stands for a program that was left out."""
 
+_AT_ONCE = 10  # ticks to gather before other tasks have a turn
 _FORMAT = 2  # the first has the programs of all teams in one text
 _MAGIC = b"logical-robots replay "
 _MOST_BYTES = 64_000_000
@@ -292,13 +293,15 @@ async def gather(
     name: Callable[[Program], str],
     *,
     with_programs: bool = True,
+    last: int | None = None,
 ) -> Replay:
-    """Return the replay of a history's ticks, in turn with other tasks.
+    """Return the replay of a history's ticks, or those up to `last`, in turn with other tasks.
 
     A program must have decided a tick. Raises Superseded if the course changes meanwhile,
     InputError if the level changed too often.
     """
-    begin, last, turns = max(history.first - 1, 0), history.last, history.turns
+    begin, turns = max(history.first - 1, 0), history.turns
+    last = history.last if last is None else last
     changes = [tick for tick in range(begin + 1, last + 1) if history.is_changed_in(tick)]
     if len(changes) >= _MOST_STAGES:
         raise InputError("The level was changed too often for a replay.")
@@ -317,6 +320,7 @@ async def gather(
                     wanted[tick - first - 1, place] = desire.left_engine, desire.right_engine
             if tick % EVERY == 0 or tick == last:
                 hashes[tick] = _hash_of(after.after)
+            if tick % _AT_ONCE == 0 or tick == last:
                 await asyncio.sleep(0)
                 if history.turns != turns:
                     raise Superseded

@@ -56,11 +56,13 @@ class Parsed:
         statements: As written, in the order of the text.
         problems: Errors in the statements that could not be parsed.
         doubtful: Names in those statements, about which nothing is known.
+        source: The text that was parsed.
     """
 
     statements: list[Statement]
     problems: list[Diagnostic]
     doubtful: frozenset[str]
+    source: Prepared
 
 
 def parse(source: Prepared) -> Parsed:
@@ -81,7 +83,7 @@ def parse(source: Prepared) -> Parsed:
             except error_messages.COMPLAINTS as error:
                 problems.append(error_messages.explain(error, source, (start, end)))
         doubtful.update(_NAME.findall(source.skeleton[start:end]))
-    return Parsed(found, problems, frozenset(doubtful))
+    return Parsed(found, problems, frozenset(doubtful), source)
 
 
 def parse_proposition(source: Prepared) -> tree.Proposition:

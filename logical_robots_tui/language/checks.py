@@ -25,6 +25,7 @@ from logical_robots_tui.language.definitions import (
 from logical_robots_tui.language.diagnostics import Diagnostic, Mention, closest, distance
 from logical_robots_tui.language.expansion import TYPES, written_type
 from logical_robots_tui.language.inference import Inference
+from logical_robots_tui.language.pitfalls import pitfalls
 from logical_robots_tui.language.signatures import (
     Runs,
     Signature,
@@ -83,6 +84,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
         *verbatim(program, known, text),
         *inference.problems,
         *engines(program, inference, text),
+        *pitfalls(program, parsed.source),
         *typos(program, text),
     ]
     if MAIN not in parsed.doubtful and (not parsed.problems or MAIN in definitions(program)):
@@ -234,8 +236,15 @@ def _names(
         elif re.fullmatch(r"[A-Za-z][\w.]*", name) and name != "nil":
             hint = _instead(name, known, runs) or "Define it, or correct its name."
             if name in values:
-                hint = "Names of variables are lower case."
+                hint = _meant_as_value(name)
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
+
+
+def _meant_as_value(name: str) -> str:
+    literal = {"none": "null"}.get(name.lower(), name.lower())
+    if literal in ("true", "false", "null"):
+        return f"Write {literal}."
+    return f'Names of variables are lower case, and texts are in quotes: "{name[:40]}".'
 
 
 NO_VALUE = "is named without its arguments, so it has no value"

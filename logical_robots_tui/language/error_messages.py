@@ -9,6 +9,7 @@ from logica.parser_py import parse
 
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
 from logical_robots_tui.language.source_text import Prepared, diagnostic_at
+from logical_robots_tui.schema import INPUTS, SENSOR
 
 COMPLAINTS = (
     parse.ParsingException,
@@ -28,14 +29,28 @@ FUNCTION = "{} is a function of its arguments; it has no rows of its own."
 OPEN = "{} uses {}, which is a parameter for :=; it has no rows of its own."
 
 _NO_CONDITION = "this is not a condition"
+_NOT_IN_HEAD = "this does not belong in the head of a rule"
+_NO_HEAD = "a rule starts with a predicate such as Robot(...)"
+_TWO_SIGNS = "there are two ':-'"
+_NO_FIELD = "names of fields are lower case"
+_TOO_MANY_EQUALS = (
+    "there is more than one '=' in the head of this rule",
+    "this needs exactly one '='",
+)
+_NO_EXPRESSION = "this is not an expression"
 _UNREAD = (
     _NO_CONDITION,
-    "this is not an expression",
+    _NO_EXPRESSION,
     "this is not a predicate with arguments",
     "this 'if' can't be read",
 )
 _PREDICATE = re.compile(r"[A-Z]\w*")
 _FIELD = re.compile(r"[a-z_]\w*(\.[a-z_]\w*)*")
+_INSTEAD_OF_SIGN = re.compile(r"<-|[{:]|(if|when|where)\b")
+_CONSTANT = re.compile(r"([A-Z]\w*)\s*=")
+_IN_BODY = re.compile(r"[=<>~]|\bin\b")
+_COMPARISON = re.compile(r"[<>!=]=")
+_HEAD = re.compile(r"\)\s*(=[^=,]*|distinct)?\s*$|\n\s*[A-Z]\w*\([^:]*$")
 
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 _EMPHASISED = re.compile(r"\x1b\[1m(.*?)\x1b\[0m", re.DOTALL)
@@ -55,23 +70,48 @@ def explain(
         return _without_value(names, source, start, end)
     message = plain_message(error)
     at, length = _place(error, source, start, end)
-    hint = _hint(message)
     for sign, what in _AT_SIGN.items():
         where = source.text if sign == "${" else source.skeleton
         if message.startswith(what) and (found := where.find(sign, at, end)) >= 0:
             again = where.find(sign, found + 1, end) if sign == ":-" else found
             at, length = max(found, again), len(sign)
     value = source.original[at : at + length].strip()
-    if message == _NO_CONDITION and _FIELD.fullmatch(value):
-        hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
-    elif message == _NO_CONDITION and _PREDICATE.fullmatch(value):
-        message, hint = f"{value} is named without its arguments", f"Write {value}(...)."
-    elif message in _UNREAD and (known := _foreign(source.skeleton[at : at + length])):
-        hint = known
-    elif (made := source.skeleton.find(":=", start, end)) >= 0 and ":-" in source.text[start:made]:
+    made = source.skeleton.find(":=", start, end)
+    if made >= 0 and ":-" in source.text[start:made]:
         at, length, message = made, 2, "':=' can't be used in the body of a rule"
         hint = "Write '=' for a value; ':=' makes a predicate from another."
+    else:
+        message, hint = _with_hint(message, value, source, (at, at + length), (start, end))
     return diagnostic_at(source.original, at, length, message, hint)
+
+
+def _with_hint(
+    message: str, value: str, source: Prepared, place: tuple[int, int], statement: tuple[int, int]
+) -> tuple[str, str]:
+    """Return a message as it fits a value at a place in a statement, and a hint or ""."""
+    if message == _NO_FIELD and re.search(r"[^\w.]", value):
+        message = _NO_EXPRESSION
+    if message in _UNREAD:
+        hint = _beside(source.skeleton, place[0], *statement)
+        if hint := hint or _foreign(source.skeleton[slice(*place)]):
+            return message, hint
+    if message == _NO_CONDITION and _FIELD.fullmatch(value):
+        hint = f"A value alone is not a condition: write {value} == true, or name it: x = {value}."
+        return message, hint
+    if message == _NO_CONDITION and _PREDICATE.fullmatch(value):
+        return f"{value} is named without its arguments", f"Write {value}(...)."
+    if message in _TOO_MANY_EQUALS and _COMPARISON.search(value):
+        before, _, compared = value.partition("=")
+        return message, f"Put the comparison in parentheses: {before}= ({compared.strip()[:60]})."
+    if message.startswith(_TWO_SIGNS) and not _HEAD.search(source.skeleton, statement[0], place[0]):
+        return f"{_TWO_SIGNS} in one rule", "Aggregates use braces: Sum{x :- Item(x)}."
+    if message == _NOT_IN_HEAD and _INSTEAD_OF_SIGN.match(value):
+        return message, "Write ':-' between the head and the body."
+    if message == _NO_HEAD and (constant := _CONSTANT.match(value)):
+        return message, f"A predicate has parentheses, also a constant: {constant[1]}() = 0.5;"
+    if message == _NO_HEAD and statement[0] and _IN_BODY.search(source.skeleton, *statement):
+        return message, "A ';' ends a rule; write ',' between its conditions."
+    return message, _hint(message)
 
 
 def plain_message(error: BaseException) -> str:
@@ -107,8 +147,20 @@ def _without_value(names: list[str], source: Prepared, start: int, end: int) -> 
     others = {*re.findall(r"(?<![\w.`@])[a-z_]\w*(?![\w(])", rule)} - {*names} - _WORDS
     close = closest(culprits[0], others)
     places = _mentions(culprits[0], rule) or [0]
-    hint = f"Did you mean {close}?" if close else _hint(message)
+    hint = f"Did you mean {close}?" if close else _value_hint(culprits[0], rule[: places[0]])
     return diagnostic_at(source.original, start + places[0], len(culprits[0]), message, hint)
+
+
+def _value_hint(name: str, before: str) -> str:
+    """Return what a variable without a value is meant to be."""
+    if name in SENSOR.names:
+        return f"Write sensor.{name}."
+    table = next((each for each, columns in INPUTS.items() if name in columns), "")
+    if table:
+        return f"Take it from {table}({', '.join(f'{column}:' for column in INPUTS[table])})."
+    if re.search(r"(label|object|robot_name)\s*(!=|==?)\s*$", before):
+        return f'A text is written in quotes: "{name}".'
+    return _hint("nothing says what")
 
 
 def _mentions(name: str, rule: str) -> list[int]:
@@ -116,16 +168,16 @@ def _mentions(name: str, rule: str) -> list[int]:
     return [found.start() for found in re.finditer(pattern, rule)]
 
 
-_AT_SIGN = {":-": "there are two ':-'", "|": "'|' can't be used", "${": "a text can't hold"}
+_AT_SIGN = {":-": _TWO_SIGNS, "|": "'|' can't be used", "${": "a text can't hold"}
 """Messages that are better shown at the sign they are about."""
 
 _WORDS = frozenset({"if", "then", "else", "in", "is", "not", "distinct", "null", "true", "false"})
 
 _PLAIN = (
-    (r"^Could not parse expression", "this is not an expression"),
+    (r"^Could not parse expression", _NO_EXPRESSION),
     (r"^Could not parse proposition", _NO_CONDITION),
     (r"^Could not parse predicate call", "this is not a predicate with arguments"),
-    (r"^Found no call in rule head", "a rule starts with a predicate such as Robot(...)"),
+    (r"^Found no call in rule head", _NO_HEAD),
     (r"^Too many :-", "there are two ':-' in one rule; is a ';' missing before the second?"),
     (r"should have been split by :- ", "there are two ':-' here"),
     (r"^Unexpected :- in record", "a ':-' can't be used in parentheses"),
@@ -138,7 +190,7 @@ _PLAIN = (
     (r"^Aggregating predicate must be", "a head that aggregates needs the word distinct"),
     (r"^Aggregation of fields is only", "only the head of a rule can aggregate with '?'"),
     (r"^Aggregated fields have to", "what is aggregated needs a name before the '?'"),
-    (r"^Unexpected text in the head", "this does not belong in the head of a rule"),
+    (r"^Unexpected text in the head", _NOT_IN_HEAD),
     (r"^Too many '=' in predicate", "there is more than one '=' in the head of this rule"),
     (r"^Variables starting with x_", "names of variables can't start with x_"),
     (r"^Record fields may not start", "names of fields start with a lower case letter"),
@@ -146,7 +198,7 @@ _PLAIN = (
     (r"^Positional argument can not", "arguments without a name come before those with one"),
     (r"^Field \.\.<rest_of> must", "'..' comes last"),
     (r"^Field \.\.<rest_of> in record", "'..' can't be used in a record"),
-    (r"^Subscript must be", "names of fields are lower case"),
+    (r"^Subscript must be", _NO_FIELD),
     (r"^Array subscription must", "an index is a number, without a name"),
     (r"^Negation", "'~' goes before what it negates"),
     (r"^Incorrect syntax for functor", "this is not a predicate made from another"),
@@ -193,13 +245,14 @@ _HINTS = (
     (r"can't start with x_", "Choose another name."),
     (r"without a name come before", "Name all that follow, or move this one to the front."),
     (r"only the head|aggregated needs a name", "Heads aggregate like this: P(x, best? Max= v)."),
-    (r"made from another", "Write New := Old(Used: Other);"),
+    (r"made from another", "Write New := Old(Used: Other); a rule has ':-', and a value '='."),
     (r"in an aggregate or a negation", "Give the alternatives a predicate of their own."),
     (r"nothing to start from", "Add a rule of it that does not mention itself."),
     (r"can't be recursive", "Recursion works for predicates, not for functions."),
     (r"exactly one '='", "Heads aggregate like this: P(x, best? Max= v)."),
     (r"whole row", "Name the columns that you need."),
     (r"at least one column", "Give it an argument or a value."),
+    (r"head of this rule can't", "The word distinct comes last in a head, before ':-'."),
     (r"not all branches", "Give every branch the same fields."),
     (r"aggregate differently", "Use the same aggregate in all of them."),
     (r"does not use", "Name a predicate that its rules mention."),
@@ -213,21 +266,56 @@ _HINTS = (
 )  # fmt: skip
 
 
+_IF = "(if a < b then c else d)"
 _FOREIGN = (
+    (r"[\u2018\u2019\u201c\u201d]", "Write plain quotes: '...' or \"...\"."),
     (r"\A(//|--|/\*)", "Comments begin with '#'."),
     (r"\n(?P<next>[A-Z@]\w*)", "Rules end with ';'. Is one missing before {next}?"),
-    (r"\A(?=.*\bthen\b)(?!.*\belse\b)", "Every 'if' needs an 'else': (if a < b then c else d)."),
+    (r"\bel(s?if|seif)\b", "Write 'else if', as in (if a < b then c else if d then e else f)."),
+    (r"\A(?=.*\bthen\b)(?!.*\belse\b)", f"Every 'if' needs an 'else': {_IF}."),
+    (r"\bthen\b.*\belse\b", f"Begin with 'if': {_IF}."),
     (r"(?<!\bis )\bnot\b", "Write ~(a == b) or ~P(x) for negation."),
     (r"\band\b", "Write ',' between conditions, and '&&' within an expression."),
     (r"\bor\b", "Write '|' between conditions, and '||' within an expression."),
+    (r"(?<!&)&(?!&)", "Write ',' between conditions, and '&&' within an expression."),
+    (r"\?.*:|\S\s+if\b", f"Write {_IF}."),
+    (r"\A(for|let|var|where)\b", "Leave this word out."),
+    (r"\bfor\b", "A body follows ':-', as in List{x :- x in [1, 2]}."),
+    (r"[\w)]\[", "An element of a list is Element(list, 0), Element(list, 1) ..."),
 )
 """Syntax of other languages, or forgotten parts, in a piece of text that can't be parsed."""
+
+_BESIDE = (
+    (r"[A-Z]\w*\s*\{\s*$", r"[^{}:]*,", "An aggregate takes one value, or a pair: x -> y."),
+    (r"[A-Z]\w*\s*\{\s*$", r"[^{}]*?\s[:|]\s", "A body follows ':-': List{x :- x in [1, 2]}."),
+    (r"\bin\s*\(\s*$", r"", "A list is in brackets: x in [1, 2]."),
+    (r"~\s*$", r"", "Put what is negated in parentheses: ~(a == b)."),
+    (r"=\s*$", r"\s*<", "Write '<='."),
+    (r"==\s*$", r"=", "Write '=='."),
+    (r"<\s*$", r">", "Write '!='."),
+    (r"", r"\S*\s*=>", "Write '>=' to compare."),
+    (r"[/-]$", r"[/-]\s", "Comments begin with '#'."),
+    (r",\s*$", r"\s*(;|\)|\}|$)", "Remove the ',' before it."),
+    (r"[-+*/%]\s*$", r"\s*-\s*\w", "Put a negative value in parentheses: a * (-b)."),
+    (r"[-+*/%]\s*$", r"\s*\w+\s*=(?!=)", "Compare with '==': a + b == c."),
+    (r"\bif\s+$", r"(?:(?!\bthen\b).)*?\belse\b", f"Every 'if' needs a 'then': {_IF}."),
+    (r"", r"\w+ [A-Z]\w*\s*=[^,]*[<>!=]=", "Put the comparison in parentheses: x Max= (a <= b)."),
+)
+"""What stands before a place, and from there on, of which the parser reads only a part."""
+
+
+def _beside(skeleton: str, at: int, start: int, end: int) -> str:
+    before, after = skeleton[start:at], skeleton[at:end]
+    for pattern, further, hint in _BESIDE:
+        if re.search(pattern, before) and re.match(further, after, re.DOTALL):
+            return hint
+    return ""
 
 
 def _foreign(piece: str) -> str:
     for pattern, hint in _FOREIGN:
         if found := re.search(pattern, piece, re.DOTALL):
-            return hint.format(**found.groupdict())
+            return hint.format(**found.groupdict()) if found.groupdict() else hint
     return ""
 
 

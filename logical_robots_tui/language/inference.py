@@ -22,7 +22,13 @@ from logical_robots_tui.schema import MAIN, OBJECTS, VALUE
 _ROUNDS = 6  # how far a kind is traced from predicate to predicate
 _MOST_STEPS = 100_000  # nested aggregates are visited repeatedly
 _LIST = "A list is needed here, such as sensor.radar, [1, 2] or Range(10)."
+_NEGATED = "Put what is negated in parentheses, as in !(a == b)."
 _CHOOSING = frozenset({"ArgMin", "ArgMax"})
+_OF_PAIRS = {
+    "Array": "order -> value",
+    "WeightedAverage": "weight -> value",
+    **dict.fromkeys(("ArgMax", "ArgMaxK", "ArgMin", "ArgMinK"), "what -> value"),
+}
 _LITERALS: Mapping[type[tree.Node], Kind] = {
     tree.Boolean: Plain.TRUTH,
     tree.Null: Plain.NULL,
@@ -210,7 +216,10 @@ class Inference:
             if clash(known, kind):
                 shown = self._source(pattern, "this")
                 what = f"{shown} is {describe(known)}; {describe(kind)} is needed here"
-                self._warn(pattern, what, types.repair(pattern, kind, known))
+                is_negated = isinstance(pattern, tree.Call) and pattern.name == "!"
+                self._warn(
+                    pattern, what, _NEGATED if is_negated else types.repair(pattern, kind, known)
+                )
             self._mention(pattern, kind)
             if isinstance(pattern, tree.Variable):
                 scope[pattern.name] = types.meet(known, kind)
@@ -330,7 +339,8 @@ class Inference:
                 if clash(kind, wanted := types.FUNCTIONS[node.name].wanted(place)):
                     what = f"{describe(kind)}; {node.name} takes {describe(wanted)}"
                     what = f"{self._source(argument, 'this')} is {what}"
-                    self._warn(argument, what, types.repair(argument, wanted, kind))
+                    hint = _NEGATED if node.name == "!" else types.repair(argument, wanted, kind)
+                    self._warn(argument, what, hint)
         return types.result_of(node.name, kinds)
 
     # -- types that do not fit -----------------------------------------------------------------
@@ -342,9 +352,21 @@ class Inference:
             if types.family(first) == types.family(second) == "record":
                 what = "these records have fields of different types"
             wanted, given = (second, first) if node is left else (first, second)
-            self._warn(node, what, types.repair(node, wanted, given))
+            hint = self._of_operators(left, right) or types.repair(node, wanted, given)
+            self._warn(node, what, hint)
         self._mention(left, second)
         self._mention(right, first)
+
+    def _of_operators(self, left: Expression, right: Expression) -> str:
+        """Return how to write ``!a == b`` or ``a < b < c``, or "" for other comparisons."""
+        if not isinstance(left, tree.Call):
+            return ""
+        if left.name == "!":
+            return _NEGATED
+        if left.name not in types.COMPARISONS or len(left.arguments) < 2:
+            return ""
+        first, middle = map(self._source, tree.operands(left.arguments))
+        return f"Compare twice: {first} with {middle}, and {middle} with {self._source(right)}."
 
     def _check_alike(self, name: str, nodes: Sequence[Expression], kinds: Sequence[Kind]) -> None:
         for place, (node, kind) in enumerate(zip(nodes, kinds, strict=True)):
@@ -366,7 +388,12 @@ class Inference:
         self._warn(node, what, hint, "error" if is_word or types.is_nested(kind) else "warning")
 
     def _check_sum(self, operator: str, node: Expression, kind: Kind) -> None:
-        if operator in types.ARITHMETIC or operator == "Agg+":
+        if operator in _OF_PAIRS and operator not in self._definitions:
+            is_misread = isinstance(node, tree.Call) and node.name in tree.JUNCTIONS
+            if (_is_scalar(kind) or isinstance(kind, ListOf)) and not is_misread:
+                what = f"{operator} takes pairs; {self._source(node, 'this')} is {describe(kind)}"
+                self._warn(node, what, f"Write {operator}{{{_OF_PAIRS[operator]} :- ...}}.")
+        elif operator in types.ARITHMETIC or operator == "Agg+":
             self._check_number("Sum" if operator == "Agg+" else operator, node, kind)
 
     def _check_column(

@@ -422,6 +422,31 @@ def equation_sides(part: Node) -> tuple[Expression, Expression] | None:
     return None
 
 
+class Infix(NamedTuple):
+    """An operator between two expressions."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+    @property
+    def sides(self) -> tuple[Expression, Expression]:
+        return self.left, self.right
+
+
+def infix_of(node: Node) -> Infix | None:
+    """Return an expression or a part of a body as an operator and its sides, if it is one."""
+    match node:
+        case Equation():
+            return Infix("==", node.left, node.right)
+        case Membership():
+            return Infix("in", node.element, node.collection)
+        case Atom() | Call() if not node.name[:1].isupper():
+            if [each.field for each in node.arguments] == ["left", "right"]:
+                return Infix(str(node.name), *operands(node.arguments))
+    return None
+
+
 def variable_of(node: Node | None) -> str:
     """Return the name of a variable, or "" for any other node."""
     return node.name if isinstance(node, Variable) else ""

@@ -12,6 +12,7 @@ from logical_robots_tui.clock import CLOCK, Clock
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import Source, load_program, programs_for
 from logical_robots_tui.game.victory import level_key
+from logical_robots_tui.player.best_runs import BestRuns
 from logical_robots_tui.player.drafts import Autosave, Drafts, UnsavedText, program_draft
 from logical_robots_tui.player.learning import Learning
 from logical_robots_tui.player.library import Library
@@ -192,6 +193,8 @@ class Player:
         library = self.library = Library(
             session, ui, recorder, drafts, autosave, program, opening.data_dir
         )
+        self.best_runs = BestRuns(session, ui, opening.data_dir / "best-runs")
+        session.listeners.append(self.best_runs)
         self.learning = Learning(session, ui, recorder, program, library.open_program, with_keys)
         self.bookmark = Bookmark(
             session, drafts, ui, library.open_level, library.open_program, library.look_at

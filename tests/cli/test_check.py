@@ -73,6 +73,29 @@ def test_what_the_web_platform_would_not_do_is_told_on_request(
     assert command("check", path, "--web", "--json").data["ok"] is True
 
 
+NAMED = """\
+Robot(robot_name:, desire: {left_engine: speed, right_engine: 1}, memory: "") :-
+  Sensor(robot_name:, sensor:),
+  short = sensor.forward_distance < 60, speed = (if short then 1 else 0);
+"""
+
+
+@pytest.mark.parametrize("options", [(), ("--web",), ("--level", "01-first-steps")])
+def test_a_comparison_that_gets_a_name_without_parentheses_is_told_once(
+    command: Command, tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    path = written(tmp_path, "named.l", NAMED)
+    told = command("check", path, *options)
+    assert told.status == 0
+    assert told.out.splitlines() == [
+        f"{path}:3:3: warning: '=' is read before '<': "
+        "this means (short = sensor.forward_distance) < 60",
+        "    short = sensor.forward_distance < 60, speed = (if short then 1 else 0);",
+        "    ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^",
+        "  Put the comparison in parentheses: short = (sensor.forward_distance < 60).",
+    ]
+
+
 SEEKING = """\
 Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: "") :-
   Sensor(robot_name:, sensor:), sensor.forward_label != "Hrbour";

@@ -83,18 +83,28 @@ def test_without_a_terminal_the_game_says_so_in_one_line_and_points_to_run(
     assert "logical-robots run LEVEL PROGRAM" in told.err
 
 
-def test_a_dumb_terminal_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    script = "import os; os.environ['TERM'] = 'dumb'; import logical_robots_tui.cli.main as m; "
-    with in_terminal("levels") as terminal:  # a terminal as such is fine with the lists
-        assert terminal.finish() == 0
-    done = subprocess.run(
-        [sys.executable, "-c", script + "raise SystemExit(m.main([]))"],
+def begun_after(script: str) -> subprocess.CompletedProcess[str]:
+    """Begin the game in a process of its own, after a script."""
+    begin = "import logical_robots_tui.cli.main as m; raise SystemExit(m.main([]))"
+    return subprocess.run(
+        [sys.executable, "-c", f"{script}; {begin}"],
         capture_output=True,
         text=True,
         check=False,
         timeout=PATIENCE,
     )
+
+
+def test_a_dumb_terminal_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    with in_terminal("levels") as terminal:  # a terminal as such is fine with the lists
+        assert terminal.finish() == 0
+    done = begun_after("import os; os.environ['TERM'] = 'dumb'")
     assert (done.returncode, "needs a terminal" in done.stderr) == (2, True)
+
+
+def test_a_stream_that_is_no_terminal_is_named() -> None:
+    done = begun_after("import sys; sys.stdin.isatty = sys.stdout.isatty = lambda: True")
+    assert (done.returncode, "for standard error too." in done.stderr) == (2, True)
 
 
 def test_an_unknown_command_is_refused(command: Command) -> None:

@@ -47,6 +47,12 @@ CASES = {
         "Change `20.5` to `36.1` in line 1: `ray.distance` is 36, 15.5 too much.",
         "36.1",
     ),
+    "parentheses around a comparison": Case(
+        "Near(robot_name:) :- Sensor(robot_name:, sensor:), n = sensor.forward_distance < 60,\n"
+        "  n == false || Sqrt(n) > 0;",
+        "Put `sensor.forward_distance < 60` in line 1 in parentheses: `=` is read before `<`.",
+        "(sensor.forward_distance < 60)",
+    ),
     "a threshold in a function": Case(
         "IsFar(x) :- x > 500;\n"
         "Near(robot_name:) :- Sensor(robot_name:, sensor:), IsFar(sensor.forward_distance);",

@@ -53,6 +53,15 @@ async def test_of_a_program_in_which_all_is_used_there_is_nothing_to_tell(tmp_pa
     assert extent(found) == "Ticks 1 to 6, not won."
 
 
+async def test_a_comparison_beside_an_equation_is_told_with_what_it_lacks(tmp_path: Path) -> None:
+    text = f"""Robot(robot_name:, {ENGINES}, memory: short) :-
+    Sensor(robot_name:, sensor:), short = sensor.forward_distance < 0;"""
+    found = the(await diagnosed(tmp_path, text), "no rows")
+    assert found.span is not None
+    assert found.span.text == "short = sensor.forward_distance < 0"
+    assert "at best short = sensor.forward_distance was" in found.message
+
+
 async def test_alternatives_that_only_test_are_examined(tmp_path: Path) -> None:
     text = f"""Num(1); Num(2); Odd(robot_name:) :- Sensor(robot_name:), Num(x), (x > 5 | x < 0);
     Robot(robot_name:, {ENGINES}, memory: "") :- Sensor(robot_name:), ~Odd(robot_name:);"""

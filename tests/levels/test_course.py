@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from docs.learn import FOLDER, PICTURES, files
 from tests.levels.playing import LEVELS, program_text, solution_of
 
@@ -22,3 +24,10 @@ def test_the_course_comes_without_solutions() -> None:
 
 def test_there_is_no_picture_of_a_level_that_is_gone() -> None:
     assert {p for p in files() if p.suffix == ".svg"} == set((FOLDER / PICTURES).iterdir())
+
+
+def test_code_in_hints_is_shown_as_it_is_typed() -> None:
+    page = files()[FOLDER / "learn.md"]
+    code = re.findall(r"`[^`\n]+`", page)
+    assert code
+    assert not [piece for piece in code if re.search("&(lt|gt|amp);", piece)]

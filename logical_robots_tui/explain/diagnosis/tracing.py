@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any
 
 from logical_robots_tui.explain.bodies import (
@@ -12,6 +12,7 @@ from logical_robots_tui.explain.bodies import (
     in_order,
     parameters,
     part_kind,
+    without_equations,
 )
 from logical_robots_tui.explain.diagnosis.sites import Field, Stands
 from logical_robots_tui.explain.diagnosis.watching import At, Segment, Trail, Watching
@@ -305,7 +306,8 @@ class Tracer(Watching):
         self._emit(at.trail, gives=number, who=who, is_robot=tells_robot)
 
     def _parts(self, parts: Sequence[Proposition], at: At) -> At | None:
-        ordered, left = in_order(parts, at.scope, at.known)
+        lifted = [(*before, part) for part, before in map(without_equations, parts)]
+        ordered, left = in_order(chain.from_iterable(lifted), at.scope, at.known)
         for part, known in ordered:
             at = self._part(part, at, known)
         return None if left else at

@@ -107,6 +107,12 @@ class Nearest:
             yield 5.0, _removal(sign, f"`{span.text[1:].strip()}` has rows")
         elif step.kind == "call" and call is not None and call.predicate not in INPUTS:
             yield from self._of_call(call, span, stop.ways, binds=bool(step.gives))
+        elif step.misread is not None:
+            if (meant := step.misread.meant) is not None:
+                said = f"Put `{meant.text}` in line {meant.line} in parentheses: "
+                said += f"`=` is read before `{step.misread.operator}`."
+                written = self._program.text[meant.start : meant.stop]
+                yield 0.0, Suggestion(said, meant, f"({written})")
         elif step.kind in ("condition", "value"):
             yield from self._of_condition(span, step.terms, stop.ways)
             if not step.gives:

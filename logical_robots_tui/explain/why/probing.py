@@ -140,6 +140,19 @@ class Term:
 
 
 @dataclass(frozen=True, slots=True)
+class Misread:
+    """An operator with an equation as a side: ``short = distance < 60``.
+
+    Attributes:
+        meant: What would have to be in parentheses, or None if nothing would.
+    """
+
+    operator: str
+    sides: tuple[Term, Term]
+    meant: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Step:
     """One part of a clause.
 
@@ -160,6 +173,7 @@ class Step:
     call: Call | None = None
     denied: Body | None = None
     reads: tuple[Term, ...] = ()
+    misread: Misread | None = None
 
 
 @dataclass(frozen=True, slots=True)

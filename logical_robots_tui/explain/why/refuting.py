@@ -20,6 +20,7 @@ from logical_robots_tui.explain.why.explanation import Ask, Node, spell_call, un
 from logical_robots_tui.explain.why.probing import (
     Call,
     Clause,
+    Misread,
     Probing,
     RuleParts,
     Span,
@@ -32,7 +33,7 @@ from logical_robots_tui.mind.relations import Way, same
 from logical_robots_tui.mind.sqlite.database import Scalar
 from logical_robots_tui.mind.sqlite.stored import from_sql, to_sql
 from logical_robots_tui.schema import INPUTS
-from logical_robots_tui.values import Value
+from logical_robots_tui.values import Value, spell
 
 _MOST_WAYS = 1_000
 _EXAMPLES = 100
@@ -228,6 +229,8 @@ class Refuting:
                 said = unlike_types(one, other) or said
         else:
             inside = tuple(self._examples(terms, reached))
+        if step.misread is not None:
+            said = _misread(step.misread, way if reached.ways == 1 else None)
         return Node(
             "call" if step.kind == "function" else step.kind,
             text,
@@ -323,6 +326,18 @@ class Refuting:
         if sql is None:
             return None
         return next(iter(self._relations.ways(sql, self._given, wanted)), None)
+
+
+def _misread(found: Misread, way: Way | None) -> str:
+    """Return what an operator has on its sides, of which one is an equation."""
+    shown = []
+    for term in found.sides:
+        text = term.span.text if term.kind == "literal" else f"`{term.span.text}`"
+        if way is not None and term.kind != "literal" and term.column in way:
+            text += f" ({spell(value_of(way, term.column))})"
+        shown.append(text)
+    verb = "joins" if found.operator in ("&&", "||") else "compares"
+    return f"{verb} {' with '.join(shown)}"
 
 
 class _Refuted(NamedTuple):

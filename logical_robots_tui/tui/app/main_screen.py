@@ -31,6 +31,7 @@ from logical_robots_tui.tui.commands.keymap import (
 from logical_robots_tui.tui.inspector.page import Placed, Sighted
 from logical_robots_tui.tui.inspector.pane import InspectorPane
 from logical_robots_tui.tui.labyrinth.briefing import Briefing, BriefingCard
+from logical_robots_tui.tui.labyrinth.ghost import GhostController
 from logical_robots_tui.tui.labyrinth.pane import LabyrinthPane
 from logical_robots_tui.tui.labyrinth.victory import VictoryAnnouncer
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPut
@@ -39,6 +40,7 @@ from logical_robots_tui.tui.layout.arrangement import (
     LEAST_WIDTH,
     Arrangement,
     Layout,
+    Needs,
     Pane,
 )
 from logical_robots_tui.tui.layout.command_bar import (
@@ -61,6 +63,7 @@ from logical_robots_tui.tui.timeline.widget import Timeline
 from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
+    from logical_robots_tui.mind import Program
     from logical_robots_tui.player.recorder import ProgressRecorder
     from logical_robots_tui.tui.labyrinth.drawing.cells import Palette
     from logical_robots_tui.tui.labyrinth.drawing.glyphs import Drawing
@@ -108,6 +111,7 @@ class MainScreen(Screen[None], SessionListener):
         self._focus_before: Widget | None = None
         self._drawn: tuple[Level, Frame, bool] | None = None
         self._lines_drawn_at = float("-inf")
+        self._suited = ""
 
     def _make_controllers(self) -> None:
         session, ui, recorder, data_dir = self.session, self.ui, self.recorder, self.data_dir
@@ -144,6 +148,7 @@ class MainScreen(Screen[None], SessionListener):
         self.replays = Replays(
             session, ui, data_dir / "replays", library.programs, library.open_with
         )
+        self.ghost = GhostController(session, ui, view, self.player.best_runs, data_dir / "replays")
         self.search = Search(session, ui, self.timeline_controller.go_to)
         self.announcer = VictoryAnnouncer(
             session,
@@ -157,7 +162,7 @@ class MainScreen(Screen[None], SessionListener):
             following=library.following,
             run=self.action_command,
         )
-        heard = [self.editing, recorder, self.announcer, self.timeline_controller, self]
+        heard = [self.editing, recorder, self.announcer, self.timeline_controller, self.ghost, self]
         session.listeners += heard
 
     def _look_of_pictures(self) -> tuple[Drawing, Palette] | None:
@@ -186,12 +191,14 @@ class MainScreen(Screen[None], SessionListener):
         ending = key_bindings(*map(command, ends), does="test")
         self._bindings = BindingsMap.merge([ending, self._own_keys])
 
-    def _suit(self, level: Level) -> None:
-        self.arrangement.aspect = level.width / level.height
+    def _suit(self, level: Level, text: str) -> None:
+        self._suited = self.session.source.draft
+        rows = self.inspector.rows_of(level, text)
+        self.arrangement.suit(Needs.of(level.width / level.height, text, rows))
 
     def compose(self) -> ComposeResult:
-        self._suit(self.session.level)
         self._fit(self.app.size)
+        self._suit(self.session.level, self.player.first_text)
         yield from (self._status, self._tabs, self.arrangement.container)
         yield from (self._too_small, self.timeline, self._bar)
 
@@ -229,10 +236,13 @@ class MainScreen(Screen[None], SessionListener):
     # -- for the parts -------------------------------------------------------------------------
 
     def level_opened(self, level: Level) -> None:
-        self._suit(level)
-        self.arrangement.show()
+        self._suit(level, self.program.text)
         self.labyrinth.select(None)
         self.scheduler.soon()
+
+    def program_used(self, program: Program) -> None:
+        if self.session.source.draft != self._suited:
+            self._suit(self.session.level, self.program.text)
 
     def quit(self) -> None:
         player = self.player
@@ -338,6 +348,10 @@ class MainScreen(Screen[None], SessionListener):
     @on(Pane.Pulled)
     def _side_pulled(self, event: Pane.Pulled) -> None:
         self.arrangement.pull(event.pane, event.side, *event.moved)
+
+    @on(Pane.Filled)
+    def _pane_filled(self, event: Pane.Filled) -> None:
+        self.arrangement.grow(event.rows)
 
     @on(Pane.Retitled)
     def _pane_retitled(self) -> None:

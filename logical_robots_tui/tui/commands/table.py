@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 running: Group[MainScreen] = Group("Running")
 running.add("run", "Run or pause", "space f5", general.run,
-    "Run the robots or pause them; also cancels a computation under way.",
+    "Run the robots or pause them; also stops a calculation that is still running.",
     bar="Run", place="anywhere", also="start play pause stop go")
 running.add("step", "Step", "n full_stop f8", general.step, "Compute one tick.", bar="Step")
 running.add("back", "Step back", "p comma", lambda s: s.session.back(),
@@ -51,9 +51,9 @@ time.add("next_mark", "Next mark", "right_curly_bracket",
 time.add("search_ticks", "Search ticks…", "Q", lambda s: s.search.ask(),
     "Ask any question in Logica, and go to the next tick in which it holds.", worker="seek")
 time.add("next_match", "Next match", "semicolon", lambda s: s.search.go(1),
-    "Go to the next tick in which the question that was searched for holds.", worker="seek")
+    "Go to the next tick in which your last question holds.", worker="seek")
 time.add("previous_match", "Previous match", "colon", lambda s: s.search.go(-1),
-    "Go to the previous tick in which the question that was searched for holds.", worker="seek")
+    "Go to the previous tick in which your last question holds.", worker="seek")
 time.add("breakpoints", "Breakpoints", "B", lambda s: s.timeline_controller.breakpoints(),
     "List, add, switch off or delete breakpoints: events and questions that end a run.",
     also="stop debug")
@@ -137,7 +137,7 @@ learning.add("stop_measuring", "Stop the robustness test", "", general.stop_meas
     "Stop trying the program from shifted starts.")
 
 making: Group[MainScreen] = Group("Making levels")
-making.add("edit_level", "Edit the level", "M", lambda s: s.editing.open(),
+making.add("edit_level", "Edit the level", "M", lambda s: s.editing.toggle(),
     "Edit the labyrinth, even while the robots run; the same key ends it.", also="map walls")
 making.add("new_level", "New level…", "H", lambda s: s.editing.make_level(),
     "Make a level: an empty room, a random labyrinth, or a copy of any level.", worker="dialog",
@@ -252,12 +252,19 @@ view.add("wider_labyrinth", "Wider labyrinth", "L", lambda s: s.arrangement.chan
     "Give the labyrinth more columns.")
 view.add("taller_inspector", "Taller inspector", "I", lambda s: s.arrangement.change(0, 2),
     "Give the inspector more rows.")
-view.add("taller_labyrinth", "Taller labyrinth", "G", lambda s: s.arrangement.change(0, -2),
+view.add("taller_labyrinth", "Taller labyrinth", "underscore",
+    lambda s: s.arrangement.change(0, -2),
     "Give the labyrinth more rows.")
 view.add("cones", "Cones", "y", general.cones, "Show or hide what the robots' radars reach.")
 view.add("single_rays", "Single rays", "Y", general.single_rays,
     "Show or hide each ray of the selected robot.")
 view.add("trails", "Trails", "u", general.trails, "Show or hide where the robots came from.")
+view.add("ghost", "Ghost", "G", lambda s: s.ghost.toggle(),
+    "Show or hide the robots of your best run of this level, faintly, to race against.",
+    worker="ghost", also="best run race compare")
+view.add("race_replay", "Race a replay…", "", lambda s: s.ghost.choose(),
+    "Show the robots of a saved replay of this level, faintly, to race against.",
+    worker="ghost", also="ghost compare")
 view.add("drawing", "Drawing style", "d", general.drawing,
     "Draw the labyrinth in quadrants, half blocks, sextants, or plain characters.")
 

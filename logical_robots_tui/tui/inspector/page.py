@@ -13,7 +13,7 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
-from logical_robots_tui.game import MIND, Frame, Superseded
+from logical_robots_tui.game import Frame, Superseded
 from logical_robots_tui.mind import QueryError
 from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.line_views import LinesView
@@ -99,6 +99,8 @@ class Page(Vertical):
     """The page beside it in a wide inspector."""
     replays: ClassVar[bool] = True
     """Whether it computes past ticks with the current program, which may not have decided them."""
+    fills: ClassVar[bool] = False
+    """Whether it shows more where there is more room."""
     table: ValueTable | None = None
     predicate = ""
     """The predicate to show, of a page for predicates."""
@@ -302,6 +304,7 @@ def traced_value(
     """
     from logical_robots_tui.explain import Ask
     from logical_robots_tui.explain.why.explanation import Subject
+    from logical_robots_tui.game import MIND
 
     subject = Subject(path=path)
     whose = next((row[name] for name in (MIND, "robot_name") if name in row), robot)

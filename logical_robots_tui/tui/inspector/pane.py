@@ -20,10 +20,12 @@ from logical_robots_tui.tui.commands.keymap import with_keys
 from logical_robots_tui.tui.inspector.page import Page, Placed, Sighted, Traced, traced_pin
 from logical_robots_tui.tui.inspector.questions import NO_PROGRAM, Questions, Survey
 from logical_robots_tui.tui.inspector.register import PAGES
-from logical_robots_tui.tui.layout.arrangement import Pane
+from logical_robots_tui.tui.layout.arrangement import HIGHEST_TABLE, Pane
 from logical_robots_tui.tui.layout.dialogs import Listing
+from logical_robots_tui.tui.program.completion import definitions
 from logical_robots_tui.tui.theme.themes import INK
 from logical_robots_tui.wording import one_line
+from logical_robots_tui.world import Level
 
 if TYPE_CHECKING:
     from logical_robots_tui.game import Pin
@@ -53,6 +55,9 @@ _NOT_TRACED = (
 MARKS = {"input": ("◂", INK.robot), "program": ("•", INK.key), "prelude": ("◦", INK.dim)}
 """The sign and colour of each kind of predicate."""
 
+_INPUTS = 2  # Sensor and Memory
+_LISTED = 14  # entries, at most, that the list makes room for
+_AROUND_ROBOTS = 4  # lines of their page that are about no robot or about one
 _CHANGED = "•"
 _NARROWEST = 12  # columns of an entry
 
@@ -79,7 +84,7 @@ class InspectorPane(Pane):
         self._pages = {first.id: first.load()(first, self.questions)}
         self._row = Horizontal(*self._pages.values(), id="pages")
         super().__init__(Horizontal(self._list, self._row), briefing, title="Inspector")
-        self._is_roomy = False
+        self._is_roomy = self._is_unmeasured = False
         self._selected = first.id
         self._survey: Survey | None = None
         self._following: Frame | None = None
@@ -172,6 +177,9 @@ class InspectorPane(Pane):
         self._selected = name
         if self.page.entry.scope == "predicate":
             self.page.predicate = name
+        self._is_unmeasured = True
+        if self.page.fills:
+            self.post_message(self.Filled(HIGHEST_TABLE - 2))
         self.post_message(Sighted(None, self._session.frame))
         self._cancel()
         self.follow()
@@ -288,9 +296,27 @@ class InspectorPane(Pane):
             for page in wanted:
                 await page.show(frame)
             if self._session.running:
+                self._is_unmeasured = True
                 await asyncio.sleep(_INTERVAL)
             else:
                 await self._count_rows(frame)
+                if self._is_unmeasured:
+                    self._is_unmeasured = False
+                    self.screen.call_after_refresh(self._measure)
+
+    @staticmethod
+    def rows_of(level: Level, text: str) -> int:
+        """Return how many rows a level and a program will fill at first."""
+        listed = sum(page.is_listed for page in PAGES) + _INPUTS + len(definitions(text))
+        return max(min(listed, _LISTED), len(level.robots) + _AROUND_ROBOTS)
+
+    def _measure(self) -> None:
+        rows = [min(self._list.virtual_size.height, _LISTED)]
+        for page in self._wanted:
+            view = page.table_here or page.view
+            if page.display and view.display:
+                rows.append(page.size.height - view.size.height + view.virtual_size.height)
+        self.post_message(self.Filled(max(rows)))
 
     async def _count_rows(self, frame: Frame) -> None:
         if not self.display:

@@ -16,7 +16,7 @@ from logical_robots_tui.tui.labyrinth.drawing.viewport import Sight
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView, RobotPointed
 from logical_robots_tui.tui.layout.arrangement import Pane
 from logical_robots_tui.tui.theme.themes import INK, palette_of, robot_ink
-from logical_robots_tui.wording import clip, one_line
+from logical_robots_tui.wording import clip, count_of, one_line
 from logical_robots_tui.world import Level, Robot, RobotState
 
 if TYPE_CHECKING:
@@ -87,7 +87,10 @@ class LabyrinthPane(Pane, can_focus=True):
             Sight.FREE: times,
             Sight.FOLLOW: f"{clip(one_line(self.view.selected or ''), 12)} {times}",
         }
-        note = words[camera.sight]
+        note, ghost = words[camera.sight], self.view.ghost
+        if ghost is not None:
+            told = f"ghost: {count_of(ghost.last, 'tick')}"
+            note = f"{note} · {told}" if note else told
         self.note(note if self.view.overlay is None else f"editing {note}".rstrip())
         self.select(self.view.selected)
 

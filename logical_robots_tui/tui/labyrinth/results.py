@@ -205,10 +205,10 @@ class Results(Question):
         self._recorder, self._said, self._seed = recorder, said, seed
         self._story, self._picture = story, picture
         self._rows = self._table()
+        self._parts = [Static(id=name) for name in ("said", "goals", "table")]
 
     def content_widgets(self) -> ComposeResult:
-        yield Static(id="said")
-        yield Static(id="goals")
+        yield from self._parts[:2]
         if self._story:
             yield Static(Content("\n".join(wrap(one_line(self._story), STORY_WIDTH))), id="story")
         if self._picture is not None:
@@ -216,7 +216,7 @@ class Results(Question):
         with Horizontal(id="answers"):
             for name, label in self._answers:
                 yield Button(Content(label), id=f"answer-{name}", compact=True)
-        yield Static(id="table")
+        yield self._parts[2]
 
     def on_mount(self) -> None:
         super().on_mount()
@@ -244,11 +244,12 @@ class Results(Question):
         if lines and self.app.size.height >= _ROOMY:
             lines = [Content(""), *lines, Content("")]
         chance = random.Random(self._seed)  # noqa: S311 - confetti
-        said = Content("\n").join(_with_confetti(line, width, chance) for line in lines)
-        self.query_one("#said", Static).update(said)
-        self.query_one("#goals", Static).update(Content("\n").join(goals))
-        self.query_one("#table", Static).update(Content("\n").join([*table, Content(""), meant]))
-        self.query_one("#said").display, self.query_one("#goals").display = bool(lines), bool(goals)
+        said = [_with_confetti(line, width, chance) for line in lines]
+        for part, rows in zip(
+            self._parts, (said, goals, [*table, Content(""), meant]), strict=True
+        ):
+            part.update(Content("\n").join(rows))
+            part.display = bool(rows)
 
     def on_key(self, event: events.Key) -> None:
         """Answer by the key of a command, which the player may have changed.

@@ -27,12 +27,13 @@ from logical_robots_tui.tui.terminal.diff_app import paint_target_of
 from logical_robots_tui.tui.terminal.textual_internals import mark_rendered_stale
 from logical_robots_tui.tui.theme.themes import palette_of
 from logical_robots_tui.world import RobotState
-from logical_robots_tui.world.level import Level
+from logical_robots_tui.world.level import Level, alike
 from logical_robots_tui.world.sensing import ROBOT_RADIUS
 from logical_robots_tui.world.world import Pose
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.frame import Frame
+    from logical_robots_tui.game.ghost import Ghost
 
 
 _PICK_REACH = 2.5  # columns beside a robot within which it is picked
@@ -103,6 +104,7 @@ class LabyrinthView(Widget):
     selected: reactive[str | None] = reactive[str | None](None, repaint=False)
     camera: reactive[Camera] = reactive(Camera(), repaint=False)
     palette: reactive[Palette | None] = reactive[Palette | None](None, repaint=False)
+    ghost: reactive[Ghost | None] = reactive["Ghost | None"](None, repaint=False)
 
     class Looked(Message):
         """The player has changed the view."""
@@ -249,7 +251,12 @@ class LabyrinthView(Widget):
             cells = draw_senses(self._level, self._frame, *self.size, look)
         else:
             now, traces = self._frame, self._traces
-            cells = self._picture.draw(self._level, now, view, look, traces, hurried=self._hurried)
+            race, ghosts = self.ghost, None
+            if race is not None and self.overlay is None and alike(race.level, self._level):
+                ghosts = race.at(now.tick)
+            cells = self._picture.draw(
+                self._level, now, view, look, traces, ghosts=ghosts, hurried=self._hurried
+            )
             if self.overlay is not None:
                 cells = cells.copy()
                 self.overlay.paint(Canvas(cells, view, look))
@@ -365,6 +372,8 @@ class LabyrinthView(Widget):
     def watch_camera(self) -> None:
         self.redraw()
         self.post_message(self.Looked())
+
+    watch_ghost = watch_camera
 
     def watch_selected(self) -> None:
         self._look(self._followed(at_once=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple, Self
 
 from textual import events
 from textual.containers import Container
@@ -42,6 +42,12 @@ class Pane(Container):
         pane: Pane
         side: str
         moved: Offset
+
+    @dataclass
+    class Filled(Message):
+        """A page has been chosen, or a run has ended; rows that what is shown would take."""
+
+        rows: int
 
     def __init__(self, *children: Widget, title: str) -> None:
         super().__init__(*children, id=self.command_id)
@@ -103,8 +109,11 @@ _WIDE_FROM = (110, 24)
 _TALL_FROM = 46
 _NARROWEST, _LOWEST = 30, 6  # the smallest columns and rows of a pane, with its border
 
-_WIDEST_TEXT, _HIGHEST_TABLE = 96, 26
-"""Columns of the program and rows of the inspector above which the labyrinth gets the rest."""
+_LEAST_TEXT, _WIDEST_TEXT = 70, 96
+"""Columns of the program below which it leaves none to the labyrinth, and above which all."""
+_LEAST_TABLE, HIGHEST_TABLE = 8, 26
+"""Rows of the inspector below which it leaves none to the labyrinth, and above which all."""
+_BESIDE_TEXT, _BELOW_TEXT = 9, 3  # line numbers, cursor, bar and border; help and border
 
 
 class Layout(Enum):
@@ -122,6 +131,34 @@ class Layout(Enum):
     @property
     def is_roomy(self) -> bool:
         return self in (Layout.WIDE, Layout.TALL)
+
+
+class Needs(NamedTuple):
+    """What the panes hold when a level or a program is opened.
+
+    `aspect` is the width of the map by its height, `lines` are the lengths of the program's lines,
+    `code` that of the longest one which is no comment. `rows` are what the inspector shows, most
+    of all pages since then.
+    """
+
+    aspect: float = math.inf
+    lines: tuple[int, ...] = ()
+    code: int = _WIDEST_TEXT
+    rows: int = HIGHEST_TABLE
+
+    @classmethod
+    def of(cls, aspect: float, text: str, rows: int) -> Self:
+        lines = text.split("\n")
+        code = (len(line) for line in lines if not line.lstrip().startswith("#"))
+        return cls(aspect, tuple(map(len, lines)), max(code, default=0), rows)
+
+    def program_rows(self, columns: int) -> int:
+        room = max(columns - _BESIDE_TEXT, 1)
+        return sum(max(math.ceil(length / room), 1) for length in self.lines) + _BELOW_TEXT
+
+    def map_rows(self, columns: int) -> int:
+        """Rows of the labyrinth above which the map has nothing to fill them with."""
+        return math.ceil((columns - 2) / (CELL_ASPECT * self.aspect)) + 2
 
 
 class Shares(NamedTuple):
@@ -153,23 +190,28 @@ def layout_for(width: int, height: int) -> Layout:
     return Layout.TALL if height >= _TALL_FROM else Layout.NARROW
 
 
-def grid_for(
-    layout: Layout, width: int, height: int, shares: Shares, aspect: float = math.inf
-) -> Grid:
-    """Return the sizes of panes around a map that is `aspect` times as wide as high."""
-    room = height - 2  # status and command bar
-    inspector = min(max(round(0.3 * height), 8), _HIGHEST_TABLE)
-    if layout is Layout.WIDE:
-        program = min(round(width * 4 / 9), _WIDEST_TEXT)
-        beside = width - CELL_ASPECT * aspect * (room - inspector - 2) - 2  # what the map leaves
-        if beside > program:
-            program = min(int(beside), _WIDEST_TEXT)
-        wider = _within(program + shares.columns, _NARROWEST, width - _NARROWEST)
-        higher = _within(inspector + shares.rows, _LOWEST, room - _LOWEST)
-        return Grid(wider, higher, Shares(wider - program, higher - inspector))
-    program = (room - inspector) // 2
-    higher = _within(inspector + shares.rows, _LOWEST, room - program - _LOWEST)
-    return Grid(program, higher, Shares(shares.columns, higher - inspector))
+def grid_for(layout: Layout, width: int, height: int, shares: Shares, needs: Needs) -> Grid:
+    """Return the sizes of panes; cells that the map has no use for go to the others."""
+    room = height - 3  # status, timeline and command bar
+    wanted = max(needs.rows + 2, _LEAST_TABLE)
+    inspector = min(wanted, max(round(0.3 * height), _LEAST_TABLE), HIGHEST_TABLE)
+    if layout is not Layout.WIDE:
+        map_rows = needs.map_rows(width)
+        used = max(map_rows + needs.program_rows(width), 2 * _LOWEST)
+        inspector = max(inspector, min(wanted, room - used))
+        higher = _within(inspector + shares.rows, _LOWEST, room - 2 * _LOWEST)
+        left = room - higher
+        program = max(left // 2, left - map_rows)
+        return Grid(program, higher, Shares(shares.columns, higher - inspector))
+    usual = min(round(width * 4 / 9), _WIDEST_TEXT)
+    least = _within(needs.code + _BESIDE_TEXT, min(_LEAST_TEXT, usual), usual)
+    beside = width - CELL_ASPECT * needs.aspect * (room - inspector - 2) - 2  # what the map leaves
+    program = int(min(max(beside, least), _WIDEST_TEXT, width - _NARROWEST))
+    used = max(needs.map_rows(width - program), needs.program_rows(program), _LOWEST)
+    inspector = max(inspector, min(wanted, room - used))
+    wider = _within(program + shares.columns, _NARROWEST, width - _NARROWEST)
+    higher = _within(inspector + shares.rows, _LOWEST, room - _LOWEST)
+    return Grid(wider, higher, Shares(wider - program, higher - inspector))
 
 
 def _within(number: int, least: int, most: int) -> int:
@@ -188,11 +230,10 @@ class Arrangement:
         """The layout for the terminal's size."""
         self.is_one_large = False
         """Whether the active pane fills the screen."""
-        self.aspect = math.inf
-        """Width of the map by its height; columns that it does not need go to the program."""
         self._size = Size()
         self._hidden: set[Pane] = set()
         self._shares = Shares()
+        self._needs = Needs()
 
     @property
     def is_tiny(self) -> bool:
@@ -206,6 +247,22 @@ class Arrangement:
         self.layout = layout_for(*size)
         self.show()
 
+    def suit(self, needs: Needs) -> None:
+        """Take sizes that suit a level and its program, but for those that the player chose."""
+        kept = self._needs
+        if self._shares.rows:
+            needs = needs._replace(rows=kept.rows)
+        if self._shares.columns:
+            needs = kept._replace(rows=needs.rows)
+        self._needs = needs
+        self.show()
+
+    def grow(self, rows: int) -> None:
+        """Give the inspector as many rows if the others can spare them; it keeps them."""
+        if rows > self._needs.rows and not self._shares.rows:
+            self._needs = self._needs._replace(rows=rows)
+            self.show()
+
     def show(self) -> None:
         self._hidden.discard(self.active)
         for pane in self.panes:
@@ -214,9 +271,11 @@ class Arrangement:
             else:
                 pane.display = not self.is_tiny and pane is self.active
         if self.layout.is_roomy:
-            grid = grid_for(self.layout, *self._size, self._shares, self.aspect)
-            self._shares = grid.shares
-            self._lay_out(grid)
+            self._lay_out(self._grid)
+
+    @property
+    def _grid(self) -> Grid:
+        return grid_for(self.layout, *self._size, self._shares, self._needs)
 
     def beside_active(self, steps: int) -> Pane:
         """Return the pane some places after the active one, wrapping around."""
@@ -245,6 +304,8 @@ class Arrangement:
 
     def change(self, columns: int, rows: int) -> None:
         self._shares = Shares(self._shares.columns + columns, self._shares.rows + rows)
+        if self.layout.is_roomy:
+            self._shares = self._grid.shares
         self.show()
 
     def pull(self, pane: Pane, side: str, columns: int, rows: int) -> None:
@@ -263,11 +324,9 @@ class Arrangement:
     def _lay_out(self, grid: Grid) -> None:
         labyrinth, program, inspector = self.panes
         beside = self.layout is Layout.WIDE and labyrinth.display and program.display
-        rows = []
-        if beside:
-            rows.append("1fr")
-        else:
-            rows += ["1fr" for pane in (labyrinth, program) if pane.display]
+        rows = ["1fr"] if labyrinth.display or program.display else []
+        if labyrinth.display and program.display and not beside:
+            rows.append(str(grid.program))
         if inspector.display:
             rows.append(str(grid.inspector) if rows else "1fr")
         styles = self.container.styles

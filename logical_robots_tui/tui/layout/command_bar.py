@@ -13,6 +13,7 @@ from textual.widget import Widget
 from logical_robots_tui.tui.commands.command import Command
 from logical_robots_tui.tui.commands.keymap import command, commands
 from logical_robots_tui.tui.theme.themes import INK
+from logical_robots_tui.wording import clip
 
 _GAP = 2
 _WHILE_EDITING = ("run", "help")
@@ -148,13 +149,18 @@ class PaneTabs(Labels):
             self.refresh()
 
     def render(self) -> Content:
+        keys = [command(command_id).key_name for command_id, _ in self._tabs]
+        room = self.size.width - sum(len(key) + 4 for key in keys)
+        widths = [len(text) for _, text in self._tabs]
+        # The longest titles are cut, so that no tab is missing.
+        most = max(widths, default=0)
+        while most > 1 and sum(min(width, most) for width in widths) > room:
+            most -= 1
         labels = []
-        for command_id, text in self._tabs:
+        for key_name, (command_id, text) in zip(keys, self._tabs, strict=True):
             is_active = command_id == self._active
             style = f"bold {INK.title} on $tab-here" if is_active else INK.dim
             key = INK.key if not is_active else f"bold {INK.key} on $tab-here"
-            label = Content.assemble(
-                (f" {command(command_id).key_name} ", key), (f"{text} ", style)
-            )
+            label = Content.assemble((f" {key_name} ", key), (f"{clip(text, most)} ", style))
             labels.append((label, command_id))
         return self.line(labels, gap=1)

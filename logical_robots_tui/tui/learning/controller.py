@@ -24,7 +24,8 @@ class LearningController:
         from logical_robots_tui.tui.learning.reader import Hints
 
         if self._learning.revealed or self._learning.reveal_next():
-            self._ui.show(Hints(self._session.level, self._learning))
+            dialog = Hints(self._session.level, self._learning)
+            self._ui.show(dialog, lambda wish: self.lesson() if wish else None)
 
     def lesson(self) -> None:
         from logical_robots_tui.tui.learning.reader import Reader, markdown

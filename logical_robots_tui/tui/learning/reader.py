@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from textual import events
 from textual.app import ComposeResult
@@ -75,7 +75,7 @@ def colour_code(text: str) -> Static:
     return Static(Content("\n").join(told))
 
 
-class Hints(Dialog[None]):
+class Hints(Dialog[Literal["lesson"]]):
     """Shows the hints revealed so far, at least one, and reveals the next when asked."""
 
     DEFAULT_CSS = """
@@ -84,11 +84,12 @@ class Hints(Dialog[None]):
     Hints #more { margin-top: 1; color: $ink-dim; }
     """
 
-    BINDINGS = [("h,enter,space", "more"), ("q", "leave")]
+    BINDINGS = [("h,enter,space", "more"), ("t", "lesson"), ("q", "leave")]
 
     def __init__(self, level: Level, learning: Learning) -> None:
         super().__init__(f"Hints · {level.title}")
         self._of_all, self._learning = len(level.hints), learning
+        self._has_lesson = bool(level.lesson)
 
     def content_widgets(self) -> ComposeResult:
         with VerticalScroll():
@@ -101,6 +102,10 @@ class Hints(Dialog[None]):
     def on_click(self, event: events.Click) -> None:
         if event.widget is not None and event.widget.id == "more":
             self.action_more()
+
+    def action_lesson(self) -> None:
+        if self._has_lesson:
+            self.dismiss("lesson")
 
     def action_more(self) -> None:
         if self._learning.reveal_next():
@@ -119,8 +124,8 @@ class Hints(Dialog[None]):
             lines += [Content.styled(f"    {line}", INK.text) for line in rest]
         self.query_one("#hints", Static).update(Content("\n").join(lines))
         left = self._of_all - len(revealed)
-        keys = keys_in_style(f"{'h next hint   ' if left else ''}esc close")
-        self.query_one("#keys", Static).update(keys)
+        keys = ["h next hint"] * bool(left) + ["t lesson"] * self._has_lesson + ["esc close"]
+        self.query_one("#keys", Static).update(keys_in_style("   ".join(keys)))
         self.query_one("#more", Static).update(
             Content(f"{left} more: press h for the next one." if left else "There are no more.")
         )

@@ -92,6 +92,14 @@ class LevelController(SessionListener):
 
     # -- beginning and ending ------------------------------------------------------------------
 
+    def toggle(self) -> None:
+        """Edit the level, or end that; a stroke under way is kept."""
+        if not self.is_on:
+            self.open()
+            return
+        self.editor.finish()
+        self.stop()
+
     def open(self, key: str = "") -> None:
         """Let keys and mouse edit the level, with the draft of a key from a crashed session."""
         begins = not self.has_begun

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 class Text(Input):
     def __init__(self, name: str, value: str) -> None:
-        super().__init__(value, id=name, select_on_focus=False)
+        super().__init__(value, id=name)
 
     def read(self) -> str:
         return self.value.strip()
@@ -55,7 +55,7 @@ class Text(Input):
 
 class Number(Input):
     def __init__(self, name: str, value: float, said: str, *, whole: bool = False) -> None:
-        super().__init__(f"{value:.10g}", id=name, select_on_focus=False)
+        super().__init__(f"{value:.10g}", id=name)
         self._said, self._whole = said, whole
 
     def read(self) -> float:
@@ -110,18 +110,19 @@ class Choice(Select[str]):
         self.post_message(self.Submitted())
 
 
+def _box(is_on: bool) -> str:
+    return "[X] " if is_on else "[ ] "
+
+
 class Flag(Checkbox):
     """A checkbox that is readable without colours."""
 
     def __init__(self, name: str, label: str, value: bool) -> None:
         super().__init__(Content(label), value, id=name, compact=True)
+        self._words = label
 
-    def on_mount(self) -> None:
-        self.BUTTON_INNER = "X" if self.value else " "
-
-    def watch_value(self) -> None:
-        self.BUTTON_INNER = "X" if self.value else " "
-        super().watch_value()
+    def render(self) -> Content:
+        return Content.assemble((_box(self.value), INK.key), self._words)
 
     def read(self) -> bool:
         return self.value
@@ -147,9 +148,10 @@ class Ticks(Listing):
         self.toggle(self._names[event.option_index])
 
     def _line(self, name: str) -> Content:
-        sign = "[X] " if name in self._ticked else "[ ] "
         gone = "" if name in self._known else " (missing)"
-        return Content.assemble((sign, INK.key), one_line(name), (gone, INK.dim))
+        return Content.assemble(
+            (_box(name in self._ticked), INK.key), one_line(name), (gone, INK.dim)
+        )
 
 
 Field: TypeAlias = Text | Number | Lines | Choice | Flag | Ticks
@@ -262,16 +264,16 @@ class ThingForm(Form):
         thing = self._thing
         yield "Name", Text("name", thing.name)
         now = thing_of(self._editor.standing, self._ref)
-        yield "x", Number("x", round(now.x, 2), "x")
-        yield "y", Number("y", round(now.y, 2), "y")
+        yield "x", _measure("x", now.x, "x")
+        yield "y", _measure("y", now.y, "y")
         if isinstance(thing, Robot):
             assert isinstance(now, Robot)
-            yield "Heading", Number("angle", round(math.degrees(now.angle), 2), "The heading")
+            yield "Heading", _measure("angle", math.degrees(now.angle), "The heading")
             if self._is_moving:
-                yield "Start x", Number("start_x", thing.x, "The start")
-                yield "Start y", Number("start_y", thing.y, "The start")
+                yield "Start x", _measure("start_x", thing.x, "The start")
+                yield "Start y", _measure("start_y", thing.y, "The start")
                 heading = math.degrees(thing.angle)
-                yield "Start heading", Number("start_angle", heading, "The heading at the start")
+                yield "Start heading", _measure("start_angle", heading, "The heading at the start")
             yield "Colour", _colour(thing.color)
             if teams := {team.name: team.name for team in self._editor.level.teams}:
                 yield "Team", Choice("team", teams, thing.team)
@@ -284,7 +286,7 @@ class ThingForm(Form):
             station = thing.charging_station
             yield "Charging", Flag("charging_station", "charges robots nearby", station)
         else:
-            yield "Radius", Number("radius", thing.radius, "The radius")
+            yield "Radius", _measure("radius", thing.radius, "The radius")
             yield "Colour", _colour(thing.color)
             solid = thing.impenetrable
             yield "Solid", Flag("impenetrable", "robots can't drive into it", solid)
@@ -312,6 +314,11 @@ class ThingForm(Form):
             assert isinstance(now, Robot)
             x, y, angle = (moved.get(name, getattr(now, name)) for name in _POSE)
             self._put(now.name, (x, y, angle))
+
+
+def _measure(name: str, value: float, said: str) -> Number:
+    """A field with as many digits as matter; the value stays exact unless it is changed."""
+    return Number(name, round(value, 2), said)
 
 
 def _colour(value: str) -> Text:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from textual.binding import BindingsMap
 from textual.content import Content
 from textual.widgets import Static
 
@@ -97,13 +96,19 @@ class InfoLine(Static):
     """Shows where the cursor is, what is selected, and what looks wrong."""
 
     DEFAULT_CSS = """
-    InfoLine { dock: bottom; height: 1; background: $panel; text-wrap: nowrap; layer: picture; }
+    InfoLine {
+        dock: bottom; height: 1; width: 100%; background: $panel; text-wrap: nowrap; layer: picture;
+    }
     """
     ALLOW_SELECT = False
 
     def __init__(self, controller: LevelController) -> None:
         super().__init__()
         self._controller, self._line = controller, Content("")
+
+    def on_resize(self) -> None:
+        if self._controller.is_on:
+            self.follow()
 
     def follow(self) -> None:
         editor, levels = self._controller.editor, self._controller.levels
@@ -118,19 +123,27 @@ class InfoLine(Static):
             told.append(Content.styled(f"! {count_of(len(findings), 'finding')}", style))
         elif findings is not None:
             told.append(Content.styled("✓ no problems", INK.good))
-        told.append(Content.styled(_describe(thing), INK.text if thing else INK.dim))
-        line = Content(" ").append(Content("   ").join(told))
+        ink = INK.text if thing else INK.dim
+        for more in (2, 1, 0):
+            what = Content.styled(_describe(thing, more), ink)
+            line = Content(" ").append(Content("   ").join([*told, what]))
+            if not self.size.width or line.cell_length <= self.size.width:
+                break
         if not line.is_same(self._line):
             self._line = line
             self.update(line, layout=False)
 
 
-def _describe(thing: Thing | None) -> str:
+def _describe(thing: Thing | None, more: int) -> str:
+    """Name a thing, with its place and, if it has one, its radius as far as `more` goes."""
     if thing is None:
         return "nothing selected"
-    radius = f", radius {round(thing.radius, 1):g}" if isinstance(thing, Area) else ""
     what = f"{type(thing).__name__} {clip(one_line(thing.name), 24)}"
-    return f"{what} at {round(thing.x, 1):g}, {round(thing.y, 1):g}{radius}"
+    if more:
+        what += f" at {round(thing.x, 1):g}, {round(thing.y, 1):g}"
+    if more > 1 and isinstance(thing, Area):
+        what += f", radius {round(thing.radius, 1):g}"
+    return what
 
 
 def _key(name: str) -> str:
@@ -166,8 +179,7 @@ class EditPanel:
         self._tools, self._info = ToolLine(controller), InfoLine(controller)
         self._shown = False, False
         self._cursor: Point = (0.0, 0.0)
-        ends = key_bindings(command("edit_level"), does="stop_editing")
-        self._keys = BindingsMap.merge([key_bindings(*commands("level")), ends])
+        self._keys = key_bindings(*commands("level"))
         controller.units = lambda: self._units
 
     def follow(self) -> None:
@@ -302,11 +314,22 @@ def _mark(canvas: Canvas, editor: LevelEditor, findings: Sequence[LevelFinding])
         reach = reach_of(thing) + view.units * 0.8
         high = max(reach, view.units * 1.5)
         corners = ((-reach, -high), (reach, -high), (-reach, high), (reach, high))
-        for sign, (x, y) in zip("++++" if look.is_plain else "┌┐└┘", corners, strict=True):
-            canvas.put(view.cell(thing.x + x, thing.y + y), sign, _ACCENT)
+        marks = [
+            (view.cell(thing.x + x, thing.y + y), sign)
+            for sign, (x, y) in zip("++++" if look.is_plain else "┌┐└┘", corners, strict=True)
+        ]
         if (handle := handle_of(thing, view.units)) is not None:
-            canvas.put(view.cell(*handle), "*" if look.is_plain else "◆", _ACCENT)
+            marks.append((view.cell(*handle), "*" if look.is_plain else "◆"))
+        for cell, sign in marks:
+            if cell is not None and not _is_letter(cells, *cell):
+                canvas.put(cell, sign, _ACCENT)
     canvas.put(view.cell(*editor.cursor), "+", (0, 0, 0), accent)
+
+
+def _is_letter(cells: Cells, row: int, column: int) -> bool:
+    """Whether a cell shows a part of a name."""
+    (text, _), *_ = cells.row(row, column, column + 1)
+    return text.isalnum()
 
 
 def _dot_grid(canvas: Canvas, editor: LevelEditor) -> None:

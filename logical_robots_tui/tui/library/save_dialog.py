@@ -39,7 +39,7 @@ class SaveDialog(Dialog[Result]):
         self._is_saving = False
 
     def content_widgets(self) -> ComposeResult:
-        yield Input(self._proposed, id="name", select_on_focus=False)
+        yield Input(self._proposed, id="name")
 
     @abstractmethod
     def file(self, name: str) -> Path:
@@ -138,7 +138,7 @@ class SaveLevel(SaveDialog[Level]):
         yield Static("File name", classes="label", markup=False)
         yield from super().content_widgets()
         yield Static("Title", classes="label", markup=False)
-        yield Input(self._level.title, id="title", select_on_focus=False)
+        yield Input(self._level.title, id="title")
 
     def file(self, name: str) -> Path:
         return target(name, self._own, folder="levels", suffixes=SUFFIXES, usual=NATIVE)

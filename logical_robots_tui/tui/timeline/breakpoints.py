@@ -225,16 +225,13 @@ class BreakpointForm(Dialog[Breakpoint]):
         self._robots = tuple(robot.name for robot in level.robots)
         options = (Option(words, id=event) for event, words in EVENTS.items())
         self._events = Listing(*options, id="events", markup=False, compact=True)
-        self._subject = Input(id="subject", select_on_focus=False)
+        self._subject = Input(id="subject")
         self._robot = Input(
             placeholder="robot, or nothing for any",
             id="robot",
             suggester=SuggestFromList(self._robots, case_sensitive=False),
-            select_on_focus=False,
         )
-        self._column = Input(
-            placeholder="column, or nothing for the whole row", id="column", select_on_focus=False
-        )
+        self._column = Input(placeholder="column, or nothing for the whole row", id="column")
         self._names = [Static(classes="names", markup=False) for _ in range(2)]
 
     def content_widgets(self) -> ComposeResult:

@@ -191,6 +191,8 @@ class Timeline(Widget, can_focus=True):
                 text += f" of {span.last}" if not span.first else f" of {span.first} to {span.last}"
             if history is not None and history.dropped and history.dropped <= span.first:
                 text += ", no room for earlier ones"
+            if len(text) > width:
+                text = f"tick {span.tick}"
             return Content.styled(clip(text, width), INK.dim)
         note = Content("  ").join(said)
         return note if note.cell_length <= width else note.truncate(width - 1).append("…")

@@ -148,6 +148,7 @@ async def test_the_goal_shows_who_is_in_and_victory_is_celebrated_once(data_dir:
         await game.until(lambda: not game.session.running)
         await game.until(lambda: "needs all: R ✓ P ✓ Q ✓" in game.status)
         assert "WON" in game.status
+        await game.sees("Again")
         await game.sees("Everybody is there")
         await game.sees(f"{game.session.won_at} ticks")
         await game.press("escape")
@@ -166,7 +167,7 @@ async def test_the_buttons_of_a_victory_can_be_clicked(data_dir: Path) -> None:
     async with opened(data_dir, level="team_goal") as game:
         await game.ready()
         await game.press(*["plus"] * 6, "space")
-        await game.sees("Everybody is there")
+        await game.sees("Again")
         recorder = game.main.recorder  # whose trial of shifted starts has a line that goes
         await game.until(lambda: recorder.latest and recorder.latest.wins is not None)
         await game.until(lambda: not game.shows("so far"))

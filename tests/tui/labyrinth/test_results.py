@@ -10,7 +10,7 @@ from rich.cells import cell_len
 
 from logical_robots_tui.game.victory import references_for
 from logical_robots_tui.progress import FILE_NAME, Bests, Measures, Progress
-from logical_robots_tui.tui.labyrinth.results import goal_lines, scale_lines
+from logical_robots_tui.tui.labyrinth.results import Results, goal_lines, scale_lines
 from logical_robots_tui.tui.library.level_screen import LevelScreen
 from logical_robots_tui.world import list_levels, load_level
 from logical_robots_tui.world.level import SecondGoal
@@ -106,3 +106,17 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
         await game.sees("✓ at most 1 rule")
         await game.sees("☐ at most 20 ticks")
     assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == ("at most 1 rule",)
+
+
+async def test_what_is_measured_before_the_results_are_mounted_is_shown(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        results = Results(game.main.recorder, "Won", [("restart", "Again")])
+        results._rows = []
+        game.app.push_screen(results)
+        assert results.is_active
+        results.follow()
+        await game.sees("Again")
+        await game.sees("your bests")

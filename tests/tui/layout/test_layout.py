@@ -12,7 +12,14 @@ from textual import events
 from textual.widgets.text_area import Selection
 
 from logical_robots_tui.tui.labyrinth.view import LabyrinthView
-from logical_robots_tui.tui.layout.arrangement import Layout, Pane, Shares, grid_for, layout_for
+from logical_robots_tui.tui.layout.arrangement import (
+    Layout,
+    Needs,
+    Pane,
+    Shares,
+    grid_for,
+    layout_for,
+)
 from logical_robots_tui.tui.layout.command_bar import PaneTabs
 from tests.tui.conftest import PAPER, opened
 
@@ -107,6 +114,21 @@ async def test_a_tab_is_chosen_by_click_and_tells_about_the_program(data_dir: Pa
         await game.until(lambda: "not applied · mine*" in tabs.render().plain)
 
 
+@pytest.mark.parametrize("width", [80, 60, 44])
+async def test_no_title_hides_another_tab(data_dir: Path, width: int) -> None:
+    async with opened(data_dir, size=(width, 24)) as game:
+        tabs = game.main.query_one(PaneTabs)
+        await game.until(lambda: "Program" in tabs.render().plain)
+        game.main.arrangement.panes[1].note(
+            "1 mistake, the old version runs on · a-name-of-24-characters*"
+        )
+        await game.until(lambda: "…" in tabs.render().plain)
+        shown = tabs.render()
+        assert all(f" {key} " in shown.plain for key in "123")
+        assert shown.cell_length <= width
+        assert len(tabs.places) == 3
+
+
 async def test_what_is_typed_right_after_the_key_for_the_editor_goes_into_the_editor(
     data_dir: Path,
 ) -> None:
@@ -131,29 +153,67 @@ async def test_escape_leaves_the_editor_for_the_labyrinth(data_dir: Path) -> Non
     st.integers(-400, 400),
     st.integers(-400, 400),
     st.floats(0.01, 100),
+    st.lists(st.integers(0, 300), min_size=1).map(tuple),
+    st.integers(0, 300),
 )
 def test_no_wish_makes_a_pane_vanish(
-    width: int, height: int, columns: int, rows: int, aspect: float
+    width: int,
+    height: int,
+    columns: int,
+    rows: int,
+    aspect: float,
+    lines: tuple[int, ...],
+    listed: int,
 ) -> None:
     layout = layout_for(width, height)
-    grid = grid_for(layout, width, height, Shares(columns, rows), aspect)
+    needs = Needs(aspect, lines, max(lines), listed)
+    grid = grid_for(layout, width, height, Shares(columns, rows), needs)
     assert 30 <= grid.program <= width - 30
-    assert 6 <= grid.inspector <= height - 8
-    assert grid_for(layout, width, height, grid.shares, aspect) == grid
+    assert 6 <= grid.inspector <= height - 9
+    assert grid_for(layout, width, height, grid.shares, needs) == grid
+    assert grid_for(layout, width, height, Shares(), needs).shares == Shares()
+
+
+@given(st.integers(40, 109), st.integers(46, 200), st.integers(-400, 400), st.floats(0.01, 100))
+def test_panes_below_each_other_all_keep_some_rows(
+    width: int, height: int, rows: int, aspect: float
+) -> None:
+    grid = grid_for(Layout.TALL, width, height, Shares(0, rows), Needs(aspect))
+    assert min(grid.program, grid.inspector, height - 3 - grid.program - grid.inspector) >= 3
+    assert grid_for(Layout.TALL, width, height, grid.shares, Needs(aspect)) == grid
 
 
 def test_a_high_map_leaves_its_columns_to_the_program() -> None:
-    wide, high = (grid_for(Layout.WIDE, 120, 40, Shares(), aspect) for aspect in (3.0, 1.0))
+    wide, high = (grid_for(Layout.WIDE, 120, 40, Shares(), Needs(aspect)) for aspect in (3.0, 1.0))
     assert wide.program == 53
     assert high.program >= 70
-    rows = 40 - 2 - high.inspector - 2
+    rows = 40 - 3 - high.inspector - 2
     assert 120 - high.program - 2 >= 2 * rows, "the map is as large as before"
 
 
 def test_a_wide_terminal_gives_the_labyrinth_what_a_text_does_not_need() -> None:
-    grid = grid_for(Layout.WIDE, 300, 100, Shares())
+    grid = grid_for(Layout.WIDE, 300, 100, Shares(), Needs())
     assert grid.program < 100
     assert 20 < grid.inspector < 30
+
+
+def test_panes_have_the_size_of_what_they_hold() -> None:
+    short, code = "# " + "a comment " * 9, "x" * 73
+    few, many = (
+        grid_for(Layout.WIDE, 200, 60, Shares(), Needs.of(1.7, f"{short}\n{text}", rows))
+        for text, rows in (("A();", 9), (code, 30))
+    )
+    assert few.inspector == 9 + 2
+    assert few.program == 70, "a comment may be broken into lines"
+    assert many.program > 73 + 6, "code is not"
+    assert many.inspector > 18, "rows that neither map nor program fill"
+    assert many.inspector < 30, "the map is not made smaller"
+
+
+def test_a_wide_map_leaves_its_rows_to_the_program_below_it() -> None:
+    grid = grid_for(Layout.TALL, 90, 60, Shares(), Needs.of(3.0, "A();", 9))
+    assert grid.inspector == 11
+    assert 60 - 3 - grid.program - grid.inspector == 17
 
 
 async def test_a_high_terminal_shows_all_panes_one_below_the_other(data_dir: Path) -> None:
@@ -198,7 +258,7 @@ async def test_panes_are_resized(data_dir: Path) -> None:
     async with opened(data_dir) as game:
         await game.ready()
         before = game.main.labyrinth.region.size
-        await game.press("L", "G")
+        await game.press("L", "underscore")
         await game.until(lambda: game.main.labyrinth.region.size - (4, 2) == before)
         await game.press("D", "I")
         await game.until(lambda: game.main.labyrinth.region.size == before)

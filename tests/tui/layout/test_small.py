@@ -93,3 +93,12 @@ async def test_editing_a_level_goes_on_at_any_size(part: int, data_dir: Path, sh
             if not game.main.editing.is_on:
                 await game.app.run_action("screen.command('edit_level')")
                 await game.until(lambda: game.main.editing.is_on)
+
+
+async def test_what_a_narrow_table_has_no_room_for_is_told_below_it(data_dir: Path) -> None:
+    async with opened(data_dir, size=(80, 24)) as game:
+        await game.ready()
+        await game.press("3")
+        await game.sees("x 40   y 45   head 4°   front nothing")
+        await game.pilot.resize_terminal(200, 60)
+        await game.sees_no("x 40 ")

@@ -10,7 +10,6 @@ from textual.widgets import OptionList, Static
 
 from logical_robots_tui.game import load_program, measuring
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
-from logical_robots_tui.tui.labyrinth.results import Results
 from logical_robots_tui.tui.layout.dialogs import Question
 from logical_robots_tui.tui.learning.reader import Hints, Reader
 from logical_robots_tui.tui.library.chooser import Chooser
@@ -35,7 +34,7 @@ async def win(game: Opened) -> None:
     await game.press(*["plus"] * 6, "space")
     await game.until(lambda: game.session.won_at is not None)
     await game.until(lambda: game.main.recorder.record.state == "won")
-    await game.until(lambda: isinstance(game.app.screen, Results))
+    await game.sees("Again")
 
 
 async def stay(game: Opened) -> None:
@@ -63,7 +62,9 @@ async def test_hints_are_revealed_one_at_a_time_and_stay_so(data_dir: Path, shor
         await game.click("#more")
         await game.sees("There are no more.")
         await game.sees_no("h next hint")
-        await game.press("h", "h", "q")
+        await game.press("h", "t")
+        await game.sees("Lesson · ")
+        await game.press("q", "h", "h", "q")
         await game.until(lambda: game.app.screen is game.main)
     assert record_of(data_dir).record(str(short)).hints == 3
 

@@ -132,3 +132,7 @@ async def studio(data_dir: Path, file: Path, **more: Any) -> AsyncIterator[Studi
         await game.press("M")
         await game.until(lambda: game.main.editing.is_on)
         yield Studio(game, file)
+
+
+def replace_in(file: Path, old: str, new: str) -> None:
+    file.write_text(file.read_text("utf-8").replace(old, new), "utf-8")

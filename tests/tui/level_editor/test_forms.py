@@ -13,7 +13,7 @@ from logical_robots_tui.tui.level_editor.forms import LevelForm, ThingForm, Tick
 from logical_robots_tui.world import Visibility
 from tests.tui.app.test_key_queue import press_at_once
 from tests.tui.conftest import opened
-from tests.tui.level_editor.conftest import studio
+from tests.tui.level_editor.conftest import replace_in, studio
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,6 +41,41 @@ async def test_a_form_takes_what_was_typed_before_it_was_applied(
             await s.game.until(lambda: s.game.app.screen is s.game.main)
         area = s.level.areas[0]
         assert (area.name, area.radius) == ("Zoe", 31)
+
+
+async def test_typing_replaces_the_text_of_a_field(data_dir: Path, room_file: Path) -> None:
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        await s.press("shift+tab", "i")
+        await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
+        await s.press(*"Zoe", "tab", "tab", "tab", *"31", "enter")
+        await s.game.until(lambda: s.game.app.screen is s.game.main)
+        area = s.level.areas[0]
+        assert (area.name, area.x, area.radius) == ("Zoe", 240, 31)
+
+
+async def test_a_box_can_be_seen_when_it_is_off(data_dir: Path, room_file: Path) -> None:
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        await s.press("shift+tab", "i")
+        await s.game.sees("[ ] robots can't drive into it")
+        await s.press("tab", "tab", "tab", "tab", "tab", "space")
+        await s.game.sees("[X] robots can't drive into it")
+        await s.press("f2")
+        await s.game.until(lambda: s.level.areas[0].impenetrable)
+
+
+async def test_fields_show_the_digits_that_matter_and_keep_the_others(
+    data_dir: Path, room_file: Path
+) -> None:
+    replace_in(room_file, "x = 40", "x = 40.123456")
+    async with studio(data_dir, room_file, size=(80, 24)) as s:
+        await s.press("tab")
+        await s.game.sees("Robot Pip at 40.1, 50")
+        await s.press("i")
+        await s.game.until(lambda: isinstance(s.game.app.screen, ThingForm))
+        assert s.game.app.screen.query_one("#x", Input).value == "40.12"
+        await s.press(*"Pat", "f2")
+        await s.game.until(lambda: s.level.robots[0].name == "Pat")
+        assert s.level.robots[0].x == 40.123456
 
 
 async def test_properties_are_set_in_forms_with_the_choices_there_are(

@@ -10,9 +10,11 @@ import pytest
 
 from logical_robots_tui.editing.editor import Tool
 from logical_robots_tui.editing.things import Ref
+from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.layout.command_bar import CommandBar
 from logical_robots_tui.tui.level_editor.panel import InfoLine, ToolLine
-from tests.tui.level_editor.conftest import studio
+from tests.tui.conftest import opened
+from tests.tui.level_editor.conftest import replace_in, studio
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -185,3 +187,33 @@ async def test_keys_take_a_thing_along_and_the_lines_tell_of_it(
         view = s.game.main.labyrinth.view.view
         assert view is not None
         assert view.cell(*s.editor.cursor) is not None
+
+
+async def test_the_key_that_ends_editing_keeps_what_was_just_placed(
+    data_dir: Path, room_file: Path
+) -> None:
+    async with studio(data_dir, room_file) as s:
+        before = len(s.level.robots)
+        await s.press("o", "enter", "M")
+        await s.game.sees("Leave editing")
+        assert len(s.level.robots) == before + 1
+
+
+async def test_what_marks_a_thing_covers_no_name(data_dir: Path) -> None:
+    level = shipped_folder("levels") / "10-distributed-mapping.toml"
+    async with opened(data_dir, level=level, size=(80, 24)) as game:
+        await game.ready()
+        await game.press("M", "tab")
+        await game.sees("Robot Atlas at 110, 150")
+        assert all(game.shows(f"B{number:02}") for number in (5, 15, 21, 22))
+        assert game.shows("┌")
+
+
+async def test_a_long_name_is_told_in_full(data_dir: Path, room_file: Path) -> None:
+    name = "Door to the other side"
+    replace_in(room_file, "Door", name)
+    async with studio(data_dir, room_file) as s:
+        await s.press("c")
+        await s.drag((60, 30))
+        await s.press("tab")
+        await s.game.sees(f"Area {name}")

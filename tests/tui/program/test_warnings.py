@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.tui.program.pane import ProgramPane
 from tests.tui.conftest import STILL, opened
@@ -65,3 +67,24 @@ async def test_a_name_that_the_level_lacks_is_a_warning_with_the_nearest(data_di
         await game.sees('Did you mean "Solo"?')
         await game.write(LOST.replace("Sola", "Solo"))
         await game.until(lambda: game.session.state.mistakes == () and not game.shows("warning"))
+
+
+NAMED = """\
+Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: near) :-
+  Sensor(robot_name:, sensor:),
+  near = sensor.forward_distance < 60;
+"""
+
+
+@pytest.mark.parametrize("level", ["open_room", shipped_folder("levels") / "01-first-steps.toml"])
+async def test_a_comparison_without_parentheses_is_marked_in_levels_of_both_kinds(
+    data_dir: Path, level: str | Path
+) -> None:
+    async with opened(data_dir, level=level, text=STILL) as game:
+        await game.ready()
+        await game.write(NAMED)
+        await game.until(lambda: len(game.session.state.mistakes) == 1)
+        (found,) = game.session.state.mistakes
+        assert (found.line, found.column) == (3, 3)
+        assert found.hint.endswith("near = (sensor.forward_distance < 60).")
+        await game.sees("! line 3, column 3")

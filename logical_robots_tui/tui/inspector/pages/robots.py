@@ -40,8 +40,11 @@ class RobotsView(LinesView):
     def show(self, level: Level, frame: Frame, chosen: str | None) -> None:
         def lines(width: int) -> list[Content]:
             palette = palette_of(self.app.current_theme)
-            notes = [line for note in _notes(level, frame, chosen) for line in note.wrap(width)]
-            return [*_table(level, frame, width, chosen, palette), Content(""), *notes]
+            shown, others = _columns(level, width)
+            robots = _robots(level, frame, palette)
+            found = [*_left_out(robots, others, chosen), *_notes(level, frame, chosen)]
+            notes = [line for note in found for line in note.wrap(width)]
+            return [*_table(shown, robots, chosen), Content(""), *notes]
 
         self._names, self._chosen = [robot.name for robot in level.robots], chosen
         self.show_lines(lines)
@@ -99,21 +102,44 @@ class _Column(NamedTuple):
     right: bool = False
 
 
-def _table(
-    level: Level, frame: Frame, width: int, chosen: str | None, palette: Palette
-) -> Iterator[Content]:
-    """Yield the titles of the columns, then a line for each robot."""
-    columns = _columns(level, width)
-    titles = [each.title if each.right else clip(each.title, each.width) for each in columns]
-    yield _line(columns, [Content.styled(title, INK.dim) for title in titles])
+def _robots(level: Level, frame: Frame, palette: Palette) -> list[_Robot]:
     sensors = {row["robot_name"]: row["sensor"] for row in frame.sensors}
     desires = {decision.robot_name: decision.desire for decision in frame.decisions}
-    for start, state in zip(level.robots, frame.after.robots, strict=True):
-        name, colour = start.name, robot_ink(start.color, palette)
-        memory, desire = frame.memories.get(name), desires.get(name)
-        robot = _Robot(name, colour, state, sensors[name], memory, desire)
+    return [
+        _Robot(
+            start.name,
+            robot_ink(start.color, palette),
+            state,
+            sensors[start.name],
+            frame.memories.get(start.name),
+            desires.get(start.name),
+        )
+        for start, state in zip(level.robots, frame.after.robots, strict=True)
+    ]
+
+
+def _table(
+    columns: Sequence[_Column], robots: Sequence[_Robot], chosen: str | None
+) -> Iterator[Content]:
+    """Yield the titles of the columns, then a line for each robot."""
+    titles = [each.title if each.right else clip(each.title, each.width) for each in columns]
+    yield _line(columns, [Content.styled(title, INK.dim) for title in titles])
+    for robot in robots:
         line = _line(columns, [column.cell(robot) for column in columns])
-        yield line.stylize_before(_CHOSEN) if name == chosen else line
+        yield line.stylize_before(_CHOSEN) if robot.name == chosen else line
+
+
+def _left_out(
+    robots: Sequence[_Robot], columns: Sequence[_Column], chosen: str | None
+) -> Iterator[Content]:
+    """Yield what the table has no room for, of the robot that is chosen or the only one."""
+    for robot in robots:
+        if columns and (robot.name == chosen or len(robots) == 1):
+            parts = [
+                Content.styled(f"{each.title} ", INK.dim).append(each.cell(robot))
+                for each in columns
+            ]
+            yield Content("   ").join(parts)
 
 
 def _line(columns: Sequence[_Column], cells: Sequence[Content]) -> Content:
@@ -160,7 +186,8 @@ def _bar(ray: Mapping[str, Any]) -> str:
     return BARS[min(int(free * len(BARS)), len(BARS) - 1)]
 
 
-def _columns(level: Level, width: int) -> list[_Column]:
+def _columns(level: Level, width: int) -> tuple[list[_Column], list[_Column]]:
+    """Return the columns that fit, and the others."""
     longest = max(len(one_line(robot.name)) for robot in level.robots)
     columns = [
         _Column("robot", min(max(longest, 5), 12) + 3, 0, _name),
@@ -174,12 +201,13 @@ def _columns(level: Level, width: int) -> list[_Column]:
     ]
     if any(robot.has_battery for robot in level.robots):
         columns.append(_Column("charge", 6, 5, _charge, right=True))
+    known = columns
     while (room := width - sum(each.width + 1 for each in columns)) < 0 and len(columns) > 1:
         last = max(column.rank for column in columns)
         columns = [column for column in columns if column.rank != last]
     if room >= 16:
         columns.append(_Column(" memory", room - 2, 7, lambda robot: _memory(robot, room - 3)))
-    return columns
+    return columns, [column for column in known if column not in columns]
 
 
 def _name(robot: _Robot) -> Content:

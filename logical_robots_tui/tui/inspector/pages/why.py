@@ -53,6 +53,7 @@ class _Question:
 class WhyPage(Page):
     """Explains what a robot did: the first level of the proof at once, the rest soon after."""
 
+    fills = True
     view: WhyView
 
     def __init__(self, entry: PageEntry, questions: Questions) -> None:

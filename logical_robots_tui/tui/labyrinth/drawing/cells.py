@@ -55,6 +55,10 @@ class Palette(NamedTuple):
     def strong(self, colour: RGB) -> RGB:
         return mix(self.bright, self.legible(colour), 0.55)
 
+    def faint(self, colour: RGB) -> RGB:
+        """Return a colour for a ghost, which is still seen in light of its own colour."""
+        return mix(self.floor, self.strong(colour), 0.75)
+
 
 DARK = Palette()
 LIGHT = Palette(

@@ -45,12 +45,14 @@ class GlyphSet(NamedTuple):
 
     Attributes:
         headings: Clockwise from the right, evenly spread.
+        ghosts: The same for robots of another run.
         undecided: Behind the name of a robot for which the program decided nothing.
         hit_wall_near: The end of a ray at a wall, where rays end far apart.
         thread: A cell that a trail or a ray goes through, where it is not drawn in braille.
     """
 
     headings: str = "→↘↓↙←↖↑↗"
+    ghosts: str = "▹▿◃▵"
     dead: str = "✕"
     blocked: str = "!"
     undecided: str = "?"
@@ -67,15 +69,22 @@ class GlyphSet(NamedTuple):
 
     def heading(self, angle: float) -> str:
         """Return the arrow nearest to a heading in radians, clockwise from the right."""
+        return self._nearest(self.headings, angle)
+
+    def ghost(self, angle: float) -> str:
+        """Return the same for a robot of another run."""
+        return self._nearest(self.ghosts, angle)
+
+    def _nearest(self, signs: str, angle: float) -> str:
         if not math.isfinite(angle):
             return self.unknown
-        count = len(self.headings)
-        return self.headings[round(angle / (2 * math.pi) * count) % count]
+        return signs[round(angle / (2 * math.pi) * len(signs)) % len(signs)]
 
 
 UNICODE = GlyphSet()
 ASCII = GlyphSet(
     headings=">v<^",
+    ghosts="&",
     dead="X",
     beacon="*",
     charger="$",
@@ -101,6 +110,7 @@ def legend(
         (glyphs.dead, palette.dead, "robot with an empty battery"),
         (glyphs.blocked, palette.alarm, "robot that a wall stopped"),
         (glyphs.undecided, palette.alarm, "robot for which the program decided nothing"),
+        (glyphs.ghost(0), palette.faint(robot), "robot of another run, a ghost"),
         (glyphs.beacon, palette.beacon, "beacon"),
         (glyphs.charger, palette.charger, "beacon that charges batteries"),
         (glyphs.goal, area, "goal area"),

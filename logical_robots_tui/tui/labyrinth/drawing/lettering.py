@@ -219,19 +219,33 @@ class StaticLabels:
         return mix((round(red), round(green), round(blue)), look.palette.plate, share)
 
 
+class Faint(NamedTuple):
+    """A robot of another run: place in map units, heading in radians, colour."""
+
+    x: float
+    y: float
+    angle: float
+    ink: RGB
+
+
 def draw_labels(
     canvas: Canvas,
     still: StaticLabels,
     robots: Sequence[tuple[RobotState, RGB]],
     undecided: Container[str],
     fans: Sequence[Fan],
+    ghosts: Sequence[Faint] = (),
 ) -> None:
     """Draw symbols and names over a picture; the most important robots come last."""
     cells, view, look = canvas
     if look.marks:
         mark_ends(canvas, fans, robots)
-    still.light(cells, look.pulse)
     room = still.room.copy()
+    for ghost in ghosts:
+        if (cell := view.cell(ghost.x, ghost.y)) is not None:
+            cells.put(*cell, look.glyphs.ghost(ghost.angle), rgb_number(ghost.ink))
+            room.take(*cell, cell[1] + 1)
+    still.light(cells, look.pulse)
     clear = view.body_rows
     placed = []
     for robot, colour in robots:

@@ -31,6 +31,7 @@ from logical_robots_tui.tui.labyrinth.drawing.ground import (
     draw_ground,
 )
 from logical_robots_tui.tui.labyrinth.drawing.lettering import (
+    Faint,
     StaticLabels,
     draw_labels,
     fit_into,
@@ -104,9 +105,12 @@ class Picture:
         look: Look,
         traces: Traces | None = None,
         *,
+        ghosts: NDArray[np.float32] | None = None,
         hurried: bool = False,
     ) -> Cells:
         """Draw a frame into cells, with traces in trails and areas just switched.
+
+        `ghosts` are x, y and heading of robots of another run, of shape (robots, 3).
 
         A hurried picture, which the next one follows at once, moves light only every second time or
         less, and its colours may be a little off.
@@ -125,11 +129,14 @@ class Picture:
             for robot in frame.after.robots
         ]
         robots.sort(key=lambda pair: pair[0].name == look.selected)
+        faint = [] if ghosts is None else _ghosts(ghosts, frame, level, colours, look.palette)
         light = self._lighting(frame, raster, look, colours, hurried=hurried)
         if look.is_plain:
             cells = _ascii_cells(self._ground, light.image, light.lit, look.palette)
         else:
             image = light.image.copy()
+            for x, y, _, colour in faint:
+                _paint_outline(image, raster, x, y, colour)
             for robot, colour in robots:
                 _paint_robot(image, raster, robot, colour, look.palette)
             cells = self._fitted(image, raster, _UNSEEN if hurried else 0)
@@ -142,7 +149,7 @@ class Picture:
                 if fan.name == look.selected:
                     draw_rays(canvas, fan, colours[fan.name])
         undecided = frozenset(d.robot_name for d in frame.decisions if d.desire is None)
-        draw_labels(canvas, self._lettering, robots, undecided, light.fans)
+        draw_labels(canvas, self._lettering, robots, undecided, light.fans, faint)
         if look.highlight is not None:
             _draw_highlight(canvas, look.highlight, frame)
         self.cells = cells
@@ -245,6 +252,33 @@ def _paint_robot(
         nose = 0.4 * radius - np.hypot(ahead - 0.68 * radius, aside)
     nose = np.clip(nose / dot + 0.5, 0, 1) * body
     blend(image, window, mix(colour, palette.bright, 0.72), nose)
+
+
+def _ghosts(
+    poses: NDArray[np.float32],
+    frame: Frame,
+    level: Level,
+    colours: dict[str, RGB],
+    palette: Palette,
+) -> list[Faint]:
+    """Return the ghosts whose middle no robot covers."""
+    places = np.array([(robot.x, robot.y) for robot in frame.after.robots])
+    away = np.hypot(*np.moveaxis(poses[:, None, :2] - places[None], 2, 0)).min(axis=1)
+    return [
+        Faint(x, y, angle, palette.faint(colours[robot.name]))
+        for (x, y, angle), robot, free in zip(
+            poses.tolist(), level.robots, away > ROBOT_RADIUS, strict=True
+        )
+        if free
+    ]
+
+
+def _paint_outline(image: Floats, raster: Raster, x: float, y: float, colour: RGB) -> None:
+    around = raster.around(x, y, 1.5 * ROBOT_RADIUS) if raster.viewport.shows_bodies else None
+    if around is not None:
+        window, dx, dy = around
+        distance = np.abs(np.hypot(dx, dy) - ROBOT_RADIUS)
+        blend(image, window, colour, np.clip(1 - distance / raster.dot, 0, 1))
 
 
 def _draw_highlight(canvas: Canvas, highlight: Highlight, frame: Frame) -> None:

@@ -1,0 +1,319 @@
+"""What compiles, and means something else than it seems to say."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.definitions import calls, definitions, is_built_in, rules_of
+from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.source_text import Prepared, diagnostic_at, with_whole_brackets
+from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
+from logical_robots_tui.schema import INPUTS, VALUE
+
+_CLOSED = re.compile(r"\s*\)")
+_LONGEST = 100  # characters of a piece of the program in a message or hint
+_SENSED_TEXTS = frozenset({"forward_label", "forward_object", "label", "object"})
+_UNEQUAL = ("/", "\\", "~")  # before a '=' in other languages
+_OVER_ROWS = {"Avg": "Avg", "Count": "Count", "Max": "Max", "Min": "Min", "Sum": "Sum", "+": "Sum"}
+
+
+def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Diagnostic]:
+    """Yield a warning for each such place.
+
+    Above all, ``a = b < c`` is ``(a = b) < c``: of the operators, the parser reads `=` before
+    comparisons, `&&`, `||` and `->`. The value of an equation is that of its right side.
+    """
+    finder = _Finder(program, source)
+    for rule in rules_of(program):
+        yield from finder.in_rule(rule)
+
+
+class _Finder:
+    def __init__(self, program: Sequence[tree.Statement], source: Prepared) -> None:
+        self._text, self._skeleton = source.original, source.skeleton
+        self._own = own = definitions(program)
+        self._truths = {name for name, rules in own.items() if all(map(_is_truth, rules))}
+        self._columns: dict[str, Iterable[int | str]] = {
+            **INPUTS,
+            **{
+                name: [c.field for r in rules_of(e) for c in r.head.columns]
+                for name, e in own.items()
+            },
+        }
+
+    def in_rule(self, rule: tree.Rule) -> Iterator[Diagnostic]:
+        in_body = _mentions(tree.conjuncts(rule.body))
+        in_rule = in_body + _mentions(rule.head)
+        marked: set[int] = set()  # nodes that are part of what was marked before
+        for node, is_test in _in_tests(rule):
+            if id(node) in marked:
+                continue
+            infix = infix_of(node)
+            if infix is not None and node.span is not None:
+                loose = self._loose(node, "=", marked) if infix.operator != "=" else []
+                if loose:
+                    yield self._read_first(node, node.span, loose, is_test=is_test)
+                elif infix.operator in tree.JUNCTIONS and (
+                    pairs := self._loose(node, "->", marked)
+                ):
+                    yield self._read_first(node, node.span, pairs, is_test=False)
+                elif infix.operator == "=" and is_test:
+                    yield self._no_comparison(node.span, [node])
+                elif infix.operator in ("=", "==", "!="):
+                    yield from self._compared(node, node.span, infix, in_body, in_rule)
+            yield from self._named_with_equals(node)
+            yield from self._other(node)
+            yield from self._unknown_sign(node)
+        for node in tree.walk(tree.conjuncts(rule.body)):
+            yield from self._called_aggregate(node)
+
+    # -- '=' and '->' beside operators that are read later -----------------------------------------
+
+    def _loose(self, node: Node, operator: str, marked: set[int]) -> list[Node]:
+        """Return the operations in a node that have no parentheses, and mark them and the way."""
+        infix = infix_of(node)
+        found: list[Node] = []
+        for side in infix.sides if infix else ():
+            inner = infix_of(side)
+            if inner is None or side.span is None or self._has_parentheses(side.span):
+                continue
+            more = [side] if inner.operator == operator else self._loose(side, operator, marked)
+            if more:
+                marked.add(id(side))
+            found += more
+        return found
+
+    def _has_parentheses(self, span: Span) -> bool:
+        before = span.start - 1
+        while before > 0 and self._skeleton[before].isspace():
+            before -= 1
+        return (
+            self._skeleton[before] == "(" and _CLOSED.match(self._skeleton, span.stop) is not None
+        )
+
+    def _read_first(
+        self, node: Node, span: Span, loose: Sequence[Node], *, is_test: bool
+    ) -> Diagnostic:
+        outer, inner = infix_of(node), infix_of(loose[0])
+        assert outer is not None
+        assert inner is not None
+        parent = next(e for e in _nested(node) if any(side is loose[0] for side in e.sides))
+        is_junction = outer.operator in tree.JUNCTIONS
+        is_value = isinstance(inner.right, tree.Number | tree.Text) and (
+            parent.operator in tree.JUNCTIONS
+        )
+        is_named = isinstance(inner.left, tree.Variable)
+        is_first = loose[0].span is not None and loose[0].span.start <= span.start
+        if inner.operator == "=" and (
+            is_test or (is_junction and (len(loose) > 1 or is_value or not (is_named and is_first)))
+        ):
+            return self._no_comparison(span, loose)
+        message = f"'{inner.operator}' is read before '{parent.operator}'"
+        shown = [
+            f"({self._source(each)})" if each is loose[0] else self._source(each)
+            for each in parent.sides
+        ]
+        meaning = f" {parent.operator} ".join(shown)
+        if len(meaning) <= _LONGEST:
+            message += f": this means {meaning}"
+        what = "condition" if is_junction else "pair" if outer.operator == "->" else "comparison"
+        if inner.operator == "->":
+            what = "second part"
+        hint = f"Put the {what} in parentheses"
+        meant = self._in_parentheses(span, inner, is_first=is_first)
+        return self._warning(span, message, self._with_example(hint, meant))
+
+    def _in_parentheses(self, span: Span, inner: Infix, *, is_first: bool) -> str:
+        """Return a piece of the text with the right parentheses around all beside an operator."""
+        side = inner.right if is_first else inner.left
+        assert side.span is not None
+        if is_first:
+            start, _ = with_whole_brackets(self._skeleton, side.span.start, span.stop)
+            return f"{self._text[span.start : start]}({self._text[start : span.stop]})"
+        _, stop = with_whole_brackets(self._skeleton, span.start, side.span.stop)
+        return f"({self._text[span.start : stop]}){self._text[stop : span.stop]}"
+
+    def _no_comparison(self, span: Span, equations: Sequence[Node]) -> Diagnostic:
+        message = "'=' does not compare here: where the sides differ, there is no row at all"
+        written, at = "", span.start
+        for each in equations:
+            infix = infix_of(each)
+            if infix is not None and infix.left.span is not None:
+                sign = self._skeleton.find("=", infix.left.span.stop, span.stop)
+                written += f"{self._text[at:sign]}="
+                at = sign
+        hint = self._with_example("Compare with '=='", written + self._text[at : span.stop])
+        return self._warning(span, message, hint)
+
+    # -- what is compared --------------------------------------------------------------------------
+
+    def _compared(
+        self, node: Node, span: Span, infix: Infix, in_body: Counter[str], in_rule: Counter[str]
+    ) -> Iterator[Diagnostic]:
+        left, right = infix.sides
+        message = hint = ""
+        if isinstance(left, tree.Null) or isinstance(right, tree.Null):
+            other = right if isinstance(left, tree.Null) else left
+            name = tree.variable_of(other)
+            is_bound = infix.operator != "=" and in_body[name] > 1
+            is_test = not name or isinstance(node, tree.Call) or is_bound
+            if is_test and not isinstance(other, tree.Literal):
+                message = "a comparison with null never holds"
+                word = "is not" if infix.operator == "!=" else "is"
+                hint = self._with_example("Write", f"{self._source(other)} {word} null", " ")
+        elif infix.operator != "!=" and isinstance(node, tree.Atom | tree.Equation):
+            name = tree.variable_of(left)
+            if name and _is_shifted(right, name):
+                message = "this never holds: a variable has one value"
+                new = f"new_{name} = {self._source(right)}"
+                hint = self._with_example("Give the new value a name of its own", new)
+            name = tree.variable_of(right)
+            is_text = isinstance(left, tree.FieldAccess) and left.field in _SENSED_TEXTS
+            if name and in_rule[name] == 1 and (is_text or tree.variable_of(left) == "robot_name"):
+                message = f"{name} is a new variable here, so this always holds"
+                hint = f'A text is written in quotes: "{name}".'
+        if message:
+            yield self._warning(span, message, hint)
+
+    def _named_with_equals(self, node: Node) -> Iterator[Diagnostic]:
+        """Yield a warning for each ``name = value`` where a field or column is named with ``:``."""
+        match node:
+            case tree.Record():
+                given, what = node.arguments, "a field of a record"
+            case tree.Head():
+                given, what = node.columns, "a column"
+            case tree.Atom() | tree.Call():
+                given, what = node.arguments, "a column"
+            case _:
+                return
+        for each in given:
+            infix = infix_of(each.value) if isinstance(each.field, int) else None
+            if infix is None or infix.operator != "=" or each.value.span is None:
+                continue
+            name = tree.variable_of(infix.left)
+            is_known = not isinstance(node, tree.Atom | tree.Call) or (
+                name in self._columns.get(node.name, ())
+            )
+            if name and is_known:
+                hint = self._with_example("Write", f"{name}: {self._source(infix.right)}", " ")
+                message = f"'=' does not name {what}; this one has no name"
+                yield self._warning(each.value.span, message, hint)
+
+    def _other(self, node: Node) -> Iterator[Diagnostic]:
+        if node.span is None:
+            return
+        message = hint = ""
+        if isinstance(node, tree.Atom) and node.name in self._truths:
+            if all(each.column != VALUE for each in node.arguments):
+                message = f"{node.name} has a value; as a condition it always holds"
+                hint = self._with_example("Look at its value", f"{self._source(node)} == true")
+        elif isinstance(node, tree.Choice):
+            values = [*(each.value for each in node.branches), node.otherwise]
+            infix = next(
+                (i for each in values if (i := infix_of(each)) and i.operator == "="), None
+            )
+            if infix is not None:
+                message = "'=' in a branch must hold whichever branch is chosen"
+                name = tree.variable_of(infix.left) or "x"
+                hint = f"Give a name to all of it: {name} = (if a < b then c else d)."
+        elif isinstance(node, tree.Aggregate) and node.body is None:
+            function = _OVER_ROWS.get(node.operator, "")
+            argument = self._source(node.argument)
+            has_rows = any(not is_built_in(each.name) for each in calls(node.argument))
+            if function and not has_rows and tree.variables(node.argument):
+                message = f"this {function} has no body, so it is of a single value"
+                hint = self._with_example("Put the body inside", f"{function}{{{argument} :- ...}}")
+        if message:
+            yield self._warning(node.span, message, hint)
+
+    def _unknown_sign(self, node: Node) -> Iterator[Diagnostic]:
+        """Yield a diagnostic for ``x /= 3``, which is an aggregate that does not exist."""
+        if not isinstance(node, tree.Aggregate | tree.Aggregation):
+            return
+        sign, at = node.operator, getattr(node.operator, "start", -1)
+        is_own = {sign, f"`{sign}`"} & self._own.keys()
+        if at >= 0 and not (sign[0].isalnum() or sign[0] in "`+" or is_own):
+            message = f"there is no {sign}= in Logica"
+            hint = "Write != where values must differ."
+            if sign not in _UNEQUAL:
+                hint = f"A variable has one value; give the new one a name: y = x {sign} 1."
+            yield diagnostic_at(
+                self._text,
+                at,
+                len(sign) + 1,
+                message,
+                hint,
+                "warning" if sign == "-" else "error",  # the package compiles no other
+            )
+
+    def _called_aggregate(self, node: Node) -> Iterator[Diagnostic]:
+        name = node.name if isinstance(node, tree.Call) else ""
+        if name in _OVER_ROWS and name.isalpha() and node.span is not None:
+            message = f"{name}(...) is of a single value"
+            hint = f"Aggregates have braces and a body: {name}{{x :- x in list}}."
+            yield self._warning(node.span, message, hint)
+
+    # -- texts -------------------------------------------------------------------------------------
+
+    def _warning(self, span: Span, message: str, hint: str) -> Diagnostic:
+        length = span.stop - span.start
+        return diagnostic_at(self._text, span.start, length, message, hint, "warning")
+
+    def _source(self, node: Node) -> str:
+        return " ".join(self._text[slice(*node.span)].split()) if node.span else "..."
+
+    @staticmethod
+    def _with_example(hint: str, example: str, between: str = ": ") -> str:
+        example = " ".join(example.split())
+        if len(example) > _LONGEST - len(hint) // 2:
+            return f"{hint}."
+        return f"{hint}{between}{example}."
+
+
+def _in_tests(rule: Node) -> Iterator[tuple[Node, bool]]:
+    """Yield all nodes, outer before inner, and whether each is tested by an ``if`` or a ``!``."""
+    waiting = [(rule, False)]
+    while waiting:
+        node, is_test = waiting.pop()
+        yield node, is_test
+        inner: list[tuple[Node, bool]] = []
+        for each in tree.children(node):
+            if isinstance(node, tree.Branch):
+                inner.append((each, each is node.condition))
+            else:
+                is_operand = infix_of(node) is not None or isinstance(node, tree.Argument)
+                is_negated = isinstance(node, tree.Call | tree.Atom) and node.name == "!"
+                inner.append((each, is_negated or (is_test and is_operand)))
+        waiting += inner[::-1]
+
+
+def _mentions(part: tree.Tree) -> Counter[str]:
+    """Return how often each variable is mentioned."""
+    nodes = tree.walk(part)
+    return Counter(str(each.name) for each in nodes if isinstance(each, tree.Variable))
+
+
+def _nested(node: Node) -> Iterator[Infix]:
+    for each in tree.walk(node):
+        if infix := infix_of(each):
+            yield infix
+
+
+def _is_truth(rule: tree.Rule | tree.Functor) -> bool:
+    """Return whether a rule is a function whose value is a Boolean."""
+    if not isinstance(rule, tree.Rule) or rule.body is not None:
+        return False
+    return isinstance(rule.value, tree.Call) and rule.value.name in tree.TRUTHS
+
+
+def _is_shifted(node: Expression, name: str) -> bool:
+    """Return whether an expression is a variable plus or minus a number."""
+    infix = infix_of(node)
+    if infix is None or infix.operator not in ("+", "-"):
+        return False
+    number = infix.right if tree.variable_of(infix.left) == name else infix.left
+    is_there = name in map(tree.variable_of, infix.sides)
+    return is_there and isinstance(number, tree.Number) and float(number.value) != 0

@@ -1,0 +1,169 @@
+"""`x = a < b` is `(x = a) < b`: such places are marked wherever they stand, and no others."""
+
+from __future__ import annotations
+
+import pytest
+
+from logical_robots_tui.language import tree
+from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.diagnostics import Diagnostic
+from logical_robots_tui.language.pitfalls import pitfalls
+from logical_robots_tui.language.source_text import prepare
+
+COMPARING = ["<", ">", "<=", ">=", "==", "!=", "in", "is", "is not"]
+OPERATORS = [*COMPARING, "&&", "||", "->", "++", "+", "-", "*", "/", "%", "^"]
+PLACES = [
+    "P(y) :- {};",
+    "P(y) :- Q(y), {}, Q(y);",
+    "P(y) :- Q(y) | {};",
+    "P(y) :- ~({});",
+    "P(y) :- y == {{f: {}}};",
+    "P(y) :- y == [{}];",
+    "P(y) :- y == F({});",
+    "P(y) :- y == F(n: {});",
+    "P(y) :- y == Sum{{1 :- z in [1], {}}};",
+    "P(y) :- y == List{{{} :- z in [1]}};",
+    "P(n: {});",
+    "P(n? Max= ({})) distinct;",
+]
+
+
+def found(text: str) -> list[Diagnostic]:
+    parsed = parse(prepare(text))
+    assert not parsed.problems, parsed.problems
+    return list(pitfalls(parsed.statements, parsed.source))
+
+
+def read(text: str) -> list[tree.Statement]:
+    return parse(prepare(text)).statements
+
+
+def is_read_first(place: str, operator: str) -> bool:
+    """Whether the package's parser reads the equation before the operator."""
+    plain, first = (place.format(f"{x} {operator} b") for x in ("x = a", "(x = a)"))
+    return read(plain) == read(first)
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_what_the_parser_reads_first_is_marked_in_its_column(place: str, operator: str) -> None:
+    text = place.format(f"x = a {operator} b")
+    if is_read_first(place, operator):
+        (one,) = found(text)
+        assert (one.line, one.column) == (1, text.index("x = a") + 1)
+        assert one.excerpt == f"x = a {operator} b"
+        assert one.message.startswith(f"'=' is read before '{operator}'")
+        assert one.hint.endswith(f"in parentheses: x = (a {operator} b).")
+        meant = one.hint.partition(": ")[2][:-1]
+        assert found(place.format(meant)) == []
+    else:
+        assert found(text) == []
+
+
+def test_in_a_body_the_parser_reads_every_condition_and_arrow_after_an_equation() -> None:
+    late = [each for each in OPERATORS if is_read_first(PLACES[0], each)]
+    assert late == ["<", ">", "<=", ">=", "==", "!=", "in", "&&", "||", "->"]
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_in_the_test_of_an_if_every_equation_is_marked(operator: str) -> None:
+    (one,) = found(f"P(y) :- y == (if x = a {operator} b then 1 else 2);")
+    assert (one.column, one.excerpt) == (18, f"x = a {operator} b")
+    assert one.hint == f"Compare with '==': x == a {operator} b."
+
+
+@pytest.mark.parametrize("operator", OPERATORS)
+def test_in_a_branch_of_an_if_every_equation_is_marked(operator: str) -> None:
+    for place in ("(if c < d then {} else 2)", "(if c < d then 2 else {})"):
+        (one,) = found(f"P(y) :- y == {place.format(f'x = a {operator} b')};")
+        assert "x = a" in one.excerpt
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("x = a < b && c", "the condition in parentheses: x = (a < b && c)."),
+        ("x = (a) < (b)", "the comparison in parentheses: x = ((a) < (b))."),
+        ("x = F(a, b) < 3", "the comparison in parentheses: x = (F(a, b) < 3)."),
+        ("x = a\n  < b", "the comparison in parentheses: x = (a < b)."),
+        ("3 < a = x", "the comparison in parentheses: (3 < a) = x."),
+        ("x = !a == b", "the comparison in parentheses: x = (!a == b)."),
+        ("ArgMax{a -> b && c :- a in b} == x",
+         "the second part in parentheses: a -> (b && c)."),
+        (f"x = {'long' * 30} < 3", "the comparison in parentheses."),
+    ],
+)  # fmt: skip
+def test_the_advice_is_what_was_meant(written: str, meant: str) -> None:
+    (one,) = found(f"P(x) :- {written};")
+    assert one.hint == f"Put {meant}"
+    assert len(one.hint) <= 120
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("a = 3 && c == 4", "a == 3 && c == 4"),
+        ("a = b || c = d", "a == b || c == d"),
+        ("r.label = l && c", "r.label == l && c"),
+        ("c && r.label = l", "c && r.label == l"),
+    ],
+)
+def test_an_equation_among_conditions_is_to_be_a_comparison(written: str, meant: str) -> None:
+    (one,) = found(f"P(x) :- Q(a, b, c, d, r, l), x == 1, {written};")
+    assert one.message.startswith("'=' does not compare here")
+    assert one.hint == f"Compare with '==': {meant}."
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "hint"),
+    [
+        ("P(y) :- y == (if c then x = 1 else x = 2);", "'=' in a branch must hold", "x = (if"),
+        ("P(y) :- y == Count(list);", "Count(...) is of a single value", "Count{x :- x in list}"),
+        ("P(y) :- y -= 1;", "there is no -= in Logica", "y = x - 1"),
+        ("P(y) :- y /= 1;", "there is no /= in Logica", "Write !="),
+        ("Q(n: 1); P(y) :- Q(n = 1);", "'=' does not name a column", "Write n: 1."),
+        ("P(n = 1);", "'=' does not name a column", "Write n: 1."),
+        ("P(n: {m = 1});", "'=' does not name a field of a record", "Write m: 1."),
+        ("P(y) :- Q(y, z), z != null;", "a comparison with null never holds", "z is not null"),
+        ("P(y) = (y == null);", "a comparison with null never holds", "Write y is null."),
+    ],
+)
+def test_other_pitfalls_are_marked_once(text: str, message: str, hint: str) -> None:
+    (one,) = found(text)
+    assert message in one.message
+    assert hint in one.hint
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Count(x) = Sum(x); P(a) = Sum(a); P(y) :- y List= 1;",
+        "P(a) :- a = (b < c);",
+        "P(a) :- a = ((b < c));",
+        "P(a) :- (a = b) < c;",
+        "P(a) :- a == b < c;",
+        "P(a) :- a = b, c < d;",
+        "P(a) :- a = b => c < d;",
+        "P(a) :- a = b | c < d;",
+        "P(a) :- Q(n: b < c), a = F(m: b < c, n: b == c);",
+        "P(a) :- a = {n: b < c}, desire = {left_engine: b < c};",
+        "P(a) :- a = (if b < c then d else e);",
+        "P(a) :- Q(b, c), a += 1, a = F(b = c);",
+        "P(a) :- a = Sum{b :- Q(b), b < c} + 1;",
+        "P(a) :- a = b = c;",
+        "P(a) :- a = \"b < c\", d = 'e == f';",
+        "P(a) :- a = b;  # < c\n",
+        "P(a) :- a = b /* == c */;",
+        "P(a) = b < c :- Q(a, b, c);",
+        "P(a, n? Max= b < c) distinct :- Q(a, b, c);",
+        "G := F(P: Q); -+-(left:, right:) = left < right; P(a) :- a = (b -+- c);",
+        "P(a) :- a == null, b is null, c = null;",
+        "P(a) :- n = 1, m = n + 1, a == m - n;",
+        "Near(a) :- a < 5; P(a) :- Near(a), ~Near(b);",
+        "Near(a) = a < 5; P(a) :- Near(a) == true, b = Near(a);",
+        "F(a) = a + 1; P(a) :- F(a);",
+        "P(a) :- label = r.label, r.label == other, Q(other);",
+    ],
+)
+def test_what_says_what_it_means_is_not_marked(text: str) -> None:
+    assert found(text) == []

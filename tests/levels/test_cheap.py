@@ -1,0 +1,168 @@
+"""Cheap programs, written to win without a level's idea, don't win.
+
+``cheap`` has a folder of them for each level, and ``any`` with those that serve every level. The
+first line of a program says what it avoids. The starter, the program that results from the first
+line of the briefing, and references that do without memory are tried as well; ``test_ideas`` tries
+the programs of other levels.
+
+Among the ordinary tests are the first shifted starts; ``make proof`` tries all 20.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.game.measuring import STARTS, patience_for, shift_start, try_starts
+from logical_robots_tui.game.victory import reference_table
+from tests.levels.playing import LEVELS, measured, program_text, ticks_to_win
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+CHEAP = Path(__file__).with_name("cheap")
+STEPS = Path(__file__).with_name("steps")
+FEWEST = 8
+MOST_WINS = 1
+THOUGHTS_WHILE_ONE_WAITS = 20_000
+
+HAVE_THE_IDEA = {
+    # To react to what is ahead, to aggregate the radar, to keep a hand on the wall.
+    "01-first-steps": {"bounce", "right-hand", "left-hand", "room", "far", "alphabet", "nearest"},
+    "02-open-space": {"right-hand", "left-hand", "room", "far", "alphabet", "nearest"},
+    "03-the-long-hall": {"right-hand", "left-hand"},
+}
+"""Programs for any level that are no cheap way to win one."""
+
+WINS_TODAY = {
+    ("02-open-space", "longest-of-three"): 20,
+    ("02-open-space", "one-ray"): 20,
+    ("02-open-space", "two-rays"): 20,
+    ("02-open-space", "two-slanting-rays"): 20,
+    ("03-the-long-hall", "drift-left"): 20,
+    ("03-the-long-hall", "drift-right"): 20,
+    ("03-the-long-hall", "left-ray"): 20,
+    ("03-the-long-hall", "mean-hand"): 20,
+    ("03-the-long-hall", "right-ray"): 20,
+    ("04-everybody-home", "briefing"): 20,
+    ("04-everybody-home", "crawl-past"): 17,
+    ("06-breadcrumbs", "breadcrumbs-shortest"): 2,
+    ("07-station-management", "if"): 20,
+    ("07-station-management", "join"): 20,
+    ("08-formation", "after-amber"): 2,
+    ("08-formation", "formation-shortest"): 20,
+    ("08-formation", "next-name"): 20,
+    ("09-the-gate", "angles"): 20,
+    ("09-the-gate", "far-from-watchmen"): 20,
+    ("09-the-gate", "mean-of-two-angles"): 20,
+    ("10-distributed-mapping", "distributed-mapping-fastest"): 20,
+    ("10-distributed-mapping", "distributed-mapping-shortest"): 20,
+    ("11-power-line", "always-full"): 2,
+}
+"""From how many of 20 shifted starts, at least, a cheap program wins where it should not.
+
+When a level is mended, a test asks to remove its entry.
+"""
+
+
+@cache
+def cheap_programs(name: str) -> dict[str, str]:
+    """The texts of the cheap programs for a level, by name."""
+    level = load_level(name)
+    found = {path.stem: path.read_text("utf-8") for path in sorted((CHEAP / name).iterdir())}
+    for path in sorted((CHEAP / "any").iterdir()):
+        if path.stem not in HAVE_THE_IDEA.get(name, ()):
+            found[f"any/{path.stem}"] = path.read_text("utf-8")
+    found["starter"] = program_text(level.starter)
+    briefing = STEPS / f"{name}-briefing.l"
+    if briefing.exists():
+        found["briefing"] = briefing.read_text("utf-8")
+    for reference, measures in reference_table()[name].items():
+        if "without memory" in measures.goals:
+            found[reference] = program_text(reference)
+    return found
+
+
+def patience(name: str) -> int:
+    """The ticks within which a shifted start is to be won."""
+    return patience_for(measured(name).ticks)
+
+
+def cases(*, fail: bool) -> list[Any]:
+    """Each level with each cheap program that wins too often today, or each other one."""
+    return [
+        pytest.param(
+            name,
+            program,
+            marks=[pytest.mark.slow]
+            * (len(load_level(name).robots) * patience(name) > THOUGHTS_WHILE_ONE_WAITS),
+        )
+        for name in LEVELS
+        for program in cheap_programs(name)
+        if ((name, program) in WINS_TODAY) is fail
+    ]
+
+
+each_cheap = pytest.mark.parametrize(("name", "program"), cases(fail=False))
+each_failure = pytest.mark.parametrize(("name", "program"), cases(fail=True))
+
+
+def won_starts(name: str, program: str) -> Iterator[int]:
+    """The shifted starts that a cheap program wins from, in order."""
+    level, compiled = load_level(name), Program.compile(cheap_programs(name)[program])
+    for seed in range(STARTS):
+        if ticks_to_win(shift_start(level, seed), compiled, patience(name)):
+            yield seed
+
+
+@pytest.mark.sampled
+@each_cheap
+def test_a_cheap_program_does_not_win_from_the_first_starts(name: str, program: str) -> None:
+    level, compiled = load_level(name), Program.compile(cheap_programs(name)[program])
+    assert not all(
+        ticks_to_win(shift_start(level, seed), compiled, patience(name))
+        for seed in range(MOST_WINS + 1)
+    )
+
+
+@pytest.mark.sampled
+@each_failure
+def test_what_wins_too_often_today_still_does(name: str, program: str) -> None:
+    won = list(islice(won_starts(name, program), MOST_WINS + 1))
+    assert len(won) > MOST_WINS, "mended: remove the entry of WINS_TODAY"
+
+
+@pytest.mark.proof
+@each_cheap
+def test_a_cheap_program_wins_from_one_start_at_most(name: str, program: str) -> None:
+    assert len(list(islice(won_starts(name, program), MOST_WINS + 1))) <= MOST_WINS
+
+
+@pytest.mark.proof
+@each_failure
+def test_what_wins_too_often_today_wins_as_often_as_is_written(name: str, program: str) -> None:
+    compiled = Program.compile(cheap_programs(name)[program])
+    wins = try_starts(load_level(name), compiled, patience(name))
+    assert wins >= WINS_TODAY[name, program]
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_a_level_has_many_cheap_programs(name: str) -> None:
+    assert len(cheap_programs(name)) >= FEWEST
+
+
+def test_a_cheap_program_begins_by_saying_what_it_avoids() -> None:
+    paths = list(CHEAP.rglob("*.l"))
+    assert {path.parent.name for path in paths} == {"any", *LEVELS}
+    for path in paths:
+        assert re.match(r"# Avoids .+: .+\.\n\n", path.read_text("utf-8")), path
+
+
+def test_each_known_failure_is_of_a_cheap_program() -> None:
+    assert all(program in cheap_programs(name) for name, program in WINS_TODAY)
