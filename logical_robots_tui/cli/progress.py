@@ -203,7 +203,7 @@ async def _replay(level: str, text: str) -> Measures | str:
     from logical_robots_tui.game.victory import is_reference
     from logical_robots_tui.world.levels.labyrinths import Daily
 
-    if level not in world.list_levels() and Daily.named(level) is None:
+    if world.name_now(level) not in world.list_levels() and Daily.named(level) is None:
         return "neither a shipped level nor a labyrinth of the day"
     where = world.load_level(level)
     if is_reference(where, text):

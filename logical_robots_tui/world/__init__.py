@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         list_levels,
         list_shipped,
         load_level,
+        name_now,
     )
     from logical_robots_tui.world.world import World
 
@@ -31,7 +32,7 @@ __getattr__ = lazy_exports(
     {
         "dynamics": "AreaState RobotState WorldState",
         "level": "Area Beacon Level LevelError Robot Score Team Visibility",
-        "levels.load": "list_arenas list_levels list_shipped load_level",
+        "levels.load": "list_arenas list_levels list_shipped load_level name_now",
         "world": "World",
     },
 )

@@ -75,6 +75,12 @@ def test_a_shipped_level_is_found_by_its_name(levels: Path) -> None:
 
 
 @pytest.mark.usefixtures("levels")
+@pytest.mark.parametrize("name", ["maze", "11-maze"])
+def test_a_shipped_level_is_found_without_its_number_and_by_an_earlier_one(name: str) -> None:
+    assert load_level(name).name == "02-maze"
+
+
+@pytest.mark.usefixtures("levels")
 def test_a_wrong_name_asks_which_one_was_meant() -> None:
     error = refusal("02-mase")
     assert error.message == 'There is no level called "02-mase".'

@@ -217,15 +217,31 @@ def is_web_file(path: str | Path) -> bool:
     return Path(path).suffix.lower() == WEB
 
 
+def name_now(name: str) -> str | None:
+    """Return the name of a shipped level, or None.
+
+    The number may be left out, or be that of an earlier version.
+    """
+    known = list_shipped()
+    if name in known:
+        return name
+    bare = _without_number(name)
+    return next((each for each in known if _without_number(each) == bare), None)
+
+
+def _without_number(name: str) -> str:
+    return re.sub(r"\A[0-9]{2}-", "", name)
+
+
 def _shipped_path(name: str) -> Path:
-    folder, known = shipped_folder("levels"), list_shipped()
+    folder, now = shipped_folder("levels"), name_now(name)
     for path in (
-        *(folder / f"{name}{suffix}" for suffix in SUFFIXES),
-        folder / ARENAS / f"{name}{NATIVE}",
+        *(folder / f"{now}{suffix}" for suffix in SUFFIXES),
+        folder / ARENAS / f"{now}{NATIVE}",
     ):
-        if name in known and path.is_file():
+        if now is not None and path.is_file():
             return path
-    hint = did_you_mean(name, known) or "A path needs its ending, such as maze.toml."
+    hint = did_you_mean(name, list_shipped()) or "A path needs its ending, such as maze.toml."
     raise LevelError(f'There is no level called "{name}".', hint=hint)
 
 
