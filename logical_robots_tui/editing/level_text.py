@@ -164,7 +164,7 @@ def toml_text(key: str, value: object) -> str:
     return tomlkit.item(value).as_string()
 
 
-_FLAGS = ("divided_charge", "solid_robots", "all_goals")
+_FLAGS = ("divided_charge", "solid_robots", "all_goals", "shuffled_names")
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "story", "starter", "solution"),
     *("shared_names", "second_goals", "teams", "match_ticks", "scores", *_FLAGS),

@@ -64,7 +64,8 @@ def named_start_of(level: Level, start: int) -> Level:
 def shift_start(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
-    Robots of the same index in their teams are shifted alike, relative to their heading.
+    Robots of the same index in their teams are shifted alike, relative to their heading. If the
+    level shuffles names, each place and its part in the goals go to a robot by chance.
     """
     chance = random.Random(seed)  # noqa: S311 - not for security
     most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
@@ -78,7 +79,24 @@ def shift_start(level: Level, seed: int) -> Level:
             cos, sin = math.cos(robot.angle), math.sin(robot.angle)
             x, y = x * cos - y * sin, x * sin + y * cos
         robots.append(replace(robot, x=robot.x + x, y=robot.y + y, angle=robot.angle + turn))
-    return replace(level, robots=tuple(robots))
+    shifted = replace(level, robots=tuple(robots))
+    return _shuffle_names(shifted, chance) if level.shuffled_names else shifted
+
+
+def _shuffle_names(level: Level, chance: random.Random) -> Level:
+    there = chance.sample(level.robots, len(level.robots))
+    now = {was.name: robot.name for was, robot in zip(level.robots, there, strict=True)}
+    return replace(
+        level,
+        robots=tuple(
+            replace(place, name=robot.name, color=robot.color)
+            for place, robot in zip(level.robots, there, strict=True)
+        ),
+        areas=tuple(
+            replace(area, victory_robots=tuple(now[name] for name in area.victory_robots))
+            for area in level.areas
+        ),
+    )
 
 
 def play_through(

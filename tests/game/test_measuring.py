@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -105,6 +106,20 @@ def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level)
     for start in starts:
         assert max(abs(start.x - given.x), abs(start.y - given.y)) <= 8
         assert abs(start.angle - given.angle) <= 0.2
+
+
+def test_shifted_starts_shuffle_places_and_goals_where_the_level_says_so() -> None:
+    level = load_level("13-right-of-way")
+    places = {robot.color: robot.name for robot in level.robots}
+    sides = set()
+    for start in (shift_start(level, seed) for seed in range(20)):
+        assert {robot.color: robot.name for robot in start.robots} == places
+        here = {robot.name for robot in start.robots if robot.x < 300}
+        assert [set(a.victory_robots) == here for a in start.areas] == [False, True]
+        sides.add(frozenset(here))
+    assert len(sides) > 5
+    plain = shift_start(replace(level, shuffled_names=False), 3)
+    assert [r.x for r in plain.robots] == [r.x for r in shift_start(level, 3).robots]
 
 
 def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Level) -> None:

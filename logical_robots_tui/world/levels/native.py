@@ -42,11 +42,12 @@ if TYPE_CHECKING:
 
     _Bits = NDArray[np.bool_]
 
+_FLAGS = ("divided_charge", "solid_robots", "all_goals", "shuffled_names")
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
     "story",
     *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
-    *("scores", "divided_charge", "solid_robots", "all_goals", "robots", "beacons", "areas"),
+    *("scores", *_FLAGS, "robots", "beacons", "areas"),
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
@@ -98,7 +99,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "teams": top.each("teams", _read_team),
         "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
         "scores": top.each("scores", _score),
-        **{key: top.flag(key) for key in ("divided_charge", "solid_robots", "all_goals")},
+        **{key: top.flag(key) for key in _FLAGS},
     }
 
 
