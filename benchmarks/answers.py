@@ -33,10 +33,10 @@ TICKS = 3  # to run, for each of the effort
 WHY_AT = 300
 ORIGIN_AT = 2000
 ORIGINS = {
-    "09-the-gate": "memory.phase",
+    "11-the-gate": "memory.phase",
     "06-breadcrumbs": "memory.visited",
     "10-distributed-mapping": "memory.rung",
-    "12-swarm": "memory.settled",
+    "13-swarm": "memory.settled",
 }
 
 

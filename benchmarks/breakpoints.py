@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 __all__ = ["breakpoints"]
 
 WATCHED = {
-    "12-swarm": (
+    "13-swarm": (
         "Robot",
         "Settled(robot_name:, distance:), distance < 10",
     ),
     "06-breadcrumbs": ("Sensor(robot_name:, sensor:), ray in sensor.radar, ray.distance < 3",),
 }
-TICKS = {"12-swarm": 0.05, "06-breadcrumbs": 0.3}
+TICKS = {"13-swarm": 0.05, "06-breadcrumbs": 0.3}
 """Ticks to run for each unit of effort."""
 
 
@@ -46,7 +46,7 @@ def breakpoints(effort: Effort) -> Iterator[Measurement]:
                 "x without",
                 watched,
                 plain,
-                target=at_most(1.3) if name == "12-swarm" else None,
+                target=at_most(1.3) if name == "13-swarm" else None,
             )
 
 

@@ -47,7 +47,7 @@ LEVELS = {
     "01-first-steps": 300,
     "07-station-management": 150,
     "10-distributed-mapping": 60,
-    "12-swarm": 12,
+    "13-swarm": 12,
 }
 """Ticks that are measured of each."""
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["teams"]
 
-LEVELS = ("04-everybody-home", "07-station-management", "12-swarm")
+LEVELS = ("04-everybody-home", "07-station-management", "13-swarm")
 ONE, TWO = ("red",), ("red", "blue")
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["tournament"]
 
-ARENA = "13-high-ground"
+ARENA = "14-high-ground"
 PLAYERS = 16
 STARTS = 20
 KILLS = 5

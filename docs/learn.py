@@ -10,6 +10,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logical_robots_tui.game.level_questions import program_of, ticks_in_words
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import list_levels, load_level
 
@@ -27,8 +28,9 @@ HEAD = """\
 
 One lesson for each level, with the Logica that it needs. Read it next to the game: play the level
 until you are stuck, read on, try again. The game shows the same text bit by bit: the briefing next
-to the labyrinth, `h` for a hint, `t` for the lesson. Programs that win are on
-[a page of their own](solutions.md).
+to the labyrinth, `h` for a hint, `t` for the lesson, and Enter in it for the questions: each is
+answered with one query about a frozen tick, which the game checks. So does `logical-robots learn`.
+Programs that win are on [a page of their own](solutions.md).
 """
 
 SOLUTIONS_HEAD = """\
@@ -69,6 +71,11 @@ def _lesson(level: Level) -> Iterator[str]:
     yield "The starter program:\n"
     yield from _program(level.starter)
     yield f"{level.lesson.strip()}\n"
+    for number, question in enumerate(level.questions, 1):
+        yield f"**Question {number}.** {_escaped(question.ask)}\n"
+        where = f"{ticks_in_words(question.ticks)} of `{program_of(level, question)}`"
+        yield f"<details><summary>An answer, for {where}</summary>\n"
+        yield f"```\n{question.answer}\n```\n\n</details>\n"
     for number, hint in enumerate(level.hints, 1):
         yield f"<details><summary>Hint {number}</summary>\n\n{_escaped(hint)}\n\n</details>\n"
     goals = "; ".join(goal.words for goal in level.second_goals)

@@ -29,7 +29,7 @@ _INTERRUPTS, _INTERRUPT_SECONDS = 3, 2.0
 _TO_END = 2.5  # seconds that a game has to end after it was asked to
 _COMPUTED_TO_END = 1.5  # processor seconds that it may take for that
 _STARVED_TO_END = 15.0  # seconds where other processes leave it no processor
-_LITTLE = 0.001  # processor seconds
+_LITTLE = 0.01  # processor seconds between two looks; threads that only wait take half of it
 
 _ENDS = frozenset((signal.SIGHUP, signal.SIGTERM))
 _HEARD = frozenset((*_ENDS, signal.SIGCHLD, signal.SIGCONT, signal.SIGINT, signal.SIGTSTP))

@@ -30,6 +30,7 @@ _MODULES = (
     ("query", "query when"),
     ("why", "why origin"),
     ("query", "diagnose"),
+    ("learn", "learn"),
     ("check", "check"),
     ("listing", "help levels programs config"),
     ("replay", "replay"),
@@ -67,6 +68,7 @@ examples:
                                        find out where a value comes from
   logical-robots diagnose 01-first-steps first-steps
                                        scan a run for likely mistakes
+  logical-robots learn 01-first-steps  read a lesson and answer its questions
   logical-robots replay record 01-first-steps first-steps -o first.replay
                                        record a run in a file
   logical-robots help ArgMin           explain a function of the language

@@ -343,6 +343,18 @@ class LineGame(SessionListener):
         elif learning.revealed:
             say("There are no more.", *learning.revealed)
 
+    def lesson(self, _: str) -> None:
+        learning = self.player.learning
+        say(learning.lesson())
+        if learning.answered:
+            say(f"Questions: {learning.answered} answered. Type answer for a list.")
+
+    async def answer(self, argument: str) -> None:
+        from logical_robots_tui.cli.learn import answer_in_game
+
+        number, _, query = argument.partition(" ")
+        await answer_in_game(self.session.level, self.player.learning, _number(number, 0), query)
+
     async def solution(self, _: str) -> None:
         say(await self.player.learning.solution())
 
@@ -433,8 +445,10 @@ COMMANDS = (
         "put the starter program back; yours becomes an earlier version"),
     Command("briefing", "", LineGame.brief, "the task, and second goals"),
     Command("hint", "", LineGame.hint, "reveal the next hint"),
-    Command("lesson", "", lambda game, _: say(game.player.learning.lesson()),
+    Command("lesson", "", LineGame.lesson,
         "what the level teaches and, when you have won, what to try next"),
+    Command("answer", "[N QUERY]", LineGame.answer,
+        "list the questions of the lesson, or answer question N with a query"),
     Command("solution", "", LineGame.solution, "the reference programs"),
     Command("results", "", LineGame.results, "your best results beside the reference programs"),
     Command("next", "", lambda game, _: game.player.library.next_level(),

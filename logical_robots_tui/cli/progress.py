@@ -18,6 +18,7 @@ from logical_robots_tui import mind, world
 from logical_robots_tui.cli import command
 from logical_robots_tui.cli.command import columns, folder_of, harmless, print_json
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import read_text
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
 
@@ -25,7 +26,7 @@ FORMAT = 1
 """The version of the exported document."""
 
 CONFIRMED, NOT_CONFIRMED = 0, 1
-CELLS = ("state", "hints", "ticks", "rules", "distance", "wins", "starts", "goals")
+CELLS = ("state", "hints", "ticks", "size", "distance", "wins", "starts", "goals", "rules")
 
 
 @command.declare(
@@ -70,10 +71,11 @@ def _list(progress: Progress, options: argparse.Namespace) -> None:
         table = csv.writer(sys.stdout, lineterminator="\n")
         table.writerow(["level", *CELLS])
         for level, record in records.items():
-            cells = (record.state, record.hints, *record.bests[:-1], "; ".join(record.bests.goals))
+            bests = {**record.bests._asdict(), "goals": "; ".join(record.bests.goals)}
+            cells = (record.state, record.hints, *bests.values())
             table.writerow([level, *("" if cell is None else cell for cell in cells)])
     else:
-        head = ("LEVEL", "STATE", "HINTS", "TICKS", "RULES", "DISTANCE", "ROBUST", "GOALS")
+        head = ("LEVEL", "STATE", "HINTS", "TICKS", "SIZE", "DISTANCE", "ROBUST", "GOALS")
         rows = [(level, *_row(record)) for level, record in records.items()]
         print(*columns([head, *rows]), sep="\n")
 
@@ -87,7 +89,7 @@ def _row(record: LevelRecord) -> tuple[str, ...]:
     bests = record.bests
     robust = "" if bests.wins is None else f"{bests.wins} of {bests.starts}"
     distance = "" if bests.distance is None else f"{bests.distance:,.0f}"
-    numbers = (bests.ticks, bests.rules)
+    numbers = (bests.ticks, bests.size)
     shown = ("" if number is None else str(number) for number in numbers)
     goals = str(len(bests.goals) or "")
     return record.state, str(record.hints or ""), *shown, distance, robust, goals
@@ -121,11 +123,16 @@ _Count = Annotated[int, msgspec.Meta(ge=0, le=1_000_000_000)]
 class _Victory(msgspec.Struct):
     program: str
     ticks: _Count
-    rules: _Count
     distance: Annotated[float, msgspec.Meta(ge=0)]
+    size: _Count | None = None
     wins: _Count | None = None
     starts: _Count = 0
     goals: tuple[str, ...] = ()
+
+    def claim(self) -> Measures:
+        """Return the measures; the size is the program's where an earlier version counted rules."""
+        size = size_of(self.program) if self.size is None else self.size
+        return Measures(self.ticks, size, self.distance, self.wins, self.starts, self.goals)
 
 
 class _Level(msgspec.Struct):
@@ -161,9 +168,7 @@ def _read_claims(file: Path) -> Iterator[tuple[str, str, Measures]]:
             place=f"{file}: format",
         )
     return (
-        (each.level, won.program, Measures(*(getattr(won, name) for name in Measures._fields)))
-        for each in export.levels
-        for won in each.victories
+        (each.level, won.program, won.claim()) for each in export.levels for won in each.victories
     )
 
 
@@ -172,7 +177,7 @@ def _check(file: Path, *, as_json: bool) -> int:
     results: list[dict[str, Any]] = []
     played: dict[tuple[str, str], Measures | str] = {}
     if not as_json:
-        print(f"{'LEVEL':24}  {'TICKS':>6}  {'RULES':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
+        print(f"{'LEVEL':24}  {'TICKS':>6}  {'SIZE':>5}  {'DISTANCE':>8}  {'ROBUST':>8}  RESULT")
     for level, text, claimed in claims:
         if (level, text) not in played:
             played[level, text] = asyncio.run(_replay(level, text))
@@ -218,7 +223,7 @@ async def _replay(level: str, text: str) -> Measures | str:
 
 
 def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
-    for name in ("ticks", "rules", "distance"):
+    for name in ("ticks", "size", "distance"):
         mine, theirs = getattr(claimed, name), getattr(found, name)
         if not math.isclose(mine, theirs, rel_tol=1e-6):
             yield f"{name}: {mine:,.10g} claimed, {theirs:,.10g} found"
@@ -231,5 +236,5 @@ def _differences(claimed: Measures, found: Measures) -> Iterator[str]:
 
 def _line(level: str, shown: Measures, problem: str) -> str:
     robust = "" if shown.wins is None else f"{shown.wins} of {shown.starts}"
-    numbers = f"{shown.ticks:6}  {shown.rules:5}  {shown.distance:8,.0f}  {robust:>8}"
+    numbers = f"{shown.ticks:6}  {shown.size:5}  {shown.distance:8,.0f}  {robust:>8}"
     return f"{harmless(level):24}  {numbers}  {harmless(problem) or 'confirmed'}"

@@ -146,7 +146,7 @@ def run(options: argparse.Namespace) -> int:
       logical-robots run 01-first-steps first-steps --json     print it as JSON
       logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
       logical-robots run my-level.toml my-program.l --ticks 900
-      logical-robots run 13-high-ground high-ground high-ground-sparring
+      logical-robots run 14-high-ground high-ground high-ground-sparring
 
     exit status: 0 won or match over, 1 not won in time, 2 bad level or program
     """
@@ -241,9 +241,7 @@ class Outcome:
                 for goal in game.goals(self.level, self.frame.after)
             ],
             **({"scores": points(self.level, self.frame.after)} if self.level.scores else {}),
-            "second_goals": {
-                goal.words: goal.words in self.reached for goal in self.level.second_goals
-            },
+            "second_goals": self._second_goals(),
             "notices": {
                 "count": self.notices.total(),
                 "kinds": dict(self.notices),
@@ -259,12 +257,18 @@ class Outcome:
             found["think_milliseconds_per_tick"] = round(think, 4)
         return found
 
+    def _second_goals(self) -> dict[str, bool | None]:
+        return {
+            goal.words: None if goal.is_tried_later else goal.words in self.reached
+            for goal in self.level.second_goals
+        }
+
     def as_text(self) -> str:
         lines = [self._verdict()]
         if self.won_at is not None and self.level.second_goals:
-            goals = (goal.words for goal in self.level.second_goals)
+            says = {True: "yes", False: "no", None: "not tried"}
             told = "; ".join(
-                f"{words}: {'yes' if words in self.reached else 'no'}" for words in goals
+                f"{goal}: {says[found]}" for goal, found in self._second_goals().items()
             )
             lines.append(f"Second goals: {told}.")
         lines += ["", *self._table()]

@@ -18,6 +18,7 @@ from logical_robots_tui.world.level import (
     Area,
     Beacon,
     Level,
+    LevelQuestion,
     Robot,
     Score,
     Team,
@@ -63,7 +64,9 @@ def words_of(level: Level) -> Record:
         "second_goals": [goal.words for goal in level.second_goals],
         "briefing": level.briefing,
         "hints": list(level.hints),
-        **{name: getattr(level, name) for name in ("lesson", "further", "story", *_FLAGS)},
+        **{name: getattr(level, name) for name in ("lesson", "further", "story")},
+        "questions": [_question(question) for question in level.questions],
+        **{name: getattr(level, name) for name in _FLAGS},
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
         "scores": [_record_of(score) for score in level.scores],
@@ -76,6 +79,11 @@ def _record_of(part: Team | Score) -> Record:
     if isinstance(part, Score):
         record["points"] = _number(part.points)
     return record
+
+
+def _question(question: LevelQuestion) -> Record:
+    record = question._asdict() | {"ticks": list(question.ticks)}
+    return {name: value for name, value in record.items() if value}
 
 
 def _robot(robot: Robot) -> Record:
@@ -156,6 +164,9 @@ def toml_text(key: str, value: object) -> str:
     if isinstance(value, dict):
         inner = ", ".join(f"{name} = {toml_text(name, part)}" for name, part in value.items())
         return f"{{{inner}}}"
+    if key == "questions" and isinstance(value, list):
+        lines = "".join(f"  {toml_text('', record)},\n" for record in value)
+        return f"[\n{lines}]"
     if isinstance(value, list) and value and isinstance(value[0], dict):
         return f"[{', '.join(toml_text('', record) for record in value)}]"
     if key == "hints" and isinstance(value, list):
@@ -166,8 +177,8 @@ def toml_text(key: str, value: object) -> str:
 
 _FLAGS = ("divided_charge", "solid_robots", "all_goals", "shuffled_names")
 _WORDS = (
-    *("idea", "briefing", "hints", "lesson", "further", "story", "starter", "solution"),
-    *("shared_names", "second_goals", "teams", "match_ticks", "scores", *_FLAGS),
+    *("idea", "briefing", "hints", "lesson", "further", "story", "questions", "starter"),
+    *("solution", "shared_names", "second_goals", "teams", "match_ticks", "scores", *_FLAGS),
 )
 _SEEN = Visibility(memory="all", sensor="all")
 

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
         save_program,
         warnings_in,
     )
-    from logical_robots_tui.game.victory import count_rules, is_shipped, level_key, reference_for
+    from logical_robots_tui.game.victory import is_shipped, level_key, reference_for
 
 __getattr__ = lazy_exports(
     __name__,
@@ -70,7 +70,7 @@ __getattr__ = lazy_exports(
         "debugging.origin": "Link Origin origin_in_game origin_in_run read_part subject_name",
         "history.course": "Difference Divergence",
         "pace": "Pace",
-        "victory": "count_rules is_shipped level_key reference_for",
+        "victory": "is_shipped level_key reference_for",
         "run": "Run run_key",
         "source": (
             "Source compile_program list_programs load_program mistake_in_question save_program "

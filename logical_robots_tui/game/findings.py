@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -43,13 +44,17 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Ticks in which a robot made no progress; `period` is in ticks per round, or 0."""
+    """Ticks in which a robot made no progress; `period` is in ticks per round, or 0.
+
+    `way` says in words where an unfinished robot came from and is.
+    """
 
     kind: Literal["blocked", "still", "circle", "unfinished"]
     robot: str
     first: int
     last: int
     period: int = 0
+    way: str = ""
 
 
 @dataclass(slots=True)
@@ -190,7 +195,10 @@ def _stretches(path: Sequence[RobotState], first: int) -> Iterator[Stretch]:
         begin, period = found
         yield Stretch("circle", name, first + begin, first + len(path) - 1, period)
     elif len(path) > _LONG:
-        yield Stretch("unfinished", name, first + len(path) - _LONG, first + len(path) - 1)
+        before, now = path[-_LONG], path[-1]
+        way = f", from ({before.x:.0f}, {before.y:.0f}) to ({now.x:.0f}, {now.y:.0f})"
+        last = first + len(path) - 1
+        yield Stretch("unfinished", name, last - _LONG + 1, last, way=way)
 
 
 def _longest(holds: Sequence[bool]) -> tuple[int, int]:
@@ -303,6 +311,9 @@ def _multipliers(tally: Tally, rule: int, seen: set[int]) -> list[Span]:
     return []
 
 
+_AGGREGATE = re.compile(r"[A-Z]\w*\s*\{")
+
+
 def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     leaves = _leaves(tally, robot)
     nulls = [
@@ -314,6 +325,10 @@ def _of_null(tally: Tally, robot: str, tick: int, first: str) -> Finding:
     span, others = _split([*nulls, *(span for leaf in leaves for span in leaf)])
     quoted = f" `{shorten(span.text)}` was null." if nulls and span else ""
     hint = "Use Coalesce or `if` to handle a missing value."
+    aggregate = next((place for place in nulls if _AGGREGATE.search(place.text)), None)
+    if aggregate is not None:
+        where = f"The aggregation in line {aggregate.line}"
+        hint = f"{where} had nothing to go over; Coalesce replaces null."
     return Finding("bad engine", "warning", span, tick, f"{first}{quoted}", hint, others, robot)
 
 
@@ -406,7 +421,7 @@ def _of_movement(
         how, hint = _MOVEMENTS[stretch.kind]
         how += f" {stretch.period} ticks" if stretch.kind == "circle" else ""
         doing = f", mostly with `{shorten(span.text)}`" if span is not None else ""
-        ticks = f"from tick {stretch.first} to {stretch.last}"
+        ticks = f"from tick {stretch.first} to {stretch.last}{stretch.way}"
         said, begin = f"{stretch.robot} {how} {ticks}{doing}.", stretch.first
         yield Finding(stretch.kind, severity, span, begin, said, hint, others, stretch.robot)
 

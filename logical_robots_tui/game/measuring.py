@@ -16,11 +16,12 @@ from dataclasses import dataclass, replace
 from logical_robots_tui.game.advancing import play_tick, start_frame
 from logical_robots_tui.game.frame import Frame, driven
 from logical_robots_tui.game.minds import mind_for
-from logical_robots_tui.game.victory import measures_of
+from logical_robots_tui.game.victory import measures_of, reached_goals
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
 from logical_robots_tui.world import Level, World
+from logical_robots_tui.world.level import GoalKind
 
 STARTS = 20
 """The number of shifted starts to try."""
@@ -96,6 +97,20 @@ def _shuffle_names(level: Level, chance: random.Random) -> Level:
             replace(area, victory_robots=tuple(now[name] for name in area.victory_robots))
             for area in level.areas
         ),
+    )
+
+
+def mirror(level: Level) -> Level:
+    """Return the level mirrored left to right."""
+    walls = level.walls[:, ::-1].copy()
+    walls.flags.writeable = False
+    width = level.width
+    return replace(
+        level,
+        walls=walls,
+        robots=tuple(replace(r, x=width - r.x, angle=math.pi - r.angle) for r in level.robots),
+        beacons=tuple(replace(beacon, x=width - beacon.x) for beacon in level.beacons),
+        areas=tuple(replace(area, x=width - area.x) for area in level.areas),
     )
 
 
@@ -267,8 +282,14 @@ def _measure(level: Level, program: Program, known: Measures | None) -> Measures
             return None
         known = measures_of(level, program, played.won_at, played.distance, played.is_blocked)
     patience = patience_for(known.ticks)
-    wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
-    return known._replace(wins=wins, starts=STARTS)
+    if known.wins is None:
+        wins = try_starts(level, program, patience, report=lambda n, won: _say(tried=n, wins=won))
+        known = known._replace(wins=wins, starts=STARTS)
+    found: dict[GoalKind, int] = {"starts": known.starts - (known.wins or 0)}
+    if any(goal.kind == "mirrored" for goal in level.second_goals):
+        found["mirrored"] = play_through(mirror(level), program, patience).won_at is None
+    goals = dict.fromkeys((*known.goals, *reached_goals(level, found)))
+    return known._replace(goals=tuple(goals))
 
 
 def _say(**what: object) -> None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from logical_robots_tui.game.source import reference_names, shipped_texts
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.progress import Bests, Measures, Progress
 from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
-from logical_robots_tui.world.level import alike
+from logical_robots_tui.world.level import GoalKind, alike
 
 if TYPE_CHECKING:
     from logical_robots_tui.game.game import Game
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from logical_robots_tui.mind import Program
 
 FILE_NAME = "reference.csv"
-_WHOLE = ("ticks", "rules", "wins", "starts")
-FIELDS = ("level", "program", "ticks", "rules", "distance", "wins", "starts", "goals")
+_WHOLE = ("ticks", "size", "wins", "starts")
+FIELDS = ("level", "program", "ticks", "size", "distance", "wins", "starts", "goals")
 
 
 def is_shipped(level: Level) -> bool:
@@ -52,21 +53,13 @@ def reference_table() -> Mapping[str, Mapping[str, Measures]]:
     try:
         with (shipped_folder("levels") / FILE_NAME).open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
-                ticks, rules, wins, starts = (int(row[name]) for name in _WHOLE)
+                ticks, size, wins, starts = (int(row[name]) for name in _WHOLE)
                 goals = tuple(filter(None, row["goals"].split("; ")))
-                measures = Measures(ticks, rules, float(row["distance"]), wins, starts, goals)
+                measures = Measures(ticks, size, float(row["distance"]), wins, starts, goals)
                 table.setdefault(row["level"], {})[row["program"]] = measures
     except FileNotFoundError:
         return {}
     return table
-
-
-def count_rules(text: str) -> int:
-    """Return the number of statements of a program that compiles, without annotations."""
-    from logical_robots_tui.language.source_text import prepare, statements
-
-    source = prepare(text)
-    return sum(source.text[start] != "@" for start, _ in statements(source))
 
 
 Verdict: TypeAlias = Literal["counts", "reference", "clock", "edited"]
@@ -123,17 +116,21 @@ def measures_of(
     level: Level, program: Program, ticks: int, distance: float, is_blocked: bool
 ) -> Measures:
     """Return the measures of a victory; the distance is map units of all robots together."""
-    rules = count_rules(program.text)
-    mentions = sum(used.count("Memory") for used in program.uses.values())
-    found = {
+    size = size_of(program.text)
+    found: dict[GoalKind, int] = {
         "tick": ticks,
-        "rule": rules,
+        "symbol": size,
         "unit": round(distance),
         "blocked": int(is_blocked),
-        "memory": mentions,
     }
-    reached = (goal.words for goal in level.second_goals if found[goal.kind] <= goal.most)
-    return Measures(ticks, rules, distance, goals=tuple(reached))
+    return Measures(ticks, size, distance, goals=tuple(reached_goals(level, found)))
+
+
+def reached_goals(level: Level, found: Mapping[GoalKind, int]) -> Iterator[str]:
+    """Yield the second goals that are reached, as far as what they limit was found."""
+    for goal in level.second_goals:
+        if goal.kind in found and found[goal.kind] <= goal.most:
+            yield goal.words
 
 
 def is_reference(level: Level, text: str) -> bool:
@@ -156,8 +153,8 @@ def robustness_line(level: Level, measures: Measures) -> str:
 
 
 def result_line(level: Level, measures: Measures) -> str:
-    ticks, rules = count_of(measures.ticks, "tick"), count_of(measures.rules, "rule")
-    line = f"Logical Robots · {level.title} · {ticks} · {rules}"
+    ticks, size = count_of(measures.ticks, "tick"), count_of(measures.size, "symbol")
+    line = f"Logical Robots · {level.title} · {ticks} · {size}"
     line += f" · {measures.distance:,.0f} units driven"
     if measures.wins is not None:
         line += f" · {measures.wins} of {measures.starts} starts"
@@ -165,9 +162,9 @@ def result_line(level: Level, measures: Measures) -> str:
 
 
 def brief(bests: Bests | Measures, width: int = 100) -> str:
-    if bests.ticks is None or bests.rules is None or bests.distance is None:
+    if bests.ticks is None or bests.size is None or bests.distance is None:
         return ""
-    parts = [count_of(bests.ticks, "tick"), count_of(bests.rules, "rule")]
+    parts = [count_of(bests.ticks, "tick"), f"size {bests.size}"]
     parts.append(f"{bests.distance:.0f} driven")
     if bests.wins is not None:
         parts.append(f"{bests.wins}/{bests.starts}")

@@ -98,6 +98,7 @@ def _runs(manifest: Manifest, ledger: Ledger, done: list[Done]) -> Table:
             "won": result.outcome == "won",
             "ticks": result.ticks if result.outcome == "won" else None,
             "distance": result.distance,
+            "size": result.size or None,
             "rules": result.rules or None,
         }
         first = result.first and "tick {}, {}: {}".format(*result.first)

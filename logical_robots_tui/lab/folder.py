@@ -26,13 +26,13 @@ _MOST_NESTED = 5_000_000  # brackets and commas of one, whose objects take far m
 _UNREADABLE = (msgspec.MsgspecError, AttributeError, RecursionError, TypeError, ValueError)
 _NESTING = (b"[", b"{", b",")
 
-BUILT_IN = ("won", "ticks", "distance", "rules")
-"""Measures of every run."""
+BUILT_IN = ("won", "ticks", "distance", "size")
+"""Measures of every run; folders of earlier versions also have ``rules``."""
 
 Digest: TypeAlias = Annotated[str, msgspec.Meta(pattern="^([0-9a-f]{64})?$")]
 Ticks: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10**9)]
 Starts: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000)]
-Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join(BUILT_IN)})$")]
+Measure: TypeAlias = Annotated[str, msgspec.Meta(pattern=f"^({'|'.join((*BUILT_IN, 'rules'))})$")]
 Index: TypeAlias = Annotated[int, msgspec.Meta(ge=0)]
 
 

@@ -33,7 +33,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     won: bool
     outcome: str
     ticks: int | None
-    rules: int | None
+    size: int | None
     distance: float
     wins: int
     starts: int
@@ -56,7 +56,7 @@ class Grade(msgspec.Struct, frozen=True):
 
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
-    assignment = msgspec.convert(manifest.assignment, Assignment)
+    assignment = _assignment_of(manifest)
     cells: dict[tuple[str, str], Cell] = {(c.student, c.level_name): c for c in manifest.cells}
     runs: dict[tuple[str, str], list[Done]] = defaultdict(list)
     for done in done_runs(manifest, ledger):
@@ -81,6 +81,16 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             )
         )
     return grades
+
+
+def _assignment_of(manifest: Manifest) -> Assignment:
+    """Return the assignment, with ``size`` where earlier versions counted rules."""
+    found = manifest.assignment
+    table, points = dict(found["assignment"]), dict(found["points"])
+    table["show"] = ["size" if each == "rules" else each for each in table["show"]]
+    if "rules" in points:
+        points["size"] = points.pop("rules")
+    return msgspec.convert({**found, "assignment": table, "points": points}, Assignment)
 
 
 def _level(
@@ -118,7 +128,7 @@ def _level(
         won,
         outcome,
         first.ticks if first and won else None,
-        first.rules or None if first else None,
+        first.size or None if first else None,
         first.distance if first else 0.0,
         wins,
         manifest.starts,
@@ -135,8 +145,8 @@ def _share(assignment: Assignment, name: str, first: Result, robust: float) -> f
     reached = split.won * won + split.starts * robust
     if won and reference is not None:
         reached += split.ticks * min(1, reference.ticks / first.ticks)
-        reached += split.rules * min(1, reference.rules / max(first.rules, 1))
-    return reached / (split.won + split.starts + split.ticks + split.rules)
+        reached += split.size * min(1, reference.size / max(first.size, 1))
+    return reached / (split.won + split.starts + split.ticks + split.size)
 
 
 def _round(points: float) -> float:
@@ -155,13 +165,14 @@ def duplicates(manifest: Manifest) -> list[tuple[str, str, tuple[str, ...]]]:
 def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[str]:
     """Write gradebook, feedback and exports; return what was written, or raise InputError."""
     grades = grades_of(manifest, ledger)
-    show = manifest.assignment["assignment"]["show"]
-    kept = manifest.assignment["late"]["keep"]
+    assignment = _assignment_of(manifest)
+    show: list[str] = [*assignment.assignment.show]
+    kept = assignment.late.keep
     names = _file_names([grade.student.id for grade in grades])
     for grade, name in zip(grades, names, strict=True):
         data = {**msgspec.to_builtins(grade), "title": manifest.title}
         for level in data["levels"]:
-            for key in {"won", "ticks", "rules", "distance"} - set(show):
+            for key in {"won", "ticks", "size", "distance"} - set(show):
                 del level[key]
             if "won" not in show:
                 del level["outcome"]
@@ -238,8 +249,8 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
         said.append(f"From the given start: {level.outcome}.")
     if "ticks" in show and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
-    if "rules" in show and level.rules is not None:
-        said.append(f"{count_of(level.rules, 'rule')}.")
+    if "size" in show and level.size is not None:
+        said.append(f"{count_of(level.size, 'symbol')}.")
     if "distance" in show and level.distance:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):

@@ -20,7 +20,7 @@ import msgspec
 from logical_robots_tui.game.frame import Frame, standing
 from logical_robots_tui.game.measuring import LateError, play_through, start_of
 from logical_robots_tui.game.run import simulation_digest
-from logical_robots_tui.game.victory import count_rules
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import (
     Diagnostic,
     Limits,
@@ -89,7 +89,8 @@ class Series(msgspec.Struct, frozen=True):
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     """The result of a run, determined by its inputs alone.
 
-    `distance` is map units of all robots together, `notices` the number of ticks with a notice
+    `distance` is map units of all robots together, `size` the symbols of the programs, `rules` what
+    earlier versions counted instead, `notices` the number of ticks with a notice
     of each kind, `first` the first one (tick, robot, message). Teams in `forfeit` have lost
     because their programs failed.
     """
@@ -97,13 +98,14 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     outcome: Outcome
     ticks: int = 0
     distance: float = 0.0
-    rules: int = 0
+    size: int = 0
     notices: dict[str, int] = {}
     first: tuple[int, str, str] | None = None
     series: dict[str, Series] = {}
     mistakes: tuple[Diagnostic, ...] = ()
     points: dict[str, float] = {}
     forfeit: tuple[str, ...] = ()
+    rules: int = 0
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -183,7 +185,7 @@ class _Prepared:
         self.questions: dict[Asked, Question] = {}
         try:
             self.program = Program.compile(task.programs)
-            self.rules = sum(map(count_rules, task.programs.values()))
+            self.size = sum(map(size_of, task.programs.values()))
             for asked in task.asked:
                 self.questions[asked] = self.program.question(asked.query)
         except ProgramError as error:
@@ -219,7 +221,7 @@ class _Prepared:
             "won" if played.won_at is not None else watcher.ended or lasts,
             played.ticks,
             played.distance,
-            self.rules,
+            self.size,
             dict(watcher.notices),
             watcher.first,
             {asked.name: watcher.series(asked) for asked in self.questions},

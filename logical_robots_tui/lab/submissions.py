@@ -41,7 +41,7 @@ class Split(msgspec.Struct, frozen=True):
     won: Share = 1.0
     starts: Share = 0.0
     ticks: Share = 0.0
-    rules: Share = 0.0
+    size: Share = 0.0
 
 
 class Late(msgspec.Struct, frozen=True):
@@ -58,8 +58,8 @@ class AssignmentTable(msgspec.Struct, frozen=True):
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = True
     roster: str = ""
-    show: list[Literal["won", "starts", "ticks", "rules", "distance"]] = msgspec.field(
-        default_factory=lambda: ["won", "starts", "ticks", "rules"]
+    show: list[Literal["won", "starts", "ticks", "size", "distance"]] = msgspec.field(
+        default_factory=lambda: ["won", "starts", "ticks", "size"]
     )
 
 
@@ -158,7 +158,7 @@ def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]
 
 
 def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> None:
-    for key in ("ticks", "rules"):
+    for key in ("ticks", "size"):
         if getattr(assignment.points, key) and reference_for(level) is None:
             said = f"{level.name} has no reference program to compare {key} with"
             spec.problem(("points", key), said)

@@ -7,9 +7,20 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from logical_robots_tui.language import tree
-from logical_robots_tui.language.definitions import calls, definitions, is_built_in, rules_of
+from logical_robots_tui.language.definitions import (
+    calls,
+    definitions,
+    is_built_in,
+    reach,
+    rules_of,
+)
 from logical_robots_tui.language.diagnostics import Diagnostic
-from logical_robots_tui.language.source_text import Prepared, diagnostic_at, with_whole_brackets
+from logical_robots_tui.language.source_text import (
+    Prepared,
+    diagnostic_at,
+    diagnostic_for,
+    with_whole_brackets,
+)
 from logical_robots_tui.language.tree import Expression, Infix, Node, Span, infix_of
 from logical_robots_tui.schema import INPUTS, VALUE
 
@@ -29,6 +40,7 @@ def pitfalls(program: Sequence[tree.Statement], source: Prepared) -> Iterator[Di
     finder = _Finder(program, source)
     for rule in rules_of(program):
         yield from finder.in_rule(rule)
+    yield from _own_negations(program, source.original)
 
 
 class _Finder:
@@ -271,6 +283,30 @@ class _Finder:
         if len(example) > _LONGEST - len(hint) // 2:
             return f"{hint}."
         return f"{hint}{between}{example}."
+
+
+def _own_negations(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    """Yield a warning for each predicate whose rule needs that a row of it is missing."""
+    own = definitions(program)
+    below = {name: reach(made, own) for name, made in own.items()}
+    for rule in rules_of(program):
+        for call in _denied(rule) if rule.name in below.get(rule.name, ()) else ():
+            if call.name == rule.name or rule.name in below.get(call.name, ()):
+                message = f"{rule.name} depends on its own negation, ~{call.name}"
+                hint = (
+                    "A row that is there only if it is missing comes and goes without end. "
+                    f"Put ~ before predicates that don't need {rule.name}."
+                )
+                yield diagnostic_for(text, call.name, message, hint, "warning")
+
+
+def _denied(node: Node, *, is_odd: bool = False) -> Iterator[tree.Call | tree.Atom]:
+    """Yield the calls within an odd number of negations."""
+    if is_odd and isinstance(node, tree.Call | tree.Atom):
+        yield node
+    is_odd ^= isinstance(node, tree.Aggregate) and node.is_denial
+    for each in tree.children(node):
+        yield from _denied(each, is_odd=is_odd)
 
 
 def _in_tests(rule: Node) -> Iterator[tuple[Node, bool]]:

@@ -25,6 +25,12 @@ _TOKEN = re.compile(
     r"|(?P<sign>[(){}\[\];])|[^#/\"'`(){}\[\];]+|.",
     re.DOTALL,
 )
+_SYMBOL = re.compile(
+    r"(?P<none>:-|\b(?:then|else|distinct)\b)"
+    r'|"{3}.*?"{3}|"[^"]*"|`[^`]*`|\d+\.\d+|is\s+not\b|\w+'
+    r"|[-:=!<>]=|[-=]>|&&|\|\||\+\+|[-+*/%^=<>!~|]",
+    re.DOTALL,
+)
 
 # What stands in a text for the parser, which knows no single quotes.
 _INNER_QUOTE = "\ue022"
@@ -99,6 +105,21 @@ def statements(source: Prepared) -> Iterator[tuple[int, int]]:
             first = start + piece.index(bare)
             yield first, first + len(bare)
         start = end + 1
+
+
+def size_of(text: str) -> int:
+    """Return the number of symbols of a program: its names, literals and operators.
+
+    These are the leaves and operators of its tree, counted as tokens, which takes no parser.
+    Punctuation, ``:-``, ``then``, ``else``, ``distinct``, comments and annotations don't count.
+    """
+    source = prepare(text)
+    return sum(
+        found.lastgroup is None
+        for start, stop in statements(source)
+        if source.text[start] != "@"
+        for found in _SYMBOL.finditer(source.text, start, stop)
+    )
 
 
 def with_whole_brackets(skeleton: str, start: int, stop: int) -> tuple[int, int]:

@@ -93,7 +93,10 @@ def decide(
         return Decision(name, None, memory, tuple(notices))
     if len(rows) > 1:
         notices.append(
-            Notice("several rows", f"Robot has {len(rows)} rows for {name}: the last one counts.")
+            Notice(
+                "several rows",
+                f"Robot has {len(rows)} rows for {name}{_unlike(*rows[-2:])}: the last one counts.",
+            )
         )
     row = rows[-1]
     kept, weight = memory, 0
@@ -116,10 +119,20 @@ def decide(
     return Decision(name, _desire(row.get("desire"), notices), kept, tuple(notices), weight)
 
 
+def _unlike(one: Mapping[str, Value], other: Mapping[str, Value]) -> str:
+    """Return in which columns two rows differ, or that they are equal."""
+    columns = [column for column in other if one.get(column) != other[column]]
+    return f", which differ in {' and '.join(columns)}" if columns else ", which are equal"
+
+
+def _advice(what: str) -> str:
+    return " An aggregation over nothing is null; Coalesce replaces it." if what == "null" else ""
+
+
 def _desire(value: Value, notices: list[Notice]) -> Desire | None:
     if not isinstance(value, dict):
         what = "null" if value is None else "not a record"
-        notices.append(Notice("bad engine", f"The desire is {what}: engines stop."))
+        notices.append(Notice("bad engine", f"The desire is {what}: engines stop.{_advice(what)}"))
         return None
     left, right = value.get("left_engine"), value.get("right_engine")
     if left.__class__ is float and right.__class__ is float and math.isfinite(left + right):
@@ -133,7 +146,7 @@ def _desire(value: Value, notices: list[Notice]) -> Desire | None:
             if isinstance(given, float) and math.isinf(given):
                 what = "infinite"
             what = what if engine in value else "missing"
-            notices.append(Notice("bad engine", f"{engine} is {what}: it stops."))
+            notices.append(Notice("bad engine", f"{engine} is {what}: it stops.{_advice(what)}"))
         engines[engine] = power or 0.0
     return Desire(**engines)
 

@@ -12,6 +12,7 @@ from logical_robots_tui.player.session import Session
 from logical_robots_tui.player.session_state import ProgramText, Ui, tried
 from logical_robots_tui.progress import Version
 from logical_robots_tui.wording import count_of
+from logical_robots_tui.world.level import LevelQuestion
 
 
 def version_name(version: Version) -> str:
@@ -60,6 +61,23 @@ class Learning:
         elif number == 1:
             self._ui.tell("This level has no hints.")
         return is_there
+
+    @property
+    def answers(self) -> dict[str, str]:
+        """The queries that have answered questions of the level."""
+        answers = dict(self._recorder.record.answers)
+        asked = (question.ask for question in self._session.level.questions)
+        return {ask: answers[ask] for ask in asked if ask in answers}
+
+    @property
+    def answered(self) -> str:
+        """How many questions are answered, as in ``2 of 3``, or "" if there are none."""
+        questions = len(self._session.level.questions)
+        return f"{len(self.answers)} of {questions}" if questions else ""
+
+    def answer(self, question: LevelQuestion, query: str) -> None:
+        """Keep a right answer."""
+        self._recorder.answer(question.ask, query)
 
     def lesson(self) -> str:
         """Return the lesson as Markdown, after a victory with what to try next, or ""."""

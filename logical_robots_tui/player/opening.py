@@ -196,9 +196,8 @@ class Player:
         self.best_runs = BestRuns(session, ui, opening.data_dir / "best-runs")
         session.listeners.append(self.best_runs)
         self.learning = Learning(session, ui, recorder, program, library.open_program, with_keys)
-        self.bookmark = Bookmark(
-            session, drafts, ui, library.open_level, library.open_program, library.look_at
-        )
+        self.bookmark = Bookmark(session, drafts, ui, library.open_program, library.look_at)
+        session.listeners.append(self.bookmark)
 
     def start(self) -> None:
         """Begin to record and to compile, once all listen to the session."""

@@ -20,7 +20,7 @@ from logical_robots_tui.game.pace import SPEEDS
 from logical_robots_tui.paths import is_file
 from logical_robots_tui.player.drafts import Draft, Drafts, acquire, release
 from logical_robots_tui.player.session import Session
-from logical_robots_tui.player.session_state import Ui
+from logical_robots_tui.player.session_state import SessionListener, Ui
 from logical_robots_tui.records import record, texts_of
 from logical_robots_tui.wording import clip, one_line
 from logical_robots_tui.world import Level, load_level
@@ -180,21 +180,20 @@ def place_of(played: game.Game, level: Level, source: game.Source) -> Place | No
     return Place(game.level_key(level), level.title, program, tick, programs)
 
 
-class Bookmark:
-    """Saves the position of an interrupted session, and offers it to the next one."""
+class Bookmark(SessionListener):
+    """Saves the position of an interrupted session, and offers it to a later one."""
 
     def __init__(
         self,
         session: Session,
         drafts: Drafts,
         ui: Ui,
-        open_level: Callable[[Level], Awaitable[None]],
         open_program: Callable[[game.Source, str | None], None],
         look_at: Callable[[str], None],
     ) -> None:
         self._session, self._drafts, self._ui = session, drafts, ui
-        self._open_level, self._open_program = open_level, open_program
-        self._look_at = look_at
+        self._open_program, self._look_at = open_program, look_at
+        self._offers: Offers | None = None
 
     def flush(self) -> None:
         """Write the current place. Safe in a signal handler; never raises."""
@@ -208,11 +207,23 @@ class Bookmark:
                 self._drafts.keep(Draft("place", place.title, place.level, place.as_text()))
 
     async def offer(self, offers: Offers) -> None:
+        """Offer to continue in the level at hand; in another one when it is opened."""
+        self._offers = offers
         with contextlib.suppress(OSError):  # no folder, no bookmark
-            for draft in (await asyncio.to_thread(self._drafts.adopt, "place"))[:1]:
+            draft = await offers.at_hand(self._left_here)
+            if draft is not None:
+                self._drafts.put_away(draft)
                 with contextlib.suppress(ValueError):
                     await self._ask(offers, Place.from_text(draft.text), draft)
-                self._drafts.put_away(draft)
+
+    def level_opened(self, level: Level) -> None:
+        if self._offers is not None:
+            self._ui.spawn(partial(self.offer, self._offers), "bookmark", exclusive=False)
+
+    async def _left_here(self) -> Draft | None:
+        places = await asyncio.to_thread(self._drafts.adopt, "place")
+        here = game.level_key(self._session.level)
+        return next((each for each in places if each.path == here), None)
 
     async def _ask(self, offers: Offers, place: Place, draft: Draft) -> None:
         question = (
@@ -228,8 +239,6 @@ class Bookmark:
 
     async def _go_to(self, place: Place) -> None:
         """Go to a position; restored unsaved text stays in the editor."""
-        if place.level != game.level_key(self._session.level):
-            await self._open_level(await asyncio.to_thread(load_level, place.level))
         last, sources = place.programs[-1][1], self._session.sources
         first = next(iter(last))
         if first != sources.team and first in sources.teams:

@@ -19,8 +19,9 @@ SELECT
     max(begun IS NOT NULL), max(won IS NOT NULL), max(hints),
     (SELECT count(*) FROM version WHERE level = ?1),
     (SELECT min(ticks) FROM version WHERE level = ?1),
-    (SELECT min(rules) FROM version WHERE level = ?1 AND ticks NOT NULL),
-    (SELECT min(distance) FROM version WHERE level = ?1)
+    (SELECT min(size) FROM version WHERE level = ?1),
+    (SELECT min(distance) FROM version WHERE level = ?1),
+    (SELECT min(rules) FROM version WHERE level = ?1)
 FROM level WHERE name = ?1
 """
 
@@ -30,6 +31,8 @@ ORDER BY 1.0 * wins / starts DESC, starts DESC LIMIT 1
 """
 
 _GOALS = "SELECT DISTINCT goals FROM version WHERE level = ? AND goals <> ''"
+
+_ANSWERS = "SELECT question, query FROM answer WHERE level = ? ORDER BY question"
 
 _KEEP = """
 INSERT INTO version (level, digest, text, turn, kept)
@@ -43,7 +46,7 @@ DELETE FROM version WHERE level = ?1 AND number NOT IN (
 ) AND number NOT IN (SELECT * FROM (
     SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY ticks LIMIT 1))
 AND number NOT IN (SELECT * FROM (
-    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY rules LIMIT 1))
+    SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY size LIMIT 1))
 AND number NOT IN (SELECT * FROM (
     SELECT number FROM version WHERE level = ?1 AND ticks NOT NULL ORDER BY distance LIMIT 1))
 AND number NOT IN (SELECT * FROM (
@@ -64,16 +67,17 @@ class Progress(Store):
         level = _storable(level)
 
         def look(connection: sqlite3.Connection) -> LevelRecord:
-            begun, won, hints, versions, ticks, rules, distance = connection.execute(
+            begun, won, hints, versions, ticks, size, distance, rules = connection.execute(
                 _RECORD, (level,)
             ).fetchone()
             wins, starts = connection.execute(_MOST_WINS, (level,)).fetchone() or (None, 0)
             reached = {
                 goal for (goals,) in connection.execute(_GOALS, (level,)) for goal in _split(goals)
             }
-            bests = Bests(ticks, rules, distance, wins, starts, tuple(sorted(reached)))
+            bests = Bests(ticks, size, distance, wins, starts, tuple(sorted(reached)), rules)
             state: State = "won" if won else "in work" if begun else "new"
-            return LevelRecord(state, hints or 0, bests, versions)
+            answers = connection.execute(_ANSWERS, (level,)).fetchall()
+            return LevelRecord(state, hints or 0, bests, versions, tuple(answers))
 
         return self.read(look)
 
@@ -87,6 +91,10 @@ class Progress(Store):
     def reveal(self, level: str, hints: int) -> None:
         """Record the number of revealed hints of a level; they are never hidden again."""
         self._note(_reveal, level, hints)
+
+    def answer(self, level: str, question: str, query: str) -> None:
+        """Record the query that answers a question of a level."""
+        self._note(_answer, level, question, query)
 
     def win(self, level: str, text: str, measures: Measures | None = None) -> None:
         """Record that a program has won a level; unknown measures stay unchanged."""
@@ -104,7 +112,7 @@ class Progress(Store):
     def versions(self, level: str) -> list[Version]:
         """Return the versions stored for a level, last used first."""
         rows = self._rows(
-            "SELECT number, text, kept, won, ticks, rules, distance, wins, starts, goals "
+            "SELECT number, text, kept, won, ticks, size, distance, wins, starts, goals "
             "FROM version WHERE level = ? ORDER BY turn DESC",
             _storable(level),
         )
@@ -116,7 +124,7 @@ class Progress(Store):
 
     def measures(self, level: str, text: str) -> Measures | None:
         found = self._rows(
-            "SELECT ticks, rules, distance, wins, coalesce(starts, 0), goals FROM version "
+            "SELECT ticks, size, distance, wins, coalesce(starts, 0), goals FROM version "
             "WHERE level = ? AND digest = ? AND ticks NOT NULL",
             _storable(level),
             _digest(text),
@@ -155,6 +163,13 @@ def _reveal(connection: sqlite3.Connection, level: str, hints: int) -> None:
     connection.execute("UPDATE level SET hints = max(hints, ?) WHERE name = ?", (hints, level))
 
 
+def _answer(connection: sqlite3.Connection, level: str, question: str, query: str) -> None:
+    connection.execute(
+        "INSERT OR REPLACE INTO answer VALUES (?, ?, ?)",
+        (level, _storable(question), _storable(query)),
+    )
+
+
 def _win(connection: sqlite3.Connection, level: str, text: str, found: Measures | None) -> None:
     now = _now()
     _keep(connection, level, text)
@@ -175,29 +190,32 @@ def _keep(connection: sqlite3.Connection, level: str, *texts: str) -> None:
 
 
 def _measure(connection: sqlite3.Connection, level: str, text: str, found: Measures) -> None:
+    key = level, _digest(text)
+    (kept,) = connection.execute(
+        "SELECT goals FROM version WHERE level = ? AND digest = ?", key
+    ).fetchone()
     connection.execute(
-        "UPDATE version SET ticks = ?, rules = ?, distance = ?, goals = ?, "
+        "UPDATE version SET ticks = ?, size = ?, distance = ?, goals = ?, "
         "wins = coalesce(?, wins), starts = CASE WHEN ? THEN ? ELSE starts END "
         "WHERE level = ? AND digest = ?",
         (
             found.ticks,
-            found.rules,
+            found.size,
             found.distance,
-            "\n".join(found.goals),
+            "\n".join(dict.fromkeys((*_split(kept), *found.goals))),
             found.wins,
             found.wins is not None,
             found.starts,
-            level,
-            _digest(text),
+            *key,
         ),
     )
 
 
 def _version(row: tuple[Any, ...]) -> Version:
-    number, text, kept, won, ticks, rules, distance, wins, starts, goals = row
+    number, text, kept, won, ticks, size, distance, wins, starts, goals = row
     measures = None
     if ticks is not None:
-        measures = Measures(ticks, rules, distance, wins, starts or 0, _split(goals))
+        measures = Measures(ticks, size, distance, wins, starts or 0, _split(goals))
     return Version(number, text, datetime.fromisoformat(kept), won is not None, measures)
 
 

@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, TypeVar
 
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.paths import is_there
 from logical_robots_tui.records import texts_of
 
@@ -25,12 +26,12 @@ State: TypeAlias = Literal["new", "in work", "won"]
 class Measures(NamedTuple):
     """The measures of a victory; less is better, except for `wins` and `goals`.
 
-    `distance` is map units of all robots together; `wins` of `starts` shifted starts is None if
-    not tried.
+    `size` is the symbols of the program, `distance` map units of all robots together; `wins` of
+    `starts` shifted starts is None if not tried.
     """
 
     ticks: int
-    rules: int
+    size: int
     distance: float
     wins: int | None = None
     starts: int = 0
@@ -38,21 +39,28 @@ class Measures(NamedTuple):
 
 
 class Bests(NamedTuple):
-    """The best of each measure, possibly of different programs; None if not measured yet."""
+    """The best of each measure, possibly of different programs; None if not measured yet.
+
+    `rules` is what earlier versions counted instead of `size`.
+    """
 
     ticks: int | None = None
-    rules: int | None = None
+    size: int | None = None
     distance: float | None = None
     wins: int | None = None
     starts: int = 0
     goals: tuple[str, ...] = ()
+    rules: int | None = None
 
 
 class LevelRecord(NamedTuple):
+    """What is known of a level; `answers` are questions and the queries that answer them."""
+
     state: State = "new"
     hints: int = 0
     bests: Bests = Bests()
     versions: int = 0
+    answers: tuple[tuple[str, str], ...] = ()
 
 
 class Version(NamedTuple):
@@ -119,6 +127,62 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         WHERE text LIKE '# teams: %'
         """,
     ),
+    (
+        # size: symbols of the program, once it has measures. Its rules are no longer counted.
+        "ALTER TABLE version ADD COLUMN size INTEGER",
+        "UPDATE version SET size = size_of(text) WHERE ticks NOT NULL",
+    ),
+    (
+        # question: as the level asks it. query: the player's last right answer.
+        """
+        CREATE TABLE answer (
+            level TEXT NOT NULL,
+            question TEXT NOT NULL,
+            query TEXT NOT NULL,
+            PRIMARY KEY (level, question)
+        )
+        """,
+    ),
+    (
+        # Levels were numbered anew; those of arenas are kept by their paths.
+        "CREATE TEMP TABLE moved (earlier TEXT PRIMARY KEY, now TEXT NOT NULL)",
+        """
+        INSERT INTO moved VALUES
+            ('09-the-gate', '11-the-gate'),
+            ('11-power-line', '12-power-line'),
+            ('12-swarm', '13-swarm')
+        """,
+        """
+        INSERT INTO moved SELECT name, replace(name, earlier, now) FROM
+            (
+                SELECT name FROM level UNION SELECT level FROM version
+                UNION SELECT level FROM answer UNION SELECT value FROM fact WHERE name = 'level'
+            ),
+            (
+                SELECT '13-high-ground' AS earlier, '14-high-ground' AS now
+                UNION SELECT '14-four-doors', '15-four-doors'
+                UNION SELECT '15-low-voltage', '16-low-voltage'
+            )
+        WHERE name LIKE '%/levels/arenas/' || earlier || '.toml'
+        """,
+        """
+        UPDATE level SET name = (SELECT now FROM moved WHERE earlier = name)
+        WHERE name IN (SELECT earlier FROM moved)
+        """,
+        """
+        UPDATE version SET level = (SELECT now FROM moved WHERE earlier = level)
+        WHERE level IN (SELECT earlier FROM moved)
+        """,
+        """
+        UPDATE answer SET level = (SELECT now FROM moved WHERE earlier = level)
+        WHERE level IN (SELECT earlier FROM moved)
+        """,
+        """
+        UPDATE fact SET value = (SELECT now FROM moved WHERE earlier = value)
+        WHERE name = 'level' AND value IN (SELECT earlier FROM moved)
+        """,
+        "DROP TABLE moved",
+    ),
 )
 
 _TABLES = {"level", "version", "fact"}
@@ -146,6 +210,7 @@ def prepare(
     from hashlib import sha256  # takes time that the first picture needs
 
     connection.create_function("first_program", 1, lambda text: next(iter(texts_of(text).values())))
+    connection.create_function("size_of", 1, size_of)
     connection.create_function("sha256", 1, lambda text: sha256(text.encode()).hexdigest())
     with connection:
         connection.execute("BEGIN IMMEDIATE")

@@ -143,37 +143,65 @@ class Score:
     points: float = 1.0
 
 
-_GoalKind: TypeAlias = Literal["tick", "rule", "unit", "blocked", "memory"]
+GoalKind: TypeAlias = Literal["tick", "symbol", "unit", "blocked", "starts", "mirrored"]
+_WORDS: dict[GoalKind, str] = {
+    "blocked": "never blocked",
+    "starts": "wins from all 20 starts",
+    "mirrored": "wins in the mirrored labyrinth",
+}
+_FORMER = re.compile("without memory|at most [0-9]{1,9} rules?")
 
 
 class SecondGoal(NamedTuple):
-    """What a player may achieve besides winning, as a limit to something that is measured.
+    """What a player may achieve besides winning.
 
     Attributes:
-        kind: What is limited: ticks, rules, the units driven, in how many ticks a robot was
-            blocked, or how often the program mentions ``Memory``.
+        kind: What is limited: ticks, the program's symbols, the units driven, in how many ticks a
+            robot was blocked, how many shifted starts are lost, or whether the mirrored level is.
         most: The limit.
     """
 
-    kind: _GoalKind
+    kind: GoalKind
     most: int = 0
 
     @property
     def words(self) -> str:
         """The goal as a level file says it."""
-        if self.kind == "blocked":
-            return "never blocked"
-        if self.kind == "memory":
-            return "without memory"
-        return f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
+        return _WORDS.get(self.kind) or f"at most {self.most} {self.kind}{'s' * (self.most != 1)}"
+
+    @property
+    def is_tried_later(self) -> bool:
+        """Whether a victory does not show it, but only further runs of the program."""
+        return self.kind in ("starts", "mirrored")
 
     @classmethod
     def of(cls, words: str) -> SecondGoal | None:
         """Return the goal that a level file says, or None."""
-        number = re.search("[0-9]{1,9}", words)
-        most = int(number[0]) if number else 0
-        goals = (cls(kind, most) for kind in get_args(_GoalKind))
+        number = re.fullmatch("at most ([0-9]{1,9}) [a-z]+", words)
+        most = int(number[1]) if number else 0
+        goals = (cls(kind, most) for kind in get_args(GoalKind))
         return next((goal for goal in goals if goal.words == words), None)
+
+    @staticmethod
+    def was_one(words: str) -> bool:
+        """Return whether these words were a second goal in level files of earlier versions."""
+        return _FORMER.fullmatch(words) is not None
+
+
+class LevelQuestion(NamedTuple):
+    """A question to answer with one query, as somebody who sees the rows of all robots.
+
+    Attributes:
+        ask: What is asked, plain text.
+        answer: A query with the rows that are wanted.
+        ticks: At least one, ascending; an answer must be right at each of them.
+        program: Name of the program that runs until then, or "" for the starter.
+    """
+
+    ask: str
+    answer: str
+    ticks: tuple[int, ...]
+    program: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +222,7 @@ class Level:
         briefing: The task, plain text with line breaks, or "".
         hints: Hints to reveal one at a time.
         lesson: What it teaches, in Markdown, or "".
+        questions: What to find out with queries, beside the lesson.
         further: What to try after winning, or "".
         story: What these robots are for, told after a victory, plain text, or "".
         starter: Name of the program to start with, or "".
@@ -224,6 +253,7 @@ class Level:
     briefing: str = ""
     hints: tuple[str, ...] = ()
     lesson: str = ""
+    questions: tuple[LevelQuestion, ...] = ()
     further: str = ""
     story: str = ""
     starter: str = ""

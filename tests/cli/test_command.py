@@ -120,7 +120,7 @@ def test_the_levels_are_listed_with_title_and_robots(command: Command) -> None:
     for level, line in zip(levels, lines, strict=True):
         assert level["title"] in line
         assert line.startswith(level["name"])
-        if level["name"] == "12-swarm":
+        if level["name"] == "13-swarm":
             assert len(level["robots"]) == 100
             assert line.endswith("  Bee 1 … Bee 100")
         else:

@@ -145,7 +145,7 @@ def test_a_victory_is_kept_but_for_that_of_the_reference_program(
     progress = Progress(tmp_path / "data" / FILE_NAME)
     mine, reference = progress.record(str(level)), progress.record("01-first-steps")
     progress.close()
-    assert (mine.state, mine.bests.rules) == ("won", 1)
+    assert (mine.state, mine.bests.size) == ("won", 11)
     assert f"Won after {mine.bests.ticks} ticks." in told
     assert (reference.state, reference.bests.ticks) == ("in work", None)
 
@@ -225,6 +225,32 @@ def test_a_player_learns_in_lines(typed: TypedCommand, ahead: Path) -> None:
     assert "Yours: " in after
 
 
+def test_a_player_answers_the_questions_of_a_lesson_in_lines(
+    typed: TypedCommand, ahead: Path, lesson: Path
+) -> None:
+    answer = "Way(sensor.forward_distance) :- Sensor(sensor:)"
+    asked = f'{{ask = "How far?", answer = "{answer}", ticks = [0, 5]}}'
+    lesson.write_text(f"questions = [{asked}]\n{lesson.read_text('utf-8')}", "utf-8")
+    typed.program = ahead
+    told = typed(
+        "lesson",
+        "answer 1 Way(43);",
+        "answer 1 senso",
+        "answer",
+        "answer 1 sensor.forward_distance",
+    )
+    first, _, rest = told.out.partition("Question 1 of 1: How far?\n")
+    assert "Right at tick 0, but at tick 5 its only row is wrong; 1 row is asked for." in first
+    assert "A rule with one case.\nQuestions: 0 of 1 answered. Type answer for a list.\n" in first
+    assert "\nsenso\n^^^^^\n" in first
+    assert rest.startswith("At ticks 0 and 5 of first-steps-starter, in the rows of all robots.\n")
+    assert "0 of 1 answered.\n" in rest
+    assert "Right at ticks 0 and 5.\n" in rest
+    assert "Question 1 of 1, answered: How far?\n" in typed("answer 3 Robot").out
+    lesson.write_text(lesson.read_text("utf-8").replace(asked, ""), "utf-8")
+    assert "This level has no questions." in typed("answer").out
+
+
 def test_hints_stay_revealed_and_a_level_without_texts_says_so(
     typed: TypedCommand, ahead: Path, lesson: Path, tmp_path: Path
 ) -> None:
@@ -232,7 +258,7 @@ def test_hints_stay_revealed_and_a_level_without_texts_says_so(
     typed.play("hint", options=(lesson, ahead, *data))
     assert "Hint 2: It is straight" in typed.play("hint", options=(lesson, ahead, *data)).out
     told = typed.play(
-        "level 13-high-ground", "lesson", "hint", "reset", options=(lesson, ahead, *data)
+        "level 14-high-ground", "lesson", "hint", "reset", options=(lesson, ahead, *data)
     )
     assert "High ground\n" in told.out
 

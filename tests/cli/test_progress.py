@@ -11,7 +11,7 @@ import pytest
 
 from logical_robots_tui.game import load_program
 from logical_robots_tui.game.measuring import play_through
-from logical_robots_tui.game.victory import count_rules
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Program
 from logical_robots_tui.progress import FILE_NAME, Measures, Progress
 from logical_robots_tui.world import load_level
@@ -31,7 +31,7 @@ def won() -> tuple[str, Measures]:
     text = load_program("first-steps").text.replace("distance < 90", "distance < 80")
     played = play_through(load_level(LEVEL), Program.compile(text), 5000)
     assert played.won_at is not None
-    return text, Measures(played.won_at, count_rules(text), played.distance)
+    return text, Measures(played.won_at, size_of(text), played.distance)
 
 
 @pytest.fixture
@@ -56,8 +56,8 @@ def exported(command: Command, folder: Path) -> dict[str, Any]:
 
 def test_each_level_has_a_line(command: Command, folder: Path, won: tuple[str, Measures]) -> None:
     lines = [line.split() for line in command("progress", "--data-dir", folder).out.splitlines()]
-    ticks, rules, *_ = won[1]
-    assert [LEVEL, "won", str(ticks), str(rules)] == lines[1][:4]
+    ticks, size, *_ = won[1]
+    assert [LEVEL, "won", str(ticks), str(size)] == lines[1][:4]
     assert lines[1][-4:] == ["1", "of", "20", "1"]
     assert lines[2] == ["02-open-space", "new", "2"]
     assert lines[-1] == ["/maps/cellar.toml", "in", "work"]
@@ -84,7 +84,9 @@ def test_an_export_holds_the_programs_of_the_best_results(
     command: Command, folder: Path, won: tuple[str, Measures]
 ) -> None:
     first = exported(command, folder)["levels"][0]
-    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)}
+    assert first["best"] == {**won[1]._asdict(), "wins": 1, "starts": 20, "goals": list(GOALS)} | {
+        "rules": None
+    }
     assert {victory["program"] for victory in first["victories"]} == {won[0], "Worse() = 1;"}
 
 
@@ -101,7 +103,7 @@ def test_programs_are_played_again(
     }
     false: list[dict[str, object]] = [
         {"ticks": 3},
-        {"rules": 1},
+        {"size": 1},
         {"distance": 5.0},
         {"wins": 3},
         {"goals": ["at most 9 ticks"]},
@@ -112,10 +114,10 @@ def test_programs_are_played_again(
     file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")
     told = command("progress", "--check", file)
     assert told.status == 1
-    _, confirmed, ticks, rules, distance, wins, goals = told.out.splitlines()
+    _, confirmed, ticks, size, distance, wins, goals = told.out.splitlines()
     assert confirmed.endswith("20 of 20  confirmed")
     assert f"ticks: 3 claimed, {measures.ticks:,} found" in ticks
-    assert f"rules: 1 claimed, {measures.rules} found" in rules
+    assert f"size: 1 claimed, {measures.size} found" in size
     assert "distance: 5 claimed, " in distance
     assert "robust: 3 of 20 claimed, 20 found" in wins
     assert '"at most 9 ticks" claimed, not reached' in goals
@@ -128,7 +130,7 @@ def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
     level, text = "daily-2026-11-22-small", load_program("the-long-hall").text
     played = play_through(load_level(level), Program.compile(text), 5000)
     assert played.won_at is not None
-    true = {"program": text, "ticks": played.won_at, "rules": count_rules(text)}
+    true = {"program": text, "ticks": played.won_at, "size": size_of(text)}
     victories = [true | {"distance": played.distance}, true | {"distance": 1.0}]
     file = tmp_path / "export.json"
     levels = [{"level": level, "victories": victories}]
@@ -152,7 +154,7 @@ def test_a_victory_in_a_labyrinth_of_the_day_is_played_again(
 def test_what_can_not_be_confirmed_is_told(
     level: str, program: str, problem: str, command: Command, tmp_path: Path
 ) -> None:
-    victory = {"program": program, "ticks": 3, "rules": 1, "distance": 5.0}
+    victory = {"program": program, "ticks": 3, "size": 1, "distance": 5.0}
     file = tmp_path / "export.json"
     levels = [{"level": level, "victories": [victory]}]
     file.write_text(json.dumps({"format": 1, "levels": levels}), encoding="utf-8")

@@ -148,7 +148,7 @@ def test_who_loses_the_connection_goes_on_there(host: Host, tmp_path: Path) -> N
         ssh = host.server.client("-t", port=line.port)
         tmux.start(*ssh, host.command(tmp_path / "data", *THREE_ROBOTS))
         tmux.wait_for("· applied")
-        tmux.press("2")
+        tmux.press("2", "C-Home")  # no dialog covers the first line
         tmux.type(TYPED)
         tmux.wait_for(TYPED)
         tmux.press("F5")

@@ -13,7 +13,7 @@ from logical_robots_tui.editing.strokes import fill, paint, paint_rectangle
 from logical_robots_tui.editing.things import Ref, add, change, duplicate, remove, resize, set_words
 from logical_robots_tui.paths import shipped_folder
 from logical_robots_tui.world import Area, Beacon, Level, LevelError, Robot, Visibility, list_levels
-from logical_robots_tui.world.level import SecondGoal
+from logical_robots_tui.world.level import LevelQuestion, SecondGoal
 from tests.world.making import make_level
 
 if TYPE_CHECKING:
@@ -109,7 +109,12 @@ _VALUES: dict[Kind, dict[str, st.SearchStrategy[Any]]] = {
 }
 _ALL = {"name": NAMES, "x": PLACES, "y": PLACES}
 GOALS = st.sampled_from(
-    [SecondGoal("rule", 1), SecondGoal("tick", 900), SecondGoal("unit", 7), SecondGoal("blocked")]
+    [SecondGoal("symbol", 1), SecondGoal("tick", 900), SecondGoal("unit", 7), SecondGoal("blocked")]
+)
+QUESTIONS = st.builds(
+    LevelQuestion,
+    *(TEXTS, TEXTS, st.sampled_from([(0,), (120, 480), (3, 4, 10_000)])),
+    st.one_of(st.just(""), NAMES),
 )
 _WORDS = st.fixed_dictionaries(
     {},
@@ -119,6 +124,7 @@ _WORDS = st.fixed_dictionaries(
         "briefing": TEXTS,
         "lesson": TEXTS,
         "hints": st.lists(TEXTS, max_size=3).map(tuple),
+        "questions": st.lists(QUESTIONS, max_size=2).map(tuple),
         "shared_names": st.lists(NAMES, max_size=2).map(tuple),
         "second_goals": st.lists(GOALS, max_size=2).map(tuple),
         "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),

@@ -119,7 +119,34 @@ MISTAKES = [
         "3:28 never holds ... a name of its own: new_n = n + 1.",
         ("- n = n + 1 (in no way)",),
     ),
-    Mistake("ray in sensor.radar, m = ray.angle", "", ("(gives 31 rows; this is the last)",)),
+    Mistake(
+        "ray in sensor.radar, m = ray.angle",
+        "",
+        (
+            "(gives 31 rows; this is the last)",
+            "Another row of this rule comes from (a condition, or distinct with an aggregation, ",
+            "m = ray.angle = 1.0471975511965976",
+        ),
+    ),
+    Mistake(
+        "m = 1",
+        "",
+        ("(gives 1 row, but not the last)", "memory = 2", "(gives 1 row; this is the last)"),
+        "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}, memory: 2) :- "
+        "Sensor(robot_name:);",
+    ),
+    Mistake(
+        "m = Min{r.distance :- r in sensor.radar, r.distance < 9} + 1",
+        "",
+        ("is null (It goes over nothing; Coalesce(Min{r.distance :- ",),
+    ),
+    Mistake(
+        "m = 2 * Near(sensor.radar)",
+        "",
+        ("`Near(sensor.radar)` is null (`Min{r.distance :- r in radar, r.distance < 9}` goes over "
+         "nothing; Coalesce(Near(sensor.radar), 0) would be 0 then)",),
+        "Near(radar) = Min{r.distance :- r in radar, r.distance < 9};",
+    ),
     Mistake("m = Sum{d}, r in sensor.radar, d = r.distance", "3:7 no body ... Sum{d :- ...}."),
     Mistake("m += r.distance :- r in sensor.radar", "3:19 two ':-' ... Aggregates use braces"),
     Mistake("m = ArgMax{r.angle :- r in sensor.radar}", "3:14 takes pairs ... what -> value"),

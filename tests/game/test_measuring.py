@@ -1,4 +1,4 @@
-"""Ticks, rules, distance and robustness: what is measured of a program that wins."""
+"""Ticks, size, distance and robustness: what is measured of a program that wins."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ import pytest
 from benchmarks.reference import measure_reference
 from logical_robots_tui import Game, Program, list_levels, load_level
 from logical_robots_tui.game import (
-    count_rules,
     level_key,
     load_program,
     measuring,
@@ -30,6 +29,7 @@ from logical_robots_tui.game.measuring import (
 )
 from logical_robots_tui.game.source import reference_names
 from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.mind import Stopped
 from logical_robots_tui.progress import Measures
 from tests.short import AHEAD
@@ -58,20 +58,24 @@ def level(tmp_path: Path) -> Level:
 
 
 @pytest.mark.parametrize(
-    ("text", "rules"),
+    ("text", "size"),
     [
-        (AHEAD, 1),
-        ("# A(x) :- B(x);\n" + AHEAD, 1),
-        ('@Visible(Memory, "all");\n' + AHEAD, 1),
-        ("A(1);\nA(2);\n/* A(3); */\n" + AHEAD, 3),
-        ('A("a; b; c");\n' + AHEAD, 2),
-        ("F := G(A: B);\n" + AHEAD, 2),
-        (AHEAD.rstrip().removesuffix(";"), 1),
+        (AHEAD, 11),
+        ("# A(x) :- B(x);\n" + AHEAD, 11),
+        ('@Visible(Memory, "all");\n' + AHEAD, 11),
+        ("A(1);\nA(2);\n/* A(3); */\n" + AHEAD, 15),
+        ('A("a; b; c");\n' + AHEAD, 13),
+        ("F := G(A: B);\n" + AHEAD, 16),
+        (AHEAD.rstrip().removesuffix(";"), 11),
         ("", 0),
+        ("A(x, y: -0.5 * r.z) :- B(..r), ~C(x), r.a is not null", 17),
+        ("A(x)=if x>=1 then 'it\\'s' else if !B(x) then `t` else true", 14),
+        ("A(k, n? Max= v, m? += 1) distinct :- k -> v in [1, 2.5]", 16),
+        ("A(x):-B(x),x!=1||x==2", 11),
     ],
 )
-def test_every_statement_is_a_rule_but_for_comments_and_annotations(text: str, rules: int) -> None:
-    assert count_rules(text) == rules
+def test_the_size_is_the_number_of_names_literals_and_operators(text: str, size: int) -> None:
+    assert size_of(text) == size
 
 
 async def test_the_distance_is_what_all_robots_have_driven_also_after_going_back(
@@ -151,17 +155,17 @@ async def test_a_program_is_measured_in_a_process_that_tells_how_far_it_is(level
     found = await measure(level, program, None, told.append)
     played = play_through(level, program, 1000)
     assert found is not None
-    assert (found.ticks, found.rules, found.starts) == (played.won_at, 1, 20)
+    assert (found.ticks, found.size, found.starts) == (played.won_at, 11, 20)
     assert found.distance == played.distance
     assert told[-1] == Trial(20, found.wins or 0, 20)
     assert [trial.tried for trial in told] == list(range(1, 21))
 
 
 async def test_what_is_known_of_the_given_start_is_not_played_again(level: Level) -> None:
-    known = Measures(ticks=55, rules=7, distance=1.0)
+    known = Measures(ticks=55, size=7, distance=1.0)
     found = await measure(level, Program.compile(AHEAD), known)
     assert found is not None
-    assert (found.ticks, found.rules, found.distance, found.starts) == (55, 7, 1.0, 20)
+    assert (found.ticks, found.size, found.distance, found.starts) == (55, 7, 1.0, 20)
 
 
 def test_a_program_that_does_not_win_from_the_start_has_no_measures(
@@ -215,7 +219,7 @@ def test_there_are_references_for_each_level_that_has_a_solution() -> None:
     assert {name: list(table) for name, table in reference_table().items()} == solved
     for table in reference_table().values():
         for program, measures in table.items():
-            assert measures.rules == count_rules(load_program(program).text)
+            assert measures.size == size_of(load_program(program).text)
             assert 0 < measures.ticks <= 20_000
 
 

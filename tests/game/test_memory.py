@@ -139,7 +139,7 @@ def test_one_robot_fills_the_history_and_the_oldest_ticks_are_dropped() -> None:
 )
 def test_the_memories_of_a_hundred_stay_within_bounds(what: str) -> None:
     ticks = 10 if what in KEPT_BY_NOBODY else 25
-    most, kinds = played("12-swarm", ROBOT + (HUNGRY | MANY_ROWS)[what] + ";", ticks)
+    most, kinds = played("13-swarm", ROBOT + (HUNGRY | MANY_ROWS)[what] + ";", ticks)
     assert most < MOST - SCREEN
     assert kinds <= {"no_memory", "failed", "several_rows", "dropped"}
     assert ("dropped" in kinds) == (what == "what can't be packed")
@@ -152,7 +152,7 @@ def test_without_room_a_thought_is_a_notice_and_the_game_goes_on() -> None:
 
 def test_without_room_to_sense_a_game_ends_with_an_exception_and_never_crashes() -> None:
     environment = {**os.environ, "MALLOC_ARENA_MAX": "1"}  # no room is left in other arenas
-    for level, room in (("01-first-steps", 50), ("01-first-steps", 20_000), ("12-swarm", 200)):
+    for level, room in (("01-first-steps", 50), ("01-first-steps", 20_000), ("13-swarm", 200)):
         done = subprocess.run(
             [sys.executable, "-c", STARVES, level, str(room)],
             capture_output=True,

@@ -81,7 +81,7 @@ def never(*_arguments: object, **_options: object) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "ticks"), [("06-breadcrumbs", 40), ("10-distributed-mapping", 35), ("12-swarm", 3)]
+    ("name", "ticks"), [("06-breadcrumbs", 40), ("10-distributed-mapping", 35), ("13-swarm", 3)]
 )
 async def test_a_run_is_what_a_game_plays_and_stays_so_on_disk(
     monkeypatch: pytest.MonkeyPatch, name: str, ticks: int

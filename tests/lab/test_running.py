@@ -41,7 +41,7 @@ def test_a_run_is_the_game_played_through() -> None:
         result = msgspec.json.decode(text, type=Result)
         assert (result.outcome, result.ticks) == ("won", played.won_at)
         assert result.distance == played.distance
-        assert result.rules == 3
+        assert result.size == 38
     assert [start for start, _, _ in answer.results] == [0, 2]
 
 

@@ -114,7 +114,7 @@ def test_what_is_varied_is_crossed_and_cases_are_not(tmp_path: Path) -> None:
 
 def test_a_level_of_the_web_platform_can_be_varied(tmp_path: Path) -> None:
     theirs = tmp_path / "theirs.json"
-    assert main(["level", "convert", "11-power-line", str(theirs)]) == 0
+    assert main(["level", "convert", "12-power-line", str(theirs)]) == 0
     (tmp_path / "first.l").write_text(FIRST_STEPS)
     file = tmp_path / "e.toml"
     file.write_text(

@@ -167,3 +167,35 @@ def test_other_pitfalls_are_marked_once(text: str, message: str, hint: str) -> N
 )
 def test_what_says_what_it_means_is_not_marked(text: str) -> None:
     assert found(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "negated", "column"),
+    [
+        ("Odd(n + 1) distinct :- Odd(n), n < 9, ~Odd(n - 1);", "Odd", 40),
+        ("Out(x) :- R(x), ~In(x); In(x) :- S(x), Out(x);", "In", 18),
+        ("P(x) :- R(x), ~(S(x), ~(S(x + 1), ~P(x)));", "P", 36),
+        ("P(x) :- R(x), ~Q(x); Q := F(A: P); F(x) :- A(x);", "Q", 16),
+        ("P(x) :- R(x), (P(x) => S(x));", "P", 16),
+    ],
+)
+def test_a_predicate_that_depends_on_its_own_negation_is_marked(
+    text: str, negated: str, column: int
+) -> None:
+    (one,) = found(text)
+    made = text.partition("(")[0]
+    assert (one.line, one.column, one.severity) == (1, column, "warning")
+    assert one.message == f"{made} depends on its own negation, ~{negated}"
+    assert f"Put ~ before predicates that don't need {made}." in one.hint
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Reach(0) distinct; Reach(y) distinct :- Reach(x), E(x, y), ~Shut(y);",
+        "Last(x) :- Reach(x), ~(Reach(y), y > x); Reach(0); Reach(x + 1) :- Reach(x), x < 9;",
+        "Safe(x) :- R(x), (E(x, y) => Safe(y));",
+    ],
+)
+def test_a_negation_of_what_is_finished_first_is_not_marked(text: str) -> None:
+    assert found(text) == []

@@ -50,12 +50,11 @@ HAVE_THE_IDEA = {
         *("open-space", "power-line", "power-line-starter", "station-management-starter", "swarm"),
         *("swarm-starter", "the-gate", "the-gate-starter", "the-long-hall", "wall-crawler"),
     ),
-    # One angle or distance out of many rays: all that aggregate the radar.
+    # One angle or distance out of many rays.
     "02-open-space": (
-        *("breadcrumbs", "distributed-mapping", "distributed-mapping-starter", "everybody-home"),
-        *("everybody-home-starter", "formation", "formation-starter", "herd", "obstacle-avoider"),
-        *("power-line", "power-line-starter", "station-management-starter", "swarm"),
-        *("swarm-starter", "the-gate", "the-gate-starter", "the-long-hall", "wall-crawler"),
+        *("distributed-mapping", "distributed-mapping-starter", "everybody-home-starter"),
+        *("formation", "formation-starter", "obstacle-avoider", "power-line", "power-line-starter"),
+        *("swarm", "swarm-starter"),
     ),
     # A hand on the wall.
     "03-the-long-hall": ("station-management-starter", "wall-crawler"),
@@ -206,12 +205,13 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "05-lighthouse": [(("0.9 - angle", "1 - angle"), ("0.9 + angle", "1 + angle"))],
     "06-breadcrumbs": [FASTER],
     "07-station-management": [FASTER],
-    "08-formation": [(("Steer(0.6,", "Steer(0.8,"),)],
-    "09-the-gate": [FASTER, (("80 else", "40 else"),)],
+    "08-formation": [(("else 0.6)", "else 0.8)"),)],
+    "11-the-gate": [FASTER, (("80 else", "40 else"),)],
     "10-distributed-mapping": [
         (("{left_engine: 0.8, right_engine: -0.8}", "{left_engine: -0.8, right_engine: 0.8}"),)
     ],
-    "12-swarm": [(("near < 4", "near < 8"),)],
+    "13-swarm": [(("near < 4", "near < 8"),)],
+    "09-doors": [(("0.9 - 2 *", "1 - 2 *"), ("0.9 + 2 *", "1 + 2 *"))],
     "13-right-of-way": [(("radar) < 25", "radar) < 20"),)],
 }
 """Easy changes to solutions: a text of it, and another in its place."""

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from logical_robots_tui import Game, Level, Program, load_level
+from logical_robots_tui import Game, Level, Program, ProgramError, load_level
 from logical_robots_tui.game.measuring import FARTHEST_SHIFT, try_starts
 from logical_robots_tui.game.source import shipped_texts
 from logical_robots_tui.paths import shipped_names
 from tests.levels.playing import LEVELS, program_text, shipped_program, ticks_to_win
+from tests.short import AHEAD
 
 CONFORMANCE = Path(__file__).parent.parent / "conformance" / "levels"
 TICKS_FOR_LOSING = 5000
@@ -71,14 +72,22 @@ def test_the_code_in_a_lesson_fits_a_line(name: str) -> None:
     assert max(len(line) for block in code for line in block.split("\n")) <= 76
 
 
+def compiles(text: str) -> bool:
+    try:
+        return bool(Program.compile(text).predicates)
+    except ProgramError:
+        return False
+
+
 @each_level
-def test_the_code_in_a_lesson_is_that_of_its_solution_or_runs_as_it_is(name: str) -> None:
+def test_the_code_in_a_lesson_is_that_of_its_solution_or_goes_with_a_program(name: str) -> None:
     level = load_level(name)
     solution = "".join(program_text(level.solution).split())
     for block in re.findall(r"^```\n(.*?)^```$", level.lesson, re.DOTALL | re.MULTILINE):
         parts = ["".join(part.split()) for part in re.split(r";\n|\.\.\.;?\n", block)]
         if not all(part in solution for part in parts):
-            assert Program.compile(block).predicate("Robot")
+            rest = ("", AHEAD, program_text(level.starter), program_text(level.solution))
+            assert any(compiles(f"{each}\n{block}") for each in rest), block
 
 
 @each_level
@@ -154,7 +163,7 @@ def test_stopping_at_any_beacon_does_not_bring_everybody_home() -> None:
 
 def test_the_printed_program_finds_its_way_through_the_corridor() -> None:
     level = load_level("02-open-space")
-    assert ticks_to_win(level, program_text(OBSTACLE_AVOIDER), TICKS_FOR_LOSING) == 3270
+    assert ticks_to_win(level, program_text(OBSTACLE_AVOIDER), TICKS_FOR_LOSING) == 3325
 
 
 @pytest.mark.sampled

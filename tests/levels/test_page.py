@@ -67,6 +67,7 @@ EVERY_TABLE = [
     # text of the example, and the same with a key that means nothing
     ("cell = 10", "cell = 10\nzzz = 1"),
     ("visibility = {", "visibility = {zzz = 1, "),
+    ("{ask = ", "{zzz = 1, ask = "),
     ("[[robots]]", "[[robots]]\nzzz = 1"),
     ("battery = {", "battery = {zzz = 1, "),
     ("[[beacons]]", "[[beacons]]\nzzz = 1"),

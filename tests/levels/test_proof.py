@@ -23,6 +23,7 @@ from logical_robots_tui.game.measuring import (
     try_starts,
 )
 from logical_robots_tui.game.victory import measures_of, reference_table
+from logical_robots_tui.world.level import SecondGoal
 from tests.levels.playing import (
     LEVELS,
     measured,
@@ -45,7 +46,7 @@ THOUGHTS_FOR_A_STARTER = 1_500
 THOUGHTS_TO_THE_END = 600_000  # of a swarm; the others end at the most ticks that a level may take
 THOUGHTS_OF_A_SOLUTION = 60_000  # as many as one waits for
 
-RECORDS = {"fastest": "ticks", "shortest": "rules", "careful": "distance"}
+RECORDS = {"fastest": "ticks", "shortest": "size", "careful": "distance"}
 SIGHT = ("own", "seen", "all")
 
 each_reference = pytest.mark.parametrize(("name", "program"), reference_cases())
@@ -85,14 +86,17 @@ def test_a_reference_does_as_well_as_was_measured_and_never_goes_in_circles(
         load_level(name), shipped_program(program), MOST_TICKS, is_over=goes_in_circles
     )
     assert played.won_at is not None
+    level = load_level(name)
     found = measures_of(
-        load_level(name),
+        level,
         shipped_program(program),
         played.won_at,
         round(played.distance, 1),
         played.is_blocked,
     )
-    assert found == expected._replace(wins=None, starts=0), "run `make measures`"
+    later = {goal.words for goal in level.second_goals if goal.is_tried_later}
+    at_once = tuple(goal for goal in expected.goals if goal not in later)
+    assert found == expected._replace(wins=None, starts=0, goals=at_once), "run `make measures`"
 
 
 @each_level
@@ -115,10 +119,13 @@ def test_the_references_are_the_best_at_what_they_are_called(name: str) -> None:
 
 @each_level
 def test_each_second_goal_is_reached_by_a_reference_and_not_by_the_solution(name: str) -> None:
+    """But for that of all starts: a solution wins from nearly all of them."""
     goals = {goal.words for goal in load_level(name).second_goals}
     assert len(goals) == 2
-    assert {words for each in reference_table()[name].values() for words in each.goals} == goals
-    assert measured(name).goals == ()
+    reached = [set(each.goals) for each in reference_table()[name].values()]
+    assert set().union(*reached) == goals
+    assert not set.intersection(*reached)
+    assert set(measured(name).goals) <= {SecondGoal("starts").words}
 
 
 @pytest.mark.sampled

@@ -34,7 +34,7 @@ def check(value: Any, field: FieldType) -> None:
             check(value[each.name], each.type)
 
 
-@pytest.mark.parametrize("level", ["04-everybody-home", "07-station-management", "12-swarm"])
+@pytest.mark.parametrize("level", ["04-everybody-home", "07-station-management", "13-swarm"])
 def test_what_robots_sense_is_as_the_schema_says(level: str) -> None:
     for row in World(load_level(level)).sense():
         check(row["sensor"], SENSOR)

@@ -37,7 +37,7 @@ def repr_of(values: list[Any]) -> str:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize(
-    ("name", "tick"), [("06-breadcrumbs", 200), ("10-distributed-mapping", 120), ("12-swarm", 20)]
+    ("name", "tick"), [("06-breadcrumbs", 200), ("10-distributed-mapping", 120), ("13-swarm", 20)]
 )
 async def test_every_predicate_of_our_programs_can_be_asked_so(name: str, tick: int) -> None:
     level = load_level(name)

@@ -13,7 +13,7 @@ from logical_robots_tui.progress import MOST_VERSIONS, NEW, Bests, Measures, Pro
 if TYPE_CHECKING:
     from pathlib import Path
 
-MEASURED = Measures(ticks=100, rules=3, distance=250.5, wins=18, starts=20)
+MEASURED = Measures(ticks=100, size=3, distance=250.5, wins=18, starts=20)
 
 
 @pytest.fixture
@@ -71,6 +71,20 @@ def test_everything_is_there_in_the_next_session(file: Path) -> None:
     assert second.fact("tour") == "seen"
 
 
+def test_the_last_answer_to_a_question_is_kept(file: Path) -> None:
+    first = opened(file)
+    first.answer("one", "Who?", "Robot")
+    first.answer("one", "How far?", "sensor.forward_distance")
+    first.answer("one", "Who?", "Here(1);")
+    first.answer("two", "Who?", "\ud800")
+    first.close()
+    second = opened(file)
+    assert second.record("one") == NEW._replace(
+        answers=(("How far?", "sensor.forward_distance"), ("Who?", "Here(1);"))
+    )
+    assert second.record("two").answers == (("Who?", "?"),)
+
+
 def test_hints_once_revealed_stay_revealed(file: Path) -> None:
     progress = opened(file)
     progress.reveal("one", 3)
@@ -80,9 +94,9 @@ def test_hints_once_revealed_stay_revealed(file: Path) -> None:
 
 def test_each_measure_has_a_best_of_its_own(file: Path) -> None:
     progress = opened(file)
-    progress.win("one", "fast", Measures(ticks=10, rules=9, distance=90.0))
-    progress.win("one", "short", Measures(ticks=99, rules=1, distance=95.0, wins=3, starts=20))
-    progress.win("one", "straight", Measures(ticks=50, rules=5, distance=20.0, wins=2, starts=3))
+    progress.win("one", "fast", Measures(ticks=10, size=9, distance=90.0))
+    progress.win("one", "short", Measures(ticks=99, size=1, distance=95.0, wins=3, starts=20))
+    progress.win("one", "straight", Measures(ticks=50, size=5, distance=20.0, wins=2, starts=3))
     assert progress.record("one").bests == Bests(10, 1, 20.0, 2, 3)
 
 
@@ -92,7 +106,7 @@ def test_measures_that_come_later_join_those_that_were_there(file: Path) -> None
     assert progress.record("one").state == "won"
     assert progress.record("one").bests == Bests()
     progress.win("one", "text", MEASURED)
-    progress.win("one", "text", Measures(ticks=100, rules=3, distance=250.5))
+    progress.win("one", "text", Measures(ticks=100, size=3, distance=250.5))
     assert progress.versions("one")[0].measures == MEASURED
 
 
@@ -132,13 +146,14 @@ def test_old_versions_go_but_never_one_that_holds_a_best(
 def test_second_goals_are_those_of_all_victories_together(file: Path) -> None:
     progress = opened(file)
     progress.win("one", "quiet", MEASURED._replace(goals=("never blocked",)))
-    progress.win("one", "both", MEASURED._replace(goals=("at most 1 rule", "never blocked")))
+    progress.win("one", "both", MEASURED._replace(goals=("at most 90 symbols", "never blocked")))
+    progress.win("one", "both", MEASURED._replace(goals=()))
     progress.win("one", "neither", MEASURED)
-    assert progress.record("one").bests.goals == ("at most 1 rule", "never blocked")
+    assert progress.record("one").bests.goals == ("at most 90 symbols", "never blocked")
     assert progress.measures("one", "quiet") == MEASURED._replace(goals=("never blocked",))
     assert [version.measures.goals for version in progress.versions("one") if version.measures] == [
         (),
-        ("at most 1 rule", "never blocked"),
+        ("at most 90 symbols", "never blocked"),
         ("never blocked",),
     ]
     assert progress.record("two").bests.goals == ()
@@ -182,7 +197,7 @@ def test_bests_are_the_least_and_the_most(found: list[Measures]) -> None:
     bests = progress.record("one").bests
     wins = [measures.wins for measures in found if measures.wins is not None]
     assert bests.ticks == min(measures.ticks for measures in found)
-    assert bests.rules == min(measures.rules for measures in found)
+    assert bests.size == min(measures.size for measures in found)
     assert bests.distance == min(measures.distance for measures in found)
     assert bests.wins == max(wins, default=None)
 

@@ -16,13 +16,11 @@ import pytest
 
 from logical_robots_tui.progress import Progress
 from logical_robots_tui.progress import store as store_module
-from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS, prepare
+from logical_robots_tui.progress.store import APPLICATION_ID, MIGRATIONS
 from tests.waiting import PATIENCE, until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-VERSION_1 = Path(__file__).parent / "version-1.sql"
 
 WRITE_MANY = """
 import sys
@@ -222,36 +220,6 @@ def test_a_file_that_was_removed_is_made_anew(file: Path) -> None:
     assert progress.newest("level") is None
     progress.keep("level", "two")
     assert kept(file) == {"two"}
-
-
-def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        connection.executescript(VERSION_1.read_text("utf-8"))
-        assert connection.execute("PRAGMA user_version").fetchone() == (1,)
-    progress = Progress(file, pytest.fail)
-    record = progress.record("01-first-steps")
-    assert (record.state, record.hints, record.versions) == ("won", 2, 2)
-    assert (record.bests.ticks, record.bests.rules, record.bests.wins) == (1255, 1, 19)
-    assert record.bests.goals == ()
-    assert progress.record("02-open-space").state == "in work"
-    assert progress.newest("01-first-steps") == "Robot(later);"
-    assert progress.fact("tour") == "seen"
-    progress.keep("02-open-space", "new")
-    with contextlib.closing(sqlite3.connect(file)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
-
-
-def test_a_step_of_migration_is_done_wholly_or_not_at_all(file: Path) -> None:
-    Progress(file, pytest.fail).keep("level", "text")
-    step = ("ALTER TABLE level ADD COLUMN stars INTEGER", "UPDATE version SET text = text || '!'")
-    with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
-        with pytest.raises(sqlite3.OperationalError, match="nonsense"):
-            prepare(connection, (*MIGRATIONS, (*step, "nonsense")))
-        assert connection.execute("SELECT text FROM version").fetchall() == [("text",)]
-        prepare(connection, (*MIGRATIONS, step))
-        prepare(connection, (*MIGRATIONS, step))
-        assert connection.execute("SELECT text FROM version").fetchall() == [("text!",)]
-        assert connection.execute("SELECT stars FROM level").fetchall() == [(None,)]
 
 
 def test_a_file_of_a_newer_version_is_left_alone_and_told_politely(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 from logical_robots_tui.explain.why.derivations import (
     MOST_ROWS,
@@ -13,7 +14,7 @@ from logical_robots_tui.explain.why.derivations import (
     check_given,
     is_aggregated,
 )
-from logical_robots_tui.explain.why.deriving import MOST_ELEMENTS, number_of
+from logical_robots_tui.explain.why.deriving import GOES_OVER_NOTHING, MOST_ELEMENTS, number_of
 from logical_robots_tui.explain.why.explanation import (
     Ask,
     Explanation,
@@ -69,6 +70,10 @@ def _explain(derivations: Derivations, asked: Ask, *, is_first: bool) -> Explana
     )
 
 
+_MOST_OTHERS = 50  # rows among which another derivation is sought
+_DEEPEST = 5  # functions that call functions, in the search for an empty aggregation
+
+
 class _Proving:
     """Explains what each rule of a predicate gives; `row` is the first of the `rows`, if any."""
 
@@ -101,10 +106,13 @@ class _Proving:
                 said = "gives this row"
                 if len(self._rows) > 1:
                     said = f"gives {_number_of_rows(number)}; this is the {self._which}"
+                if row is not None and self._probing.name == MAIN:
+                    nodes = (*nodes, *self._another(rule, row, nodes), *self._nulls(nodes))
                 return RuleFound(rule.span, number, row, None, _heading(rule, said, True, nodes))
             if number:
                 said = f"gives {_number_of_rows(number)}, but not the {self._which}"
-                return RuleFound(rule.span, number, None, None, _heading(rule, said, True))
+                nodes = () if row is None or self._which == "first" else self._of_other_row(rule)
+                return RuleFound(rule.span, number, None, None, _heading(rule, said, True, nodes))
             is_else, stopped, children = self._refuting.rule(rule)
             if row is None and stopped is None and is_aggregated(rule):
                 unlike = self._unlike(rule)
@@ -165,6 +173,48 @@ class _Proving:
         first = next(self._ways(rule, row), None)
         return first and (*self._telling.row(*first, row), *self._telling.derivation(*first))
 
+    def _of_other_row(self, rule: RuleParts) -> tuple[Node, ...]:
+        """Return the derivation of a row that this rule gives and that does not count."""
+        if self._probing.recursive:
+            return ()
+        found = (self._derived(rule, each) for each in self._rows[:_MOST_OTHERS])
+        return next(filter(None, found), ())
+
+    def _another(self, rule: RuleParts, row: Row, nodes: tuple[Node, ...]) -> Iterator[Node]:
+        """Yield what is different in another derivation of this rule, if there is one."""
+        if self._probing.recursive or is_aggregated(rule):
+            return
+        others = [row, *(each for each in self._rows[:_MOST_OTHERS] if each != row)]
+        ways = ((each, *way) for each in others for way in self._ways(rule, each, 2))
+        for other, clause, way in islice(ways, 1, 2):
+            found = (*self._telling.row(clause, way, other), *self._telling.derivation(clause, way))
+            unlike = tuple(node for node in found if node not in nodes)
+            said = "a condition, or distinct with an aggregation, would leave one row"
+            yield Node("note", "Another row of this rule comes from", said, children=unlike)
+
+    def _nulls(self, nodes: Sequence[Node]) -> Iterator[Node]:
+        """Yield which aggregations over nothing made values of the row null."""
+        found: dict[tuple[str, str], None] = {}
+        for top in nodes:
+            for _, node in top.walk():
+                if node.kind != "note" and node.values == (None,):
+                    name = node.span.text if node.span else node.text
+                    found |= {(name, each): None for each in self._empty(node, _DEEPEST)}
+        for name, empty in found:
+            because = "It" if name == empty else f"`{empty}`"
+            said = f"{because} goes over nothing; Coalesce({name}, 0) would be 0 then"
+            yield Node("note", f"`{name}` is null", said)
+
+    def _empty(self, node: Node, depth: int) -> Iterator[str]:
+        if any(child.text == GOES_OVER_NOTHING for child in node.children):
+            yield node.span.text if node.span else node.text
+        elif node.asked is not None and depth:
+            inner = explain(self._derivations, node.asked, is_first=False)
+            for top in inner.nodes:
+                for _, each in top.walk():
+                    if each.values == (None,):
+                        yield from self._empty(each, depth - 1)
+
     def _aggregated(self, ways: list[tuple[Clause, Way]], row: Row) -> Iterator[Node]:
         is_all = len(ways) <= MOST_ELEMENTS
         yield from self._telling.row(*ways[0], row)
@@ -194,7 +244,7 @@ def _number_of_rows(number: int) -> str:
 
 
 def _over_nothing(found: RuleFound, row: Row, label: Callable[[str], str]) -> RuleFound:
-    said = "goes over nothing"
+    said = GOES_OVER_NOTHING
     columns = (Node("column", label(c), said, None, (v,)) for c, v in row.items())
     children = (*columns, *found.node.children)
     node = replace(found.node, said="gives this row, of nothing", holds=True, children=children)

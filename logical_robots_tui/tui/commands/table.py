@@ -125,6 +125,8 @@ learning.add("hint", "Hints", "h", lambda s: s.learning.hints(),
 learning.add("lesson", "Lesson", "t", lambda s: s.learning.lesson(),
     "Read what the level teaches and, when you have won, what to try next.", bar="Lesson", spare=6,
     also="learn")
+learning.add("questions", "Questions of the lesson", "", lambda s: s.learning.questions(),
+    "Answer the questions of the lesson, each with a query.", also="quiz exercise ask")
 learning.add("results", "Results", "m", lambda s: s.announcer.results(),
     "Compare your best results with those of the reference programs.", bar="Results", spare=7,
     also="score best")

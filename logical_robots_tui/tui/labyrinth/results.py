@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.progress import Bests, Measures
     from logical_robots_tui.tui.labyrinth.drawing.cells import Cells
 
-_TITLES = ("ticks", "rules", "distance", "robust")
+_TITLES = ("ticks", "size", "distance", "robust")
 _WIDTHS = (9, 7, 10, 11)
 _LABEL = 11
 
@@ -65,7 +65,7 @@ _LEGEND = {
 
 
 def scale_lines(references: Iterable[Measures], bests: Bests) -> Iterator[Content]:
-    """Yield a scale, from best to worst, of ticks, rules and distance, with references' marks."""
+    """Yield a scale, from best to worst, of ticks, size and distance, with references' marks."""
     for title, mine, *others in zip(
         _TITLES, bests[:3], *(each[:3] for each in references), strict=False
     ):
@@ -115,7 +115,7 @@ def _latest(label: str, latest: Measures, former: Bests, trial: Trial | None) ->
     cells = list(_numbers(latest))
     fresh = [
         former.ticks is None or latest.ticks < former.ticks,
-        former.rules is None or latest.rules < former.rules,
+        former.size is None or latest.size < former.size,
         former.distance is None or latest.distance < former.distance - 0.5,
         latest.wins is not None and (former.wins is None or latest.wins > former.wins),
     ]
@@ -138,7 +138,7 @@ def _row(label: str, cells: tuple[str, ...], style: str) -> Content:
 def _numbers(found: Bests | Measures) -> tuple[str, str, str, str]:
     distance = "·" if found.distance is None else f"{found.distance:.0f}"
     wins = "·" if found.wins is None else f"{found.wins} of {found.starts}"
-    return _number(found.ticks), _number(found.rules), distance, wins
+    return _number(found.ticks), _number(found.size), distance, wins
 
 
 def _number(value: int | None) -> str:

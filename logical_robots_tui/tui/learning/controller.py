@@ -30,8 +30,19 @@ class LearningController:
     def lesson(self) -> None:
         from logical_robots_tui.tui.learning.reader import Reader, markdown
 
-        if text := self._learning.lesson():
-            self._ui.show(Reader(f"Lesson · {self._session.level.title}", markdown(text)))
+        learning, title = self._learning, self._session.level.title
+        if text := learning.lesson():
+            dialog = Reader(f"Lesson · {title}", markdown(text), learning.answered)
+            self._ui.show(dialog, lambda wish: self.questions() if wish else None)
+
+    def questions(self) -> None:
+        from logical_robots_tui.tui.learning.questions import Questions
+
+        level = self._session.level
+        if level.questions:
+            self._ui.show(Questions(level, self._learning, self._session.clock))
+        else:
+            self._ui.tell("This level has no questions.")
 
     async def solution(self) -> None:
         from logical_robots_tui.tui.learning.reader import Reader, colour_code

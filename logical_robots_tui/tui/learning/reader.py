@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from logical_robots_tui.world import Level
 
 
-class Reader(Dialog[None]):
+class Reader(Dialog[Literal["questions"]]):
+    """Shows a text; after it there may be questions, of which `answered` says how many are."""
+
     DEFAULT_CSS = """
     Reader > #box { height: 90%; max-width: 88; }
     Reader VerticalScroll { height: 1fr; scrollbar-gutter: stable; padding: 1 1 0 1; }
@@ -35,13 +37,15 @@ class Reader(Dialog[None]):
     Reader MarkdownParagraph { margin: 0 0 1 0; }
     """
 
-    BINDINGS = [("q,t,W,K", "leave"), ("space", "page")]
+    BINDINGS = [("q,t,W,K", "leave"), ("space", "page"), ("enter", "questions")]
 
     keys = "↑↓ scroll   space next page   esc close"
 
-    def __init__(self, title: str, text: Widget) -> None:
+    def __init__(self, title: str, text: Widget, answered: str = "") -> None:
         super().__init__(title)
-        self._text = text
+        self._text, self._has_questions = text, bool(answered)
+        if answered:
+            self.keys = f"↑↓ scroll   space page   enter questions ({answered})   esc close"
 
     def content_widgets(self) -> ComposeResult:
         with VerticalScroll():
@@ -53,9 +57,13 @@ class Reader(Dialog[None]):
     def action_page(self) -> None:
         scroll = self.query_one(VerticalScroll)
         if scroll.scroll_y >= scroll.max_scroll_y:
-            self.dismiss(None)
+            self.dismiss("questions" if self._has_questions else None)
         else:
             scroll.scroll_page_down(animate=False)
+
+    def action_questions(self) -> None:
+        if self._has_questions:
+            self.dismiss("questions")
 
 
 def markdown(text: str) -> Markdown:

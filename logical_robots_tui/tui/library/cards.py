@@ -209,6 +209,7 @@ class LevelCards(ScrollView, can_focus=False):
         self._cards: Sequence[LevelCard] = ()
         self._pictures: dict[str, Cells] = {}
         self._strips: dict[int, list[Strip]] = {}
+        self._rows = _ROWS
 
     @property
     def across(self) -> int:
@@ -226,10 +227,6 @@ class LevelCards(ScrollView, can_focus=False):
     @property
     def _room(self) -> int:
         return max(self.scrollable_content_region.width or self.size.width, 4)
-
-    @property
-    def _rows(self) -> int:
-        return _TALL_ROWS if self.app.size.height >= _TALL_FROM else _ROWS
 
     @property
     def _card_height(self) -> int:
@@ -306,6 +303,8 @@ class LevelCards(ScrollView, can_focus=False):
         return strips
 
     def _lay_out(self) -> None:
+        # Read here alone: the terminal's size changes before the strips are made anew.
+        self._rows = _TALL_ROWS if self.app.size.height >= _TALL_FROM else _ROWS
         self._strips.clear()
         rows = -(-len(self._cards) // self.across)
         self.virtual_size = Size(self._room, rows * self._card_height)

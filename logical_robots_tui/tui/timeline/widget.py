@@ -108,6 +108,20 @@ _NOTE_SHARE = 3  # the note's share of the width is one in so many
 _NOTE_WIDTHS = (18, 48)
 
 
+def _arrived(session: Session) -> str:
+    """Return how many robots are in the goal that has most of those it is for, or ""."""
+    inside = {area.name: set(area.visitors) for area in session.frame.after.areas}
+    found = [
+        (len(inside.get(area.name, set()) & set(area.victory_robots)), area)
+        for area in session.level.areas
+        if len(area.victory_robots) > 1
+    ]
+    if not found:
+        return ""
+    number, goal = max(found, key=lambda each: each[0])
+    return f" · {number}/{len(goal.victory_robots)} in {one_line(goal.name)}"
+
+
 class Timeline(Widget, can_focus=True):
     """Shows the current tick among the known ones, and when events happened."""
 
@@ -140,14 +154,19 @@ class Timeline(Widget, can_focus=True):
         self._history: History | None = None
         self._span = Span(0, 0, 0)
         self._robot: str | None = None
+        self._arrived = ""
         self._line = Content("")
         self._is_dragged = False
         self._pointed: int | None = None
 
     def show(self, session: Session, robot: str | None) -> None:
-        """Show a session's history; None marks all robots' memory changes."""
+        """Show a session's history; None marks all robots' memory changes.
+
+        Without a robot the note says how many of a goal's robots are in it, if it wants several.
+        """
         history = self._history = session.history
         self._robot = robot
+        self._arrived = "" if robot is not None else _arrived(session)
         self._span = Span(0, 0, session.frame.tick)
         if history is not None:
             other = history.other[-1] if history.other else None
@@ -191,10 +210,13 @@ class Timeline(Widget, can_focus=True):
                 text += f" of {span.last}" if not span.first else f" of {span.first} to {span.last}"
             if history is not None and history.dropped and history.dropped <= span.first:
                 text += ", no room for earlier ones"
-            if len(text) > width:
+            if len(text + self._arrived) > width:
                 text = f"tick {span.tick}"
+            text += self._arrived
             return Content.styled(clip(text, width), INK.dim)
         note = Content("  ").join(said)
+        if note.cell_length + len(self._arrived) <= width:
+            return note.append(Content.styled(self._arrived, INK.dim))
         return note if note.cell_length <= width else note.truncate(width - 1).append("…")
 
     def _said(self, mark: Mark) -> Content:

@@ -79,6 +79,12 @@ class Fields(NamedTuple):
             raise self.error(key, f'"{key}" must be a whole number, not {value:g}.')
         return int(value)
 
+    def wholes(self, key: str, *, least: int) -> tuple[int, ...]:
+        return tuple(
+            Fields({item: number}, self.file, self.path).whole(item, least=least)
+            for item, number in ((f"{key}[{i}]", each) for i, each in enumerate(self._list(key)))
+        )
+
     def flag(self, key: str, default: bool = False) -> bool:
         value = self.record.get(key)
         if value is not None and not isinstance(value, bool):

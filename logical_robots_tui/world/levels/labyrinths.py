@@ -187,7 +187,7 @@ _NAME = re.compile(rf"daily-(\d{{4}}-\d\d-\d\d)-({'|'.join(DAILY_SIZES)})(?:-([2
 _BRIEFING = """\
 Bring Ada to the beacon Goal. There are no loops, so all walls hang together.
 Everybody has this labyrinth today. Who needs the fewest ticks, and who the
-fewest rules? The command "Copy my result" makes a line to share.
+shortest program? The command "Copy my result" makes a line to share.
 """
 
 

@@ -181,7 +181,8 @@ def load_level(path_or_name: str | Path) -> Level:
     Args:
         path_or_name: Path of a ``.toml`` level of this game or a ``.json`` level of the web
             platform; the format of any other file is guessed from its first character. Text without
-            a folder and an ending is the name of a shipped level or of a labyrinth of the day.
+            a folder and an ending is the name or number of a shipped level, or the name of a
+            labyrinth of the day.
 
     Raises:
         LevelError: The level doesn't exist, can't be read, or is invalid. Its ``place`` names the
@@ -220,9 +221,11 @@ def is_web_file(path: str | Path) -> bool:
 def name_now(name: str) -> str | None:
     """Return the name of a shipped level, or None.
 
-    The number may be left out, or be that of an earlier version.
+    The number may be left out, or be that of an earlier version; or it is all that is given.
     """
     known = list_shipped()
+    if re.fullmatch("[0-9]{1,2}", name):
+        return next((each for each in known if each.startswith(f"{int(name):02}-")), None)
     if name in known:
         return name
     bare = _without_number(name)

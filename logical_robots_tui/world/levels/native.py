@@ -28,6 +28,7 @@ from logical_robots_tui.world.level import (
     Beacon,
     Level,
     LevelError,
+    LevelQuestion,
     Robot,
     Score,
     ScoreKind,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
 _FLAGS = ("divided_charge", "solid_robots", "all_goals", "shuffled_names")
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
-    "story",
+    *("story", "questions"),
     *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
     *("scores", *_FLAGS, "robots", "beacons", "areas"),
 )
@@ -89,6 +90,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "briefing": top.text("briefing", "").strip("\n"),
         "hints": top.texts("hints"),
         "lesson": top.text("lesson", "").strip("\n"),
+        "questions": top.each("questions", _question),
         "further": top.text("further", "").strip("\n"),
         "story": top.text("story", "").strip("\n"),
         "starter": top.name("starter", ""),
@@ -241,14 +243,32 @@ def _score(fields: Fields) -> Score:
 def _second_goals(top: Fields) -> Iterator[SecondGoal]:
     for i, words in enumerate(top.names("second_goals")):
         goal = SecondGoal.of(words)
-        if goal is None:
+        if goal is None and not SecondGoal.was_one(words):
             raise top.error(
                 f"second_goals[{i}]",
                 f'"{words}" is not a second goal.',
-                'Write "at most N ticks", "at most N rules", "at most N units", "never blocked" or '
-                '"without memory".',
+                'Write "at most N ticks", "at most N symbols", "at most N units", "never blocked", '
+                '"wins from all 20 starts" or "wins in the mirrored labyrinth".',
             )
-        yield goal
+        if goal is not None:
+            yield goal
+
+
+LAST_TICK_ASKED = 10_000
+"""The latest tick of a question, because a run to there has to be computed."""
+
+
+def _question(fields: Fields) -> LevelQuestion:
+    fields.refuse_unknown(("ask", "answer", "ticks", "program"))
+    ask, answer = (fields.text(key).strip() for key in ("ask", "answer"))
+    for key, text in (("ask", ask), ("answer", answer)):
+        if not text:
+            raise fields.error(key, f'"{key}" is empty.')
+    ticks = fields.wholes("ticks", least=0)
+    if not ticks or ticks != tuple(sorted(set(ticks))) or ticks[-1] > LAST_TICK_ASKED:
+        message = f'"ticks" must be ascending numbers up to {LAST_TICK_ASKED}.'
+        raise fields.error("ticks", message, "Write them like [120, 480].")
+    return LevelQuestion(ask, answer, ticks, fields.name("program", ""))
 
 
 def _visibility(fields: Fields) -> Visibility:

@@ -62,7 +62,7 @@ def robot_rows(text: str, frame: Frame, name: str, folder: Path) -> dict[str, An
 @pytest.mark.sampled
 @pytest.mark.parametrize(
     ("level_name", "program_name"),
-    [pytest.param(*pair, marks=[pytest.mark.slow] * (pair[0] == "12-swarm")) for pair in pairs()],
+    [pytest.param(*pair, marks=[pytest.mark.slow] * (pair[0] == "13-swarm")) for pair in pairs()],
 )
 async def test_a_program_decides_as_on_duckdb(
     level_name: str, program_name: str, tmp_path: Path

@@ -101,8 +101,8 @@ def played_on_screen(level: str | Path, what: str, ticks: int, folder: Path) -> 
     ("level", "what", "ticks"),
     [
         *(("01-first-steps", what, 100) for what in HUNGRY),
-        *(("12-swarm", what, 25) for what in HUNGRY if what not in SLOW_FOR_MANY),
-        *(("12-swarm", what, 8) for what in SLOW_FOR_MANY),
+        *(("13-swarm", what, 25) for what in HUNGRY if what not in SLOW_FOR_MANY),
+        *(("13-swarm", what, 8) for what in SLOW_FOR_MANY),
     ],
 )
 def test_a_hungry_program_on_the_screen_takes_no_more_than_600_mb(

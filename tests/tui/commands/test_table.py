@@ -41,6 +41,7 @@ ONLY_IN_THE_PALETTE = {
         "hide_teams",
         "next_team",
         "open_replay",
+        "questions",
         "race_replay",
         "rename",
         "revert",

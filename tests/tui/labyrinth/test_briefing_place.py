@@ -30,7 +30,7 @@ def shows_beside_the_map(game: Opened) -> bool:
         and view.region.area > 0
         and not shown[0].overlaps(view.region)
         and game.main.region.contains_region(shown[0])
-        and all(game.shows(words) for words in ("First steps", "950 units", "t lesson"))
+        and all(game.shows(words) for words in ("First steps", "mirrored labyrinth", "t lesson"))
     )
 
 

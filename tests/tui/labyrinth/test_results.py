@@ -18,28 +18,28 @@ from tests.short import AHEAD
 from tests.tui.conftest import opened
 
 THREE = [Measures(100, 1, 300.0), Measures(200, 5, 250.4), Measures(150, 9, 350.0)]
-GOALS = [SecondGoal("rule", 1), SecondGoal("blocked")]
+GOALS = [SecondGoal("symbol", 11), SecondGoal("blocked")]
 SIZES = [(80, 24), (120, 40)]
 
 
 def scales(
-    ticks: int | None = None, rules: int | None = None, distance: float | None = None
+    ticks: int | None = None, size: int | None = None, distance: float | None = None
 ) -> list[str]:
-    return [line.plain for line in scale_lines(THREE, Bests(ticks, rules, distance))]
+    return [line.plain for line in scale_lines(THREE, Bests(ticks, size, distance))]
 
 
 def test_a_scale_goes_from_the_best_reference_to_the_worst() -> None:
     assert scales() == [
         "ticks      ┼─────────┼─────────┼  100  150  200",
-        "rules      ┼─────────┼─────────┼  1  5  9",
+        "size       ┼─────────┼─────────┼  1  5  9",
         "distance   ┼─────────┼─────────┼  250  300  350",
     ]
 
 
 def test_ones_own_mark_stands_where_one_is() -> None:
-    ticks, rules, distance = scales(175, 1, 250.2)
+    ticks, size, distance = scales(175, 1, 250.2)
     assert ticks == "ticks      ┼─────────┼────●────┼  100  150  175●  200"
-    assert rules == "rules      ●─────────┼─────────┼  1●  5  9"
+    assert size == "size       ●─────────┼─────────┼  1●  5  9"
     assert distance == "distance   ●─────────┼─────────┼  250●  300  350"
 
 
@@ -54,13 +54,13 @@ def test_without_references_there_is_no_scale() -> None:
 
 
 def test_equal_references_are_one_mark() -> None:
-    (_, rules, _) = scale_lines([THREE[0]] * 3, Bests())
-    assert rules.plain == "rules      ┼────────────────────  1"
+    (_, size, _) = scale_lines([THREE[0]] * 3, Bests())
+    assert size.plain == "size       ┼────────────────────  1"
 
 
 def test_second_goals_are_ticked_when_they_are_reached() -> None:
     lines = goal_lines(GOALS, ["never blocked"])
-    assert [line.plain for line in lines] == ["☐ at most 1 rule", "✓ never blocked"]
+    assert [line.plain for line in lines] == ["☐ at most 11 symbols", "✓ never blocked"]
     assert list(goal_lines([], ["never blocked"])) == []
 
 
@@ -89,7 +89,7 @@ async def test_the_results_show_scales_and_goals(data_dir: Path, size: tuple[int
 
 @pytest.fixture
 def with_goals(short: Path) -> Path:
-    goals = 'second_goals = ["at most 1 rule", "at most 20 ticks"]\n'
+    goals = 'second_goals = ["at most 11 symbols", "at most 20 ticks"]\n'
     short.write_text(goals + short.read_text())
     return short
 
@@ -101,11 +101,13 @@ async def test_a_victory_ticks_the_goals_that_it_reaches(
 ) -> None:
     async with opened(data_dir, level=with_goals, text=AHEAD, size=size) as game:
         await game.ready()
-        await game.sees("☐ at most 1 rule")
+        await game.sees("☐ at most 11 symbols")
         await game.press(*["plus"] * 6, "space")
-        await game.sees("✓ at most 1 rule")
+        await game.sees("✓ at most 11 symbols")
         await game.sees("☐ at most 20 ticks")
-    assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == ("at most 1 rule",)
+    assert Progress(data_dir / FILE_NAME).record(str(with_goals)).bests.goals == (
+        "at most 11 symbols",
+    )
 
 
 async def test_what_is_measured_before_the_results_are_mounted_is_shown(

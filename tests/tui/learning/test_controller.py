@@ -126,21 +126,21 @@ async def test_the_reference_program_is_shown_to_those_who_have_won_or_insist(
 @pytest.mark.usefixtures("trials")
 async def test_a_victory_is_measured_and_compared_and_kept(data_dir: Path, short: Path) -> None:
     progress = record_of(data_dir)
-    progress.win(str(short), "another", Measures(30, 5, 1.0))
+    progress.win(str(short), "another", Measures(30, 50, 1.0))
     progress.close()
     async with opened(data_dir, level=short, text=AHEAD) as game:
         await game.until(lambda: game.main.recorder.record.state == "won")
         await win(game)
         await game.sees("this run")
-        await game.until(lambda: game.shows("1 ▲"))  # one rule beats five
+        await game.until(lambda: game.shows("11 ▲"))  # fewer symbols than 50
         latest = game.main.recorder.latest
         assert latest is not None
-        assert (latest.ticks, latest.rules) == (game.session.won_at, 1)
+        assert (latest.ticks, latest.size) == (game.session.won_at, 11)
         assert 20 < latest.distance < 40
         await game.until(lambda: game.main.recorder.record.bests.wins is not None)
         bests = game.main.recorder.record.bests
         await game.sees(f"{bests.wins} of 20")
-        assert (bests.ticks, bests.rules, bests.distance) == (30, 1, 1.0)
+        assert (bests.ticks, bests.size, bests.distance) == (30, 11, 1.0)
         await game.press("escape", "m")
         await game.sees("Results")
         await game.press("m")

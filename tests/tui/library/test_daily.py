@@ -50,7 +50,9 @@ async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: P
         await game.press(*["plus"] * 6, "space")
         await game.until(lambda: game.main.recorder.latest is not None)
         copy_result(game.main)
-        assert game.app.clipboard.startswith("Logical Robots · A short way · 49 ticks · 1 rule · ")
+        assert game.app.clipboard.startswith(
+            "Logical Robots · A short way · 49 ticks · 11 symbols · "
+        )
 
 
 @pytest.mark.parametrize(
@@ -58,11 +60,12 @@ async def test_a_result_can_be_copied_once_there_is_one(data_dir: Path, short: P
     [
         (
             Measures(1258, 2, 971.4),
-            "Logical Robots · First steps · 1,258 ticks · 2 rules · 971 units driven",
+            "Logical Robots · First steps · 1,258 ticks · 2 symbols · 971 units driven",
         ),
         (
             Measures(31, 1, 15.5, 19, 20),
-            "Logical Robots · First steps · 31 ticks · 1 rule · 16 units driven · 19 of 20 starts",
+            "Logical Robots · First steps · 31 ticks · 1 symbol · 16 units driven · "
+            "19 of 20 starts",
         ),
     ],
 )

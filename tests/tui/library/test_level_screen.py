@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
+from textual.geometry import Size
 from textual.widgets import Input
 
 from logical_robots_tui.progress import FILE_NAME, Bests, LevelRecord, Measures, Progress
@@ -86,7 +87,7 @@ async def test_cards_tell_the_state_and_the_bests(data_dir: Path) -> None:
         await game.until(lambda: game.shows(f"1 of {len(COURSE)} won"))
         for words in ("★ won", "◐ in work", "○ new", "not won yet"):
             await game.sees(words)
-        await game.sees("1,255 ticks 1 rule 973 driven 19/20")
+        await game.sees("1,255 ticks size 1 973 driven 19/20")
 
 
 async def test_arenas_are_the_last_ones_and_name_the_teams(data_dir: Path) -> None:
@@ -201,6 +202,17 @@ async def test_the_screen_follows_the_size_of_the_terminal(data_dir: Path) -> No
             await game.pilot.resize_terminal(*size)
             await game.until(partial(fits, cards, NAMES[0]))
             assert game.app.screen.query_one(Input).has_focus
+
+
+async def test_a_frame_between_a_new_size_and_the_new_layout_is_drawn(
+    data_dir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with opened(data_dir) as game:
+        cards = await open_levels(game)
+        lines = range(cards.size.height)
+        before = [cards.render_line(line).text for line in lines]
+        monkeypatch.setattr(type(game.app), "size", Size(80, 24))
+        assert [cards.render_line(line).text for line in lines] == before
 
 
 def fits(cards: LevelCards, name: str) -> bool:

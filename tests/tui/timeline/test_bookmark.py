@@ -52,6 +52,30 @@ async def test_the_next_session_goes_on_exactly_there_whatever_programs_it_took(
         assert game.tick == 0
 
 
+async def test_a_run_cut_off_in_another_level_is_offered_when_that_level_is_opened(
+    data_dir: Path, short: Path
+) -> None:
+    async with opened(data_dir, level=short, text=AHEAD) as game:
+        await game.ready()
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        level = game.session.level
+        game.app.save_unsaved()
+
+    for _ in range(2):  # whoever does not open it is not asked, and may be asked later
+        async with opened(data_dir, text=AHEAD) as game:
+            await game.ready()
+            await game.until(
+                lambda: bool(Drafts(data_dir / "drafts").folder.glob("*-adopted.json"))
+            )
+            assert not isinstance(game.app.screen, Question)
+    async with opened(data_dir, text=AHEAD) as game:
+        await game.ready()
+        await game.app.main.player.library.open_level(level)
+        await game.sees("Cut off")
+        await game.sees("Yes, continue")
+
+
 async def test_there_is_no_going_back_to_the_start_or_through_a_level_changed_by_hand(
     data_dir: Path, short: Path
 ) -> None:

@@ -12,6 +12,7 @@ from textual.widgets import Input, OptionList
 from logical_robots_tui.game import EVENTS, Breakpoint
 from logical_robots_tui.tui.timeline.breakpoints import BreakpointForm, BreakpointList, TickPrompt
 from logical_robots_tui.tui.timeline.widget import Timeline
+from logical_robots_tui.world import load_level
 from tests.short import AHEAD
 from tests.tui.conftest import STILL, opened
 
@@ -69,6 +70,28 @@ async def test_ten_ticks_on_and_back_and_to_both_ends(data_dir: Path, short: Pat
         await game.press("P", "right_parenthesis")
         await game.until(lambda: game.tick == 21)
         await game.until(lambda: "tick 21 of 21" in line(game))
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)])
+async def test_the_swarm_is_counted_while_no_robot_is_selected(
+    data_dir: Path, short: Path, size: tuple[int, int]
+) -> None:
+    level = load_level("04-everybody-home")
+    home = next(area for area in level.areas if area.victory_robots)
+    there = {level.robots[0].name: (home.x, home.y, 0.0)}
+    async with playing(data_dir, short, size=size) as game:
+        await game.app.main.player.library.open_level(level)
+        await game.until(lambda: f" · 0/3 in {home.name}" in line(game))
+        await game.until(lambda: game.session.game is not None)
+        game.session.change_level(level, there)
+        await game.press("n")
+        await game.until(lambda: game.tick == 1)
+        await game.press("n")
+        await game.until(lambda: f" · 1/3 in {home.name}" in line(game))
+        await game.press("n")
+        game.main.labyrinth.view.selected = level.robots[0].name
+        game.main.redraw_lines()
+        await game.until(lambda: "/3 in" not in line(game))
 
 
 async def test_a_step_pressed_during_ten_takes_none_away(data_dir: Path, short: Path) -> None:

@@ -1,0 +1,207 @@
+"""Checking answers to the questions of a level: queries at ticks of a run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import permutations
+from typing import NamedTuple
+
+from logical_robots_tui.game.debugging.inquiry import Inquiry
+from logical_robots_tui.game.run import Run
+from logical_robots_tui.game.source import DEFAULT_PROGRAM, compile_program, load_program
+from logical_robots_tui.mind import ProgramError, QueryError, Table
+from logical_robots_tui.values import Value, spell
+from logical_robots_tui.wording import clip, count_of
+from logical_robots_tui.world import Level, LevelError
+from logical_robots_tui.world.level import LevelQuestion, Visibility
+
+_ALL = Visibility(memory="all", sensor="all")
+_ROBOT = "robot_name"
+_MOST_COLUMNS = 5  # whose order is tried
+_WIDEST_ROW = 60  # characters
+
+
+class Verdict(NamedTuple):
+    """What an answer is worth, and its rows at the tick that decides, or None if it failed."""
+
+    is_right: bool
+    tick: int
+    words: str
+    table: Table | None = None
+
+
+class Examiner:
+    """Checks answers to the questions of a level; a query sees the rows of all robots."""
+
+    def __init__(self, level: Level) -> None:
+        self._level = level
+        self._runs: dict[str, Run] = {}
+        self._inquiry = Inquiry(replace(level, visibility=_ALL))
+
+    async def predicates(self, question: LevelQuestion) -> list[str]:
+        """Return the predicates with rows that a query may use, or raise InputError."""
+        program = (await self._run(question)).program
+        return [each.name for each in program.predicates if each.has_rows]
+
+    async def check(
+        self,
+        question: LevelQuestion,
+        query: str,
+        report: Callable[[int], object] = lambda _tick: None,
+    ) -> Verdict:
+        """Compare a query's rows with the right ones at each tick, up to the first difference.
+
+        `report` gets the tick that the run has reached. Raises ProgramError for a wrong query, and
+        InputError if the level's program or its own answer can't be used.
+        """
+        for tick in question.ticks:
+            verdict = await self._check_at(question, query, tick, report)
+            if not verdict.is_right:
+                break
+        former = [each for each in question.ticks if each < tick]
+        if verdict.is_right:
+            words = f"Right at {ticks_in_words(question.ticks)}."
+        elif former:
+            words = f"Right at {ticks_in_words(former)}, but at tick {tick} {verdict.words}"
+        else:
+            words = f"At tick {tick} {verdict.words}"
+        return verdict._replace(words=words)
+
+    async def rows(
+        self,
+        question: LevelQuestion,
+        query: str,
+        tick: int,
+        report: Callable[[int], object] = lambda _tick: None,
+    ) -> Table:
+        """Return a query's rows at a tick; raise as `check`, or QueryError if it failed."""
+        run = await self._run(question)
+        return await self._inquiry.ask(run.program, query, await run.frame(tick, report))
+
+    async def close(self) -> None:
+        await self._inquiry.close()
+        for run in self._runs.values():
+            await run.close()
+
+    async def _run(self, question: LevelQuestion) -> Run:
+        name = program_of(self._level, question)
+        if name not in self._runs:
+            program = await compile_program(load_program(name).text)
+            self._runs[name] = Run(self._level, program)
+        return self._runs[name]
+
+    async def _check_at(
+        self, question: LevelQuestion, query: str, tick: int, report: Callable[[int], object]
+    ) -> Verdict:
+        try:
+            right = await self.rows(question, question.answer, tick, report)
+        except (ProgramError, QueryError) as error:
+            message = f"The level's own answer can't be used: {error}"
+            raise LevelError(message, place=self._level.source) from error
+        try:
+            found = await self.rows(question, query, tick)
+        except QueryError as error:
+            return Verdict(False, tick, f"it gives no rows. {error}")
+        words = difference(found, right)
+        return Verdict(not words, tick, words, found)
+
+
+def program_of(level: Level, question: LevelQuestion) -> str:
+    """Return the name of the program that runs for a question."""
+    return question.program or level.starter or DEFAULT_PROGRAM
+
+
+def ticks_in_words(ticks: Sequence[int]) -> str:
+    *former, last = map(str, ticks)
+    return f"tick{'s' * bool(former)} {', '.join(former)}{' and ' * bool(former)}{last}"
+
+
+def mistake_lines(query: str, error: ProgramError) -> list[str]:
+    """Return the first mistake in a query: its line, a caret below the place, and what is wrong."""
+    first = error.diagnostics[0]
+    line = (*query.splitlines(), *[""] * first.line)[first.line - 1]
+    caret = " " * (first.column - 1) + "^" * max(1, len(first.excerpt))
+    return [line, caret[: len(line) + 1], f"{first.message}. {first.hint}".rstrip()]
+
+
+def difference(found: Table, right: Table) -> str:
+    """Return in words how rows differ from the right ones, in any order, or "" if they don't.
+
+    Columns are compared by name if both tables have the same names, and otherwise in the order in
+    which they fit best.
+    """
+    if found.truncated:
+        return f"it gives more than {count_of(len(found.rows), 'row')}."
+    if found.rows and len(found.columns) != len(right.columns):
+        narrower = _without_robot(found, right)
+        if narrower is not None and not difference(narrower, right):
+            return ""
+        columns = count_of(len(found.columns), "column")
+        hint = " The head of a rule chooses them." * (len(found.columns) > len(right.columns))
+        return f"its rows have {columns} instead of {len(right.columns)}.{hint}"
+    keys = [tuple(map(_key, row)) for row in found.rows]
+    wanted = Counter(tuple(map(_key, row)) for row in right.rows)
+    given, missing, extra = min(
+        (
+            (given, wanted - counted, counted - wanted)
+            for order in _orders(found, right)
+            for given in [[tuple(key[place] for place in order) for key in keys]]
+            for counted in [Counter(given)]
+        ),
+        key=lambda each: each[1].total() + each[2].total(),
+    )
+    lacking, more = missing.total(), extra.total()
+    if not lacking and not more:
+        return ""
+    if lacking == wanted.total():
+        rows = ("it gives no rows", "its only row is wrong", f"all its {len(keys)} rows are wrong")
+        return f"{rows[min(len(keys), 2)]}; {_are(lacking)} asked for."
+    if not lacking and extra.keys() <= wanted.keys():
+        return f"the rows are right, but {_are(more)} there again: make them distinct."
+    odd = next((row for row, key in zip(found.rows, given, strict=True) if key in extra), ())
+    example = clip(f"({', '.join(spell(value, is_rounded=True) for value in odd)})", _WIDEST_ROW)
+    too_many = f"{_are(more)} too many, such as {example}"
+    if not lacking:
+        return f"all the right rows are there, but {too_many}."
+    missed = f"{_are(lacking)} missing"
+    if not more:
+        return f"its rows are right, but {missed}."
+    return f"{_are(len(keys) - more)} right, {too_many}, and {missed}."
+
+
+def _without_robot(found: Table, right: Table) -> Table | None:
+    """Return a table without the column that a query about a sensor gets by itself."""
+    if _ROBOT not in found.columns or _ROBOT in right.columns:
+        return None
+    kept = [place for place, name in enumerate(found.columns) if name != _ROBOT]
+    rows = tuple(tuple(row[place] for place in kept) for row in found.rows)
+    narrower = Table(tuple(found.columns[place] for place in kept), rows)
+    return narrower if len(kept) == len(right.columns) else None
+
+
+def _are(rows: int) -> str:
+    return f"{count_of(rows, 'row')} {'is' if rows == 1 else 'are'}"
+
+
+def _orders(found: Table, right: Table) -> Iterator[tuple[int, ...]]:
+    if not found.rows:
+        yield ()
+    elif sorted(found.columns) == sorted(right.columns):
+        yield tuple(map(found.columns.index, right.columns))
+    elif len(found.columns) <= _MOST_COLUMNS:
+        yield from permutations(range(len(found.columns)))
+    else:
+        yield tuple(range(len(found.columns)))
+
+
+def _key(value: Value) -> Hashable:
+    """Return what is equal for equal values, and for sums that were added in another order."""
+    if isinstance(value, float):
+        return round(float(f"{value:.9g}"), 9)
+    if isinstance(value, Mapping):
+        return tuple(sorted((name, _key(part)) for name, part in value.items()))
+    if isinstance(value, list | tuple):
+        return tuple(map(_key, value))
+    return value

@@ -1,0 +1,162 @@
+"""Answers to the questions of a level are right by their rows, and wrong ones are told apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from logical_robots_tui.game.level_questions import Examiner, difference, mistake_lines
+from logical_robots_tui.mind import ProgramError, Table
+from logical_robots_tui.world import LevelError, load_level
+from logical_robots_tui.world.level import LevelQuestion
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from random import Random
+
+    from logical_robots_tui.values import Value
+
+AHEAD = LevelQuestion(
+    "How far?", "Way(far: sensor.forward_distance) :- Sensor(sensor:)", (100, 300)
+)
+
+VALUES = st.one_of(
+    *(st.none(), st.booleans(), st.integers(-3, 3), st.sampled_from(["Ada", "Bob", ""])),
+    st.floats(-1e6, 1e6),
+    st.dictionaries(st.sampled_from(["angle", "label"]), st.integers(0, 2)),
+)
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> Table:
+    columns = draw(st.permutations(["robot_name", "label", "far"]))[: draw(st.integers(1, 3))]
+    rows = draw(st.lists(st.tuples(*[VALUES] * len(columns)), min_size=1, max_size=5))
+    return Table(tuple(columns), tuple(rows))
+
+
+RIGHT = Table(("robot_name", "far"), (("Ada", 1.5), ("Bob", 2), ("Cat", 2)))
+
+
+@given(tables(), st.randoms(use_true_random=False))
+def test_the_order_of_rows_and_columns_and_other_names_do_not_matter(
+    right: Table, random: Random
+) -> None:
+    rows, places = list(right.rows), list(range(len(right.columns)))
+    random.shuffle(rows)
+    random.shuffle(places)
+    turned = tuple(tuple(row[place] for place in places) for row in rows)
+    assert not difference(Table(tuple(right.columns[place] for place in places), turned), right)
+    assert not difference(Table(tuple(f"col{place}" for place in places), turned), right)
+
+
+@given(tables(), st.integers(0, 4))
+def test_a_row_less_or_more_is_a_difference(right: Table, place: int) -> None:
+    place %= len(right.rows)
+    fewer = replace(right, rows=right.rows[:place] + right.rows[place + 1 :])
+    assert difference(fewer, right)
+    again = replace(right, rows=(*right.rows, right.rows[place]))
+    assert "make them distinct" in difference(again, right)
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ((("Bob", 2), ("Ada", 1.5)), "its rows are right, but 1 row is missing."),
+        (
+            (*RIGHT.rows, ("Dan", 3), ("Eve", 4)),
+            'all the right rows are there, but 2 rows are too many, such as ("Dan", 3).',
+        ),
+        (
+            (("Ada", 1.5), ("Dan", 3)),
+            '1 row is right, 1 row is too many, such as ("Dan", 3), and 2 rows are missing.',
+        ),
+        ((*RIGHT.rows, ("Ada", 1.5)), "the rows are right, but 1 row is there again: make them"),
+        ((), "it gives no rows; 3 rows are asked for."),
+        ((("Dan", 3),), "its only row is wrong; 3 rows are asked for."),
+        ((("Ada", 9), ("Bob", 9)), "all its 2 rows are wrong; 3 rows are asked for."),
+        ((("Ada", 1.5, 0),), "its rows have 3 columns instead of 2."),
+    ],
+)
+def test_wrong_answers_are_told_apart_by_their_rows(
+    rows: tuple[tuple[Value, ...], ...], said: str
+) -> None:
+    columns = ("robot_name", "far", "n")[: len(rows[0])] if rows else ("robot_name", "far")
+    assert difference(Table(columns, rows), RIGHT).startswith(said)
+
+
+def test_columns_of_the_same_names_are_compared_by_name() -> None:
+    right = Table(("one", "other"), (("Ada", "Bob"),))
+    assert difference(Table(("one", "other"), (("Bob", "Ada"),)), right)
+    assert not difference(Table(("other", "one"), (("Bob", "Ada"),)), right)
+
+
+def test_sums_of_the_same_numbers_are_equal_in_any_order() -> None:
+    one, other = 0.1 + 0.2 + 0.3, 0.3 + 0.2 + 0.1  # sum() of Python 3.12 makes up for it
+    assert one != other
+    assert not difference(Table(("n",), ((one,), (1e-14,))), Table(("n",), ((other,), (0,))))
+
+
+def test_the_robot_that_a_query_names_by_itself_is_no_column_too_many() -> None:
+    right = Table(("far",), ((200,),))
+    assert not difference(Table(("value", "robot_name"), ((200, "Ada"),)), right)
+    assert "2 columns" in difference(Table(("value", "robot_name"), ((199, "Ada"),)), right)
+
+
+@pytest.fixture
+async def examiner() -> AsyncIterator[Examiner]:
+    made = Examiner(load_level("1"))
+    yield made
+    await made.close()
+
+
+async def test_an_answer_has_to_be_right_at_every_tick(examiner: Examiner) -> None:
+    reached: list[int] = []
+    verdict = await examiner.check(AHEAD, "sensor.forward_distance", reached.append)
+    assert (verdict.is_right, verdict.words) == (True, "Right at ticks 100 and 300.")
+    assert not reached or reached[-1] == 300
+    verdict = await examiner.check(AHEAD, "Way(far: 200);")
+    assert not verdict.is_right
+    assert verdict.tick == 300
+    assert verdict.words.startswith("Right at tick 100, but at tick 300 its only row is wrong")
+
+
+async def test_an_answer_may_fail_and_what_it_gave_is_shown(examiner: Examiner) -> None:
+    verdict = await examiner.check(AHEAD, "Sensor(robot_name:)")
+    assert verdict.table is not None
+    assert verdict.table.rows == (("Ada",),)
+    assert verdict.words == "At tick 100 its only row is wrong; 1 row is asked for."
+    too_much = " && ".join(f"{letter} in sensor.radar" for letter in "abcdefg")
+    verdict = await examiner.check(AHEAD, f"Sensor(sensor:), {too_much.replace(' &&', ',')}")
+    assert not verdict.is_right
+    assert "At tick 100 it gives" in verdict.words
+
+
+async def test_a_mistake_is_shown_at_its_place(examiner: Examiner) -> None:
+    query = "Way(far: sensor.forward) :- Sensors(sensor:)"
+    with pytest.raises(ProgramError) as caught:
+        await examiner.check(AHEAD, query)
+    line, caret, said = mistake_lines(query, caught.value)
+    assert line == query
+    assert caret.index("^") == query.index("Sensors")
+    assert "Sensors" in said
+
+
+async def test_the_level_is_to_blame_for_its_own_answer(examiner: Examiner) -> None:
+    wrong = AHEAD._replace(answer="Nonsense")
+    with pytest.raises(LevelError, match="own answer"):
+        await examiner.check(wrong, "sensor.forward_distance")
+
+
+async def test_a_query_may_use_the_rules_of_the_program_and_sees_all_robots() -> None:
+    examiner = Examiner(load_level("5"))
+    question = LevelQuestion("Who is there?", "Sensor(robot_name:)", (120,))
+    try:
+        assert {"Sensor", "Memory", "Light", "Course"} <= {*await examiner.predicates(question)}
+        number = "Number(n? += 1) distinct :- Sensor(robot_name:)"
+        assert (await examiner.rows(question, number, 120)).rows == ((3,),)
+    finally:
+        await examiner.close()

@@ -1,0 +1,34 @@
+"""The questions of each lesson: each has an answer that has to be computed."""
+
+from __future__ import annotations
+
+import pytest
+
+from logical_robots_tui.game.level_questions import Examiner, difference
+from logical_robots_tui.world import load_level
+from tests.levels.playing import LEVELS
+
+LONGEST = 180  # characters, three lines of a dialog
+NOTHING = (None, False, 0, "")
+
+
+@pytest.mark.parametrize("name", LEVELS)
+async def test_a_query_answers_a_question_and_no_constant_does(name: str) -> None:
+    level = load_level(name)
+    assert 2 <= len({question.ask for question in level.questions}) <= 3
+    examiner = Examiner(level)
+    try:
+        for question in level.questions:
+            assert len(question.ask) <= LONGEST
+            assert (await examiner.check(question, question.answer)).is_right
+            first, *others = [
+                await examiner.rows(question, question.answer, tick) for tick in question.ticks
+            ]
+            for right in (first, *others):
+                assert any(value not in NOTHING for row in right.rows for value in row), question
+            assert any(difference(first, other) for other in others), question
+            for predicate in await examiner.predicates(question):
+                there = await examiner.rows(question, predicate, question.ticks[0])
+                assert difference(there, first), f"{predicate} answers {question.ask}"
+    finally:
+        await examiner.close()

@@ -1,0 +1,153 @@
+"""The questions of a lesson, answered in the game."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.player.recorder import ProgressRecorder
+from logical_robots_tui.progress import FILE_NAME, Progress
+from logical_robots_tui.tui.inspector.pages.ask import QueryLine
+from logical_robots_tui.tui.inspector.table import ValueTable
+from logical_robots_tui.tui.learning.reader import Reader
+from tests.tui.conftest import opened
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.tui.conftest import Opened
+
+QUESTIONS = """\
+questions = [
+  {ask = "Who is there?", answer = "Here(robot_name:) :- Sensor(robot_name:)", ticks = [0, 2]},
+  {ask = "How far?", answer = "Way(sensor.forward_distance) :- Sensor(sensor:)", ticks = [0, 5]},
+]
+"""
+
+sizes = pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+
+
+@pytest.fixture
+def asking(short: Path) -> Path:
+    """The short level with two questions."""
+    short.write_text(QUESTIONS + short.read_text("utf-8"), "utf-8")
+    return short
+
+
+@pytest.fixture
+def gone(asking: Path) -> Path:
+    """The same, about a program that does not exist."""
+    text = asking.read_text("utf-8").replace("ticks = ", 'program = "nowhere", ticks = ')
+    asking.write_text(text, "utf-8")
+    return asking
+
+
+async def answer(game: Opened, query: str) -> None:
+    game.app.screen.query_one(QueryLine).value = query
+    await game.press("enter")
+
+
+async def begin(game: Opened) -> None:
+    await game.ready()
+    await game.press("t")
+    await game.sees("enter questions (0 of 2)")
+    await game.press("enter")
+    await game.sees("1 of 2  Who is there?")
+
+
+@sizes
+async def test_the_lesson_leads_to_its_questions(
+    data_dir: Path, asking: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, level=asking, size=size) as game:
+        await begin(game)
+        await game.sees("Questions · A short way · 0 of 2 answered")
+        await game.sees("Memory, Robot.")
+        await answer(game, 'Here(name: "Ann");')
+        await game.sees("At tick 0 its only row is wrong; 1 row is asked for.")
+        assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)
+        await answer(game, "Sensor(robot_name:")
+        await game.sees("      ^")
+        await game.sees("is never closed")
+        await answer(game, "Sensor(robot_name:)")
+        await game.sees("Right at ticks 0 and 2.")
+        await game.sees("1 of 2 ✓  Who is there?")
+        await game.sees("1 of 2 answered")
+        await game.press("enter")
+        await game.sees("2 of 2  How far?")
+        await answer(game, "Way(43);")
+        await game.sees("Right at tick 0, but at tick 5 its only row is wrong")
+        await game.press("tab")
+        await game.sees("1 of 2 ✓  Who is there?")
+        assert game.app.screen.query_one(QueryLine).value == "Sensor(robot_name:)"
+        await game.press("shift+tab", "escape")
+        await game.until(lambda: game.app.screen is game.main)
+        assert game.tick == 0, "the game at hand is left alone"
+    progress = Progress(data_dir / FILE_NAME)
+    assert progress.record(str(asking)).answers == (("Who is there?", "Sensor(robot_name:)"),)
+    progress.close()
+
+
+async def test_answers_are_there_in_the_next_session(data_dir: Path, asking: Path) -> None:
+    progress = Progress(data_dir / FILE_NAME)
+    progress.answer(str(asking), "Who is there?", "Sensor(robot_name:)")
+    progress.answer(str(asking), "What was asked before?", "Robot")
+    progress.close()
+    async with opened(data_dir, level=asking) as game:
+        recorder: ProgressRecorder = game.main.recorder
+        await game.until(lambda: recorder.record.answers)
+        game.main.action_command("questions")
+        await game.sees("1 of 2 answered")
+        await game.sees("2 of 2  How far?")
+
+
+@sizes
+async def test_a_mistake_far_to_the_right_is_shown_with_its_place(
+    data_dir: Path, asking: Path, size: tuple[int, int]
+) -> None:
+    async with opened(data_dir, level=asking, size=size) as game:
+        await begin(game)
+        await answer(
+            game, "Here(robot_name:) :- Sensor(robot_name:), " + "1 < 2, " * 10 + "Sensr(x:)"
+        )
+        await game.sees("Did you mean Sensor?")
+        lines = game.screen().splitlines()
+        (place,) = (n for n, line in enumerate(lines) if "^^^^^" in line)
+        assert lines[place - 1].index("Sensr") == lines[place].index("^^^^^")
+
+
+async def test_many_rows_are_scrolled_with_the_cursor_in_the_line(
+    data_dir: Path, asking: Path
+) -> None:
+    async with opened(data_dir, level=asking, size=(80, 24)) as game:
+        await begin(game)
+        await answer(game, "Ray(ray.angle) :- Sensor(sensor:), ray in sensor.radar")
+        await game.sees("all its 31 rows are wrong")
+        table = game.app.screen.query_one(ValueTable)
+        await game.press("pagedown", "pagedown")
+        await game.until(lambda: table.scroll_offset.y)
+        await game.press("pageup", "pageup")
+        await game.until(lambda: not table.scroll_offset.y)
+        assert isinstance(game.app.focused, QueryLine)
+
+
+async def test_a_program_that_is_missing_is_named(data_dir: Path, gone: Path) -> None:
+    async with opened(data_dir, level=gone) as game:
+        await begin(game)
+        await game.sees("nowhere: there is no such program")
+        await answer(game, "Robot")
+        await game.sees("nowhere: there is no such program")
+
+
+async def test_a_lesson_without_questions_offers_none(data_dir: Path, short: Path) -> None:
+    async with opened(data_dir, level=short) as game:
+        await game.ready()
+        game.main.action_command("questions")
+        await game.sees("This level has no questions.")
+        await game.press("t")
+        await game.sees("A rule with one case")
+        await game.press("enter")
+        await game.settled()
+        assert isinstance(game.app.screen, Reader)
+        await game.sees_no("questions")
