@@ -113,7 +113,7 @@ def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level)
 
 
 def test_shifted_starts_shuffle_places_and_goals_where_the_level_says_so() -> None:
-    level = load_level("13-right-of-way")
+    level = load_level("14-right-of-way")
     places = {robot.color: robot.name for robot in level.robots}
     sides = set()
     for start in (shift_start(level, seed) for seed in range(20)):
