@@ -10,8 +10,9 @@ import pickle
 import random
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 
 from logical_robots_tui.game.advancing import play_tick, start_frame
 from logical_robots_tui.game.frame import Frame, driven
@@ -20,7 +21,7 @@ from logical_robots_tui.game.victory import measures_of, reached_goals
 from logical_robots_tui.mind import Limits, Mind, Program
 from logical_robots_tui.processes.helper import Helper, begin
 from logical_robots_tui.progress import Measures
-from logical_robots_tui.world import Level, World
+from logical_robots_tui.world import Beacon, Level, Robot, World
 from logical_robots_tui.world.level import GoalKind
 
 STARTS = 20
@@ -31,6 +32,9 @@ FARTHEST_SHIFT = 8.0
 
 WIDEST_TURN = 0.2
 """Largest rotation of a robot, in radians."""
+
+MOST_DRAWS = 100
+"""How often names are drawn until goals bring others together."""
 
 
 class LateError(Exception):
@@ -65,8 +69,9 @@ def named_start_of(level: Level, start: int) -> Level:
 def shift_start(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
-    Robots of the same index in their teams are shifted alike, relative to their heading. If the
-    level shuffles names, each place and its part in the goals go to a robot by chance.
+    Robots of the same index in their teams are shifted alike, relative to their heading. The names
+    that the level shuffles change among the robots, and among the beacons; goals of several robots
+    then bring others together, where that is possible.
     """
     chance = random.Random(seed)  # noqa: S311 - not for security
     most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
@@ -80,24 +85,47 @@ def shift_start(level: Level, seed: int) -> Level:
             cos, sin = math.cos(robot.angle), math.sin(robot.angle)
             x, y = x * cos - y * sin, x * sin + y * cos
         robots.append(replace(robot, x=robot.x + x, y=robot.y + y, angle=robot.angle + turn))
-    shifted = replace(level, robots=tuple(robots))
-    return _shuffle_names(shifted, chance) if level.shuffled_names else shifted
+    return _shuffle_names(replace(level, robots=tuple(robots)), chance)
 
 
 def _shuffle_names(level: Level, chance: random.Random) -> Level:
-    there = chance.sample(level.robots, len(level.robots))
-    now = {was.name: robot.name for was, robot in zip(level.robots, there, strict=True)}
+    if not level.shuffled_names:
+        return level
+    together = [set(area.victory_robots) for area in level.areas if len(area.victory_robots) > 1]
+    for _ in range(MOST_DRAWS):
+        robots = _new_names(level.shuffled_names, level.robots, chance)
+        if not any({robots.get(name, name) for name in names} in together for names in together):
+            break
+    beacons = _new_names(level.shuffled_names, level.beacons, chance)
     return replace(
         level,
-        robots=tuple(
-            replace(place, name=robot.name, color=robot.color)
-            for place, robot in zip(level.robots, there, strict=True)
+        robots=tuple(replace(each, name=robots.get(each.name, each.name)) for each in level.robots),
+        beacons=tuple(
+            replace(each, name=beacons.get(each.name, each.name)) for each in level.beacons
         ),
         areas=tuple(
-            replace(area, victory_robots=tuple(now[name] for name in area.victory_robots))
+            replace(
+                area,
+                victory_robots=tuple(robots.get(name, name) for name in area.victory_robots),
+                on_beacon=beacons.get(area.on_beacon, area.on_beacon),
+                off_beacon=beacons.get(area.off_beacon, area.off_beacon),
+            )
             for area in level.areas
         ),
     )
+
+
+def _new_names(
+    patterns: Iterable[str], things: Iterable[Robot | Beacon], chance: random.Random
+) -> dict[str, str]:
+    """Exchange the names that match; of more than two, each moves."""
+    names = [
+        name
+        for name in dict.fromkeys(thing.name for thing in things)
+        if any(fnmatchcase(name, pattern) for pattern in patterns)
+    ]
+    order = chance.sample(names, len(names))
+    return dict(zip(order, order[1:] + order[:1] if len(order) > 2 else names, strict=True))
 
 
 def mirror(level: Level) -> Level:

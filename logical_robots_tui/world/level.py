@@ -236,7 +236,7 @@ class Level:
         divided_charge: Whether a source divides what it gives among those that it charges.
         solid_robots: Whether robots block each other.
         all_goals: Whether all goals must be reached at once, not any one.
-        shuffled_names: Whether the robots of a shifted start have each other's places and goals.
+        shuffled_names: Patterns of names of robots and beacons that shifted starts exchange.
         source: Path of the file it came from, or "".
     """
 
@@ -266,7 +266,7 @@ class Level:
     divided_charge: bool = False
     solid_robots: bool = False
     all_goals: bool = False
-    shuffled_names: bool = False
+    shuffled_names: tuple[str, ...] = ()
     source: str = ""
 
     def team_of(self, robot_name: str) -> str:

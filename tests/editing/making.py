@@ -126,6 +126,7 @@ _WORDS = st.fixed_dictionaries(
         "hints": st.lists(TEXTS, max_size=3).map(tuple),
         "questions": st.lists(QUESTIONS, max_size=2).map(tuple),
         "shared_names": st.lists(NAMES, max_size=2).map(tuple),
+        "shuffled_names": st.sampled_from([(), ("*",), ("*", "?*")]),
         "second_goals": st.lists(GOALS, max_size=2).map(tuple),
         "visibility": st.sampled_from([Visibility(), Visibility("seen", "all")]),
     },

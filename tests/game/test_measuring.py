@@ -112,18 +112,19 @@ def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level)
         assert abs(start.angle - given.angle) <= 0.2
 
 
-def test_shifted_starts_shuffle_places_and_goals_where_the_level_says_so() -> None:
+def test_goals_bring_others_together_in_shifted_starts_with_other_names() -> None:
     level = load_level("14-right-of-way")
-    places = {robot.color: robot.name for robot in level.robots}
-    sides = set()
-    for start in (shift_start(level, seed) for seed in range(20)):
-        assert {robot.color: robot.name for robot in start.robots} == places
-        here = {robot.name for robot in start.robots if robot.x < 300}
-        assert [set(a.victory_robots) == here for a in start.areas] == [False, True]
-        sides.add(frozenset(here))
-    assert len(sides) > 5
-    plain = shift_start(replace(level, shuffled_names=False), 3)
-    assert [r.x for r in plain.robots] == [r.x for r in shift_start(level, 3).robots]
+    homes = {frozenset(area.victory_robots) for area in level.areas}
+    starts = [shift_start(level, seed) for seed in range(100)]
+    found = [{frozenset(area.victory_robots) for area in start.areas} for start in starts]
+    assert not any(homes & each for each in found)
+    assert len({frozenset(each) for each in found}) == 9
+    for start in starts:
+        west = {robot.name for robot in start.robots if robot.x < 300}
+        assert [set(area.victory_robots) == west for area in start.areas] == [False, True]
+    together = replace(level, areas=(replace(level.areas[0], victory_robots=("Moss", "Fern")),))
+    together = replace(together, shuffled_names=("Moss", "Fern"))
+    assert set(shift_start(together, 0).areas[0].victory_robots) == {"Moss", "Fern"}
 
 
 def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Level) -> None:

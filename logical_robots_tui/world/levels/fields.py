@@ -14,7 +14,7 @@ MOST_SIDE = 4000
 """Largest width and height in map units."""
 
 MOST_OF_A_KIND = 1000
-"""Largest number of robots, beacons, areas or hints."""
+"""Largest number of robots, beacons, areas, hints and so on."""
 
 MOST_OF_A_NUMBER = 1_000_000
 
@@ -141,11 +141,8 @@ class Fields(NamedTuple):
         return Fields(value or {}, self.file, f"{self.path}.{key}" if self.path else key)
 
     def each(self, key: str, read: Callable[[Fields], _T]) -> tuple[_T, ...]:
-        items, records = self._list(key), []
-        if len(items) > MOST_OF_A_KIND:
-            message = f"There are {len(items)} {key}; at most {MOST_OF_A_KIND} are allowed."
-            raise self.error(key, message)
-        for i, item in enumerate(items):
+        records = []
+        for i, item in enumerate(self._list(key)):
             if not isinstance(item, dict):
                 raise self.error(f"{key}[{i}]", f"This must be a record, not {_kind(item)}.")
             records.append(Fields(item, self.file, f"{key}[{i}]"))
@@ -178,6 +175,9 @@ class Fields(NamedTuple):
             return []
         if not isinstance(value, list):
             raise self._wrong(key, "a list")
+        if len(value) > MOST_OF_A_KIND:
+            message = f"There are {len(value)} {key}; at most {MOST_OF_A_KIND} are allowed."
+            raise self.error(key, message)
         return value
 
     def _texts(self, key: str) -> list[tuple[str, str]]:

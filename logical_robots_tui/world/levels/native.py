@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from functools import cache
 from itertools import chain, cycle, pairwise
 from operator import sub
@@ -43,12 +44,12 @@ if TYPE_CHECKING:
 
     _Bits = NDArray[np.bool_]
 
-_FLAGS = ("divided_charge", "solid_robots", "all_goals", "shuffled_names")
+_FLAGS = ("divided_charge", "solid_robots", "all_goals")
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
     *("story", "questions"),
     *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
-    *("scores", *_FLAGS, "robots", "beacons", "areas"),
+    *("scores", *_FLAGS, "shuffled_names", "robots", "beacons", "areas"),
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
@@ -102,6 +103,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
         "scores": top.each("scores", _score),
         **{key: top.flag(key) for key in _FLAGS},
+        "shuffled_names": top.names("shuffled_names"),
     }
 
 
@@ -167,6 +169,12 @@ def misfits(level: Level) -> Iterator[Oddity]:
         if score.kind == "beacons" and len({b.name for b in level.beacons}) > MOST_SCORED:
             message = f"At most {MOST_SCORED} beacons of different names can be scored."
             yield Oddity("scores", i, "kind", message, "")
+    known = {each.name for each in chain[Robot | Beacon](level.robots, level.beacons)}
+    for i, pattern in enumerate(level.shuffled_names):
+        if not any(fnmatchcase(name, pattern) for name in known):
+            message = f'"shuffled_names" has "{pattern}", but no robot or beacon has such a name.'
+            hint = "A * stands for any characters, a ? for one."
+            yield Oddity("shuffled_names", i, "", message, hint)
 
 
 MOST_SCORED = 60
