@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["tournament"]
 
-ARENA = "14-high-ground"
+ARENA = "16-high-ground"
 PLAYERS = 16
 STARTS = 20
 KILLS = 5

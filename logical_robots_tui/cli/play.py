@@ -91,7 +91,7 @@ def play(options: argparse.Namespace) -> int:
       logical-robots play                  continue, or start the first level
       logical-robots play 02-open-space    play another level
       logical-robots play my-level.toml my-program.l
-      logical-robots play 14-high-ground --team blue=my-program.l
+      logical-robots play 16-high-ground --team blue=my-program.l
       logical-robots play --daily          play the labyrinth of today
       logical-robots play --plain          play in lines of text, also in a pipe:
       echo run | logical-robots play 01-first-steps first-steps --plain

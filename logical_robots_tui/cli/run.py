@@ -146,7 +146,7 @@ def run(options: argparse.Namespace) -> int:
       logical-robots run 01-first-steps first-steps --json     print it as JSON
       logical-robots run 01-first-steps first-steps | jq .won  piped output is JSON
       logical-robots run my-level.toml my-program.l --ticks 900
-      logical-robots run 14-high-ground high-ground high-ground-sparring
+      logical-robots run 16-high-ground high-ground high-ground-sparring
 
     exit status: 0 won or match over, 1 not won in time, 2 bad level or program
     """

@@ -76,7 +76,9 @@ def driven(before: WorldState, after: WorldState) -> float:
 def events_between(level: Level, past: Frame, frame: Frame) -> Iterator[str]:
     """Yield a sentence for each event between two consecutive ticks; names are not escaped."""
     for before, now in zip(past.after.robots, frame.after.robots, strict=True):
-        yield from _of_robot(before, now)
+        yield from _of_robot(
+            before, now, "by a wall or a robot" if level.solid_robots else "by a wall"
+        )
     for old, area in zip(past.after.areas, frame.after.areas, strict=True):
         yield from _of_area(old, area)
     # Areas may share a name, so goals are identified by position.
@@ -116,9 +118,9 @@ def standing_words(level: Level, state: WorldState) -> str:
     return ", ".join(f"{team} {round(score, 1):,.10g}" for team, score in found)
 
 
-def _of_robot(before: RobotState, now: RobotState) -> Iterator[str]:
+def _of_robot(before: RobotState, now: RobotState, obstacle: str) -> Iterator[str]:
     if now.blocked and not before.blocked:
-        yield f"{now.name} is blocked by a wall."
+        yield f"{now.name} is blocked {obstacle}."
     if before.blocked and not now.blocked:
         yield f"{now.name} moves again."
     if now.dead and not before.dead:

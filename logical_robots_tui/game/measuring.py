@@ -33,6 +33,9 @@ FARTHEST_SHIFT = 8.0
 WIDEST_TURN = 0.2
 """Largest rotation of a robot, in radians."""
 
+MOST_DRAWS = 100
+"""How often names are drawn until goals bring others together."""
+
 
 class LateError(Exception):
     """The clock cut off a thought, so the run is not reproducible and does not count."""
@@ -67,7 +70,8 @@ def shift_start(level: Level, seed: int) -> Level:
     """Return the level with every robot's start shifted and rotated a little, by seed.
 
     Robots of the same index in their teams are shifted alike, relative to their heading. The names
-    that the level shuffles change among the robots, and among the beacons.
+    that the level shuffles change among the robots, and among the beacons; goals of several robots
+    then bring others together, where that is possible.
     """
     chance = random.Random(seed)  # noqa: S311 - not for security
     most = (FARTHEST_SHIFT, FARTHEST_SHIFT, WIDEST_TURN)
@@ -87,7 +91,11 @@ def shift_start(level: Level, seed: int) -> Level:
 def _shuffle_names(level: Level, chance: random.Random) -> Level:
     if not level.shuffled_names:
         return level
-    robots = _new_names(level.shuffled_names, level.robots, chance)
+    together = [set(area.victory_robots) for area in level.areas if len(area.victory_robots) > 1]
+    for _ in range(MOST_DRAWS):
+        robots = _new_names(level.shuffled_names, level.robots, chance)
+        if not any({robots.get(name, name) for name in names} in together for names in together):
+            break
     beacons = _new_names(level.shuffled_names, level.beacons, chance)
     return replace(
         level,

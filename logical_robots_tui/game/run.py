@@ -275,7 +275,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
         "visibility": asdict(level.visibility),
         "match_ticks": level.match_ticks,
-        "divided_charge": level.divided_charge,
+        **{key: getattr(level, key) for key in ("divided_charge", "solid_robots", "all_goals")},
         "programs": program.texts,
         "limits": asdict(limits),
     }

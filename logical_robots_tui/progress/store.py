@@ -11,7 +11,7 @@ import fcntl
 import os
 import sqlite3
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias, TypeVar
@@ -80,6 +80,39 @@ NEW = LevelRecord()
 APPLICATION_ID = 0x4C524F42
 """Identifies the file as ours in its header ("LROB")."""
 
+
+def _renumber(levels: Mapping[str, str], arenas: Mapping[str, str]) -> tuple[str, ...]:
+    """Let records follow levels to other names; those of arenas are kept by their paths."""
+    rows = [f"('{earlier}', '{now}')" for earlier, now in levels.items()]
+    pairs = [f"SELECT '{earlier}' AS earlier, '{now}' AS now" for earlier, now in arenas.items()]
+    return (
+        "CREATE TEMP TABLE moved (earlier TEXT PRIMARY KEY, now TEXT NOT NULL)",
+        *([f"INSERT INTO moved VALUES {', '.join(rows)}"] if rows else []),  # noqa: S608 - ours
+        f"""
+        INSERT INTO moved SELECT name, replace(name, earlier, now) FROM
+            (
+                SELECT name FROM level UNION SELECT level FROM version
+                UNION SELECT level FROM answer UNION SELECT value FROM fact WHERE name = 'level'
+            ),
+            ({" UNION ".join(pairs)})
+        WHERE name LIKE '%/levels/arenas/' || earlier || '.toml'
+        """,  # noqa: S608 - ours
+        *(
+            f"""
+            UPDATE {table} SET {column} = (SELECT now FROM moved WHERE earlier = {column})
+            WHERE {column} IN (SELECT earlier FROM moved){only}
+            """  # noqa: S608 - ours
+            for table, column, only in (
+                ("level", "name", ""),
+                ("version", "level", ""),
+                ("answer", "level", ""),
+                ("fact", "value", " AND name = 'level'"),
+            )
+        ),
+        "DROP TABLE moved",
+    )
+
+
 MIGRATIONS: tuple[tuple[str, ...], ...] = (
     (
         # hints: how many are revealed. begun and won: when, as ISO 8601 in UTC.
@@ -143,45 +176,21 @@ MIGRATIONS: tuple[tuple[str, ...], ...] = (
         )
         """,
     ),
-    (
-        # Levels were numbered anew; those of arenas are kept by their paths.
-        "CREATE TEMP TABLE moved (earlier TEXT PRIMARY KEY, now TEXT NOT NULL)",
-        """
-        INSERT INTO moved VALUES
-            ('09-the-gate', '11-the-gate'),
-            ('11-power-line', '12-power-line'),
-            ('12-swarm', '13-swarm')
-        """,
-        """
-        INSERT INTO moved SELECT name, replace(name, earlier, now) FROM
-            (
-                SELECT name FROM level UNION SELECT level FROM version
-                UNION SELECT level FROM answer UNION SELECT value FROM fact WHERE name = 'level'
-            ),
-            (
-                SELECT '13-high-ground' AS earlier, '14-high-ground' AS now
-                UNION SELECT '14-four-doors', '15-four-doors'
-                UNION SELECT '15-low-voltage', '16-low-voltage'
-            )
-        WHERE name LIKE '%/levels/arenas/' || earlier || '.toml'
-        """,
-        """
-        UPDATE level SET name = (SELECT now FROM moved WHERE earlier = name)
-        WHERE name IN (SELECT earlier FROM moved)
-        """,
-        """
-        UPDATE version SET level = (SELECT now FROM moved WHERE earlier = level)
-        WHERE level IN (SELECT earlier FROM moved)
-        """,
-        """
-        UPDATE answer SET level = (SELECT now FROM moved WHERE earlier = level)
-        WHERE level IN (SELECT earlier FROM moved)
-        """,
-        """
-        UPDATE fact SET value = (SELECT now FROM moved WHERE earlier = value)
-        WHERE name = 'level' AND value IN (SELECT earlier FROM moved)
-        """,
-        "DROP TABLE moved",
+    _renumber(
+        {"09-the-gate": "11-the-gate", "11-power-line": "12-power-line", "12-swarm": "13-swarm"},
+        {
+            "13-high-ground": "14-high-ground",
+            "14-four-doors": "15-four-doors",
+            "15-low-voltage": "16-low-voltage",
+        },
+    ),
+    _renumber(
+        {},
+        {
+            "14-high-ground": "16-high-ground",
+            "15-four-doors": "17-four-doors",
+            "16-low-voltage": "18-low-voltage",
+        },
     ),
 )
 

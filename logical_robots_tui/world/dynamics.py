@@ -72,11 +72,18 @@ class Mover:
     dead: bool = False
 
 
-def drive(mover: Mover, left: float, right: float, level: Level) -> None:
+ROBOT_WIDTH = 18
+"""Map units between the centres of two robots that touch, where robots block each other."""
+
+
+def drive(
+    mover: Mover, left: float, right: float, level: Level, others: Iterable[RobotState] = ()
+) -> None:
     """Turn and move a robot, in place, for one tick.
 
-    The turn always succeeds. The move is cancelled if it ends in a wall; there are none outside
-    the map. The wanted power is finite.
+    The turn always succeeds. The move is cancelled if it ends in a wall, or closer to one of the
+    others than before and closer than they are wide; there are no walls outside the map. The
+    wanted power is finite.
     """
     left, right = min(1.0, max(-1.0, left)), min(1.0, max(-1.0, right))
     angle = math.fmod(mover.angle + (left - right) / WHEEL_BASE + 2 * math.pi, 2 * math.pi)
@@ -86,10 +93,16 @@ def drive(mover: Mover, left: float, right: float, level: Level) -> None:
     mover.left_engine, mover.right_engine, mover.angle = left, right, angle
     column, row = math.floor(x), math.floor(y)
     is_on_map = 0 <= column < level.width and 0 <= row < level.height
-    if is_on_map and level.walls[row, column]:
+    into_wall = is_on_map and level.walls[row, column]
+    if into_wall or any(_pushes(mover, x, y, other) for other in others):
         mover.blocked = speed != 0
     else:
         mover.x, mover.y = x, y
+
+
+def _pushes(mover: Mover, x: float, y: float, other: RobotState) -> bool:
+    distance = math.hypot(x - other.x, y - other.y)
+    return distance < ROBOT_WIDTH and distance < math.hypot(mover.x - other.x, mover.y - other.y)
 
 
 def push_out(mover: Mover, areas: Iterable[Area]) -> None:
@@ -217,12 +230,14 @@ def next_active(area: Area, active: bool, seen: AbstractSet[str]) -> bool:
     return starts_active(area)
 
 
-def is_won(areas: Iterable[tuple[Area, AreaState]]) -> bool:
-    """Return whether an active goal contains all the robots that it requires."""
-    return any(
-        state.active and area.victory_robots and set(area.victory_robots) <= set(state.visitors)
+def is_won(areas: Iterable[tuple[Area, AreaState]], all_goals: bool = False) -> bool:
+    """Return whether an active goal, or each, contains all the robots that it requires."""
+    reached = [
+        state.active and set(area.victory_robots) <= set(state.visitors)
         for area, state in areas
-    )
+        if area.victory_robots
+    ]
+    return bool(reached) and (all if all_goals else any)(reached)
 
 
 _PER_UNIT = 1000

@@ -236,6 +236,8 @@ class Level:
         match_ticks: Length of a match in ticks; 0 where there is none.
         scores: What a match is about, in file order.
         divided_charge: Whether a source divides what it gives among those that it charges.
+        solid_robots: Whether robots block each other.
+        all_goals: Whether all goals must be reached at once, not any one.
         shuffled_names: Patterns of names of robots and beacons that shifted starts exchange.
         source: Path of the file it came from, or "".
     """
@@ -264,6 +266,8 @@ class Level:
     match_ticks: int = 0
     scores: tuple[Score, ...] = ()
     divided_charge: bool = False
+    solid_robots: bool = False
+    all_goals: bool = False
     shuffled_names: tuple[str, ...] = ()
     source: str = ""
 

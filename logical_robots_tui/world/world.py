@@ -142,13 +142,17 @@ class World:
         divided = level.divided_charge or bool(level.teams)
         if divided:
             run_batteries(level.robots, movers, wanted, sources)
-        for robot, mover, (left, right) in zip(level.robots, movers, wanted, strict=True):
+        bodies = before.robots
+        for robot, mover, body, (left, right) in zip(
+            level.robots, movers, bodies, wanted, strict=True
+        ):
             if not divided:
                 run_battery(robot, mover, left, right, sources)
             mover.dead = is_dead(robot, mover)
             if mover.dead:
                 left = right = 0.0
-            drive(mover, left, right, level)
+            others = [each for each in bodies if each is not body] if level.solid_robots else ()
+            drive(mover, left, right, level, others)
             push_out(mover, solid)
 
         robots = tuple(
@@ -163,7 +167,7 @@ class World:
             for area, state in pairs
         )
         tick, won_at = before.tick + 1, before.won_at
-        if won_at is None and is_won(zip(level.areas, areas, strict=True)):
+        if won_at is None and is_won(zip(level.areas, areas, strict=True), level.all_goals):
             won_at = tick
         tallies = before.tallies
         if tallies:

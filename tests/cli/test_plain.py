@@ -258,7 +258,7 @@ def test_hints_stay_revealed_and_a_level_without_texts_says_so(
     typed.play("hint", options=(lesson, ahead, *data))
     assert "Hint 2: It is straight" in typed.play("hint", options=(lesson, ahead, *data)).out
     told = typed.play(
-        "level 14-high-ground", "lesson", "hint", "reset", options=(lesson, ahead, *data)
+        "level 16-high-ground", "lesson", "hint", "reset", options=(lesson, ahead, *data)
     )
     assert "High ground\n" in told.out
 

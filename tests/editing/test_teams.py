@@ -109,8 +109,9 @@ def test_a_team_without_robots_is_not_saved(tmp_path: Path) -> None:
 
 def test_teams_are_lost_in_the_web_format() -> None:
     level = read_native(TEAMS, "match", "")
-    level = replace(level, shuffled_names=("*",))
-    lost = ["teams", "match_ticks", "scores", "divided_charge", "shuffled_names", "visibility"]
-    assert lost_in_web(level)[-6:] == lost
+    level = replace(level, solid_robots=True, all_goals=True, shuffled_names=("*",))
+    lost = ["teams", "match_ticks", "scores"]
+    lost += ["divided_charge", "solid_robots", "all_goals", "shuffled_names", "visibility"]
+    assert lost_in_web(level)[-8:] == lost
     robots = tuple(replace(robot, team="") for robot in level.robots)
     assert read_web(write_web(level), "match", "").robots == robots

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -109,6 +110,21 @@ def test_shifted_starts_are_always_the_same_and_near_the_given_one(level: Level)
     for start in starts:
         assert max(abs(start.x - given.x), abs(start.y - given.y)) <= 8
         assert abs(start.angle - given.angle) <= 0.2
+
+
+def test_goals_bring_others_together_in_shifted_starts_with_other_names() -> None:
+    level = load_level("14-right-of-way")
+    homes = {frozenset(area.victory_robots) for area in level.areas}
+    starts = [shift_start(level, seed) for seed in range(100)]
+    found = [{frozenset(area.victory_robots) for area in start.areas} for start in starts]
+    assert not any(homes & each for each in found)
+    assert len({frozenset(each) for each in found}) == 9
+    for start in starts:
+        west = {robot.name for robot in start.robots if robot.x < 300}
+        assert [set(area.victory_robots) == west for area in start.areas] == [False, True]
+    together = replace(level, areas=(replace(level.areas[0], victory_robots=("Moss", "Fern")),))
+    together = replace(together, shuffled_names=("Moss", "Fern"))
+    assert set(shift_start(together, 0).areas[0].victory_robots) == {"Moss", "Fern"}
 
 
 def test_a_level_is_played_through_until_it_is_won_or_patience_is_over(level: Level) -> None:

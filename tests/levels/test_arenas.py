@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.values import Value
 
 NAMES = list_arenas()
-FOUR_TEAMS = "15-four-doors"
+FOUR_TEAMS = "17-four-doors"
 SEATS = [
     pytest.param(name, seat, marks=[pytest.mark.slow] * (name == FOUR_TEAMS))
     for name in NAMES

@@ -87,6 +87,13 @@ def reach_grows_from_the_archive() -> bool:
     return {room for (room,) in found} == reached and {"gallery", "yard"} < reached
 
 
+def two_still_meet_in_the_door() -> bool:
+    text = step("14-right-of-way", "briefing")
+    *_, last = moments("14-right-of-way", text, 800)
+    places = sorted(memory["place"] for memory in last.memories.values())
+    return places == ["door", "door", "gate", "gate", "road", "road"]
+
+
 TRIED = {
     "04-everybody-home": ("steer to the beacon", each_comes_home_at_some_time),
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
@@ -97,6 +104,7 @@ TRIED = {
     "12-power-line": ("drive to a station in sight", volta_gets_home),
     "13-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
     "09-doors": ("a predicate Reach has the archive", reach_grows_from_the_archive),
+    "14-right-of-way": ("wait at the gate", two_still_meet_in_the_door),
 }
 
 

@@ -163,6 +163,13 @@ def nobody_settles_any_more() -> bool:
     return bool(before == after < 50)
 
 
+def two_have_the_door_and_meet() -> bool:
+    two = {"Moss", "Aster"}
+    early, late = at("14-right-of-way", [100, 250])
+    inside = {name for name, memory in early.memories.items() if memory["place"] == "door"}
+    return inside == two and all(late.to("Door", name) < 10 for name in two)
+
+
 def ida_goes_back_and_forth() -> bool:
     found = at("09-doors", [300, 400])
     return [moment.memories["Ida"]["room"] for moment in found] == ["attic", "gallery"]
@@ -194,6 +201,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     ("12-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
     ("13-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
     ("09-doors", 1, ("Memory", "Ida", "tick 300", "tick 400"), ida_goes_back_and_forth),
+    ("14-right-of-way", 1, ("Memory", "tick 100", "tick 250"), two_have_the_door_and_meet),
 ]
 
 

@@ -52,6 +52,7 @@ def test_the_example_with_teams_is_a_level(file: Path) -> None:
     assert [robot.team for robot in level.robots] == ["red", "blue"]
     assert level.scores == (Score("hold", "garden", 2), Score("charged", points=100))
     assert (level.match_ticks, level.divided_charge) == (1000, True)
+    assert (level.solid_robots, level.all_goals) == (True, False)
     assert level.shuffled_names == ("R*",)
 
 

@@ -37,26 +37,46 @@ def test_a_file_of_the_first_version_is_brought_up_to_date(file: Path) -> None:
         assert connection.execute("PRAGMA user_version").fetchone() == (len(MIGRATIONS),)
 
 
-def test_records_follow_their_levels_to_other_numbers(file: Path) -> None:
-    arena, own = "/opt/levels/arenas/13-high-ground.toml", "/home/ada/09-the-gate.toml"
-    before = ["09-the-gate", "11-power-line", "12-swarm", "10-distributed-mapping", arena, own]
+ARENA = "/opt/levels/arenas/{}.toml"
+OWN = "/home/ada/09-the-gate.toml"
+MOVED_FIRST = {
+    "09-the-gate": "11-the-gate",
+    "11-power-line": "12-power-line",
+    "12-swarm": "13-swarm",
+    ARENA.format("13-high-ground"): ARENA.format("16-high-ground"),
+    "10-distributed-mapping": "10-distributed-mapping",
+    OWN: OWN,
+}
+MOVED_NEXT = {
+    ARENA.format("14-high-ground"): ARENA.format("16-high-ground"),
+    ARENA.format("15-four-doors"): ARENA.format("17-four-doors"),
+    ARENA.format("16-low-voltage"): ARENA.format("18-low-voltage"),
+    "11-the-gate": "11-the-gate",
+}
+
+
+@pytest.mark.parametrize(("steps", "moved"), [(5, MOVED_FIRST), (6, MOVED_NEXT)])
+def test_records_follow_their_levels_to_other_numbers(
+    file: Path, steps: int, moved: dict[str, str]
+) -> None:
+    last = [*moved][1]
     with contextlib.closing(sqlite3.connect(file, isolation_level=None)) as connection:
-        prepare(connection, MIGRATIONS[:-1])
-        for level in before:
+        prepare(connection, MIGRATIONS[:steps])
+        for level in moved:
             connection.execute("INSERT INTO level (name, hints) VALUES (?, 1)", (level,))
             connection.execute(
                 "INSERT INTO version (level, digest, text, turn, kept) VALUES (?, '', ?, 1, '')",
                 (level, level),
             )
             connection.execute("INSERT INTO answer VALUES (?, 'Who?', ?)", (level, level))
-        connection.execute("INSERT INTO fact VALUES ('level', '11-power-line')")
+        connection.execute("INSERT INTO fact VALUES ('level', ?)", (last,))
     progress = Progress(file, pytest.fail)
-    after = ["11-the-gate", "12-power-line", "13-swarm", before[3], arena.replace("13", "14"), own]
-    assert [progress.newest(level) for level in after] == before
-    assert [progress.record(level).hints for level in after] == [1] * len(before)
-    assert [progress.record(level).answers for level in after] == [(("Who?", e),) for e in before]
-    assert [progress.newest(level) for level in before[:3]] == [None] * 3
-    assert progress.fact("level") == "12-power-line"
+    for before, now in moved.items():
+        assert progress.newest(now) == before
+        assert progress.record(now).hints == 1
+        assert progress.record(now).answers == (("Who?", before),)
+        assert before in moved.values() or progress.newest(before) is None
+    assert progress.fact("level") == moved[last]
 
 
 def test_a_step_of_migration_is_done_wholly_or_not_at_all(file: Path) -> None:

@@ -129,7 +129,7 @@ async def test_properties_are_set_in_forms_with_the_choices_there_are(
 
 async def test_a_robot_joins_one_of_the_teams_there_are(data_dir: Path, tmp_path: Path) -> None:
     file = tmp_path / "match.toml"
-    shipped = (shipped_folder("levels") / ARENAS / "14-high-ground.toml").read_text("utf-8")
+    shipped = (shipped_folder("levels") / ARENAS / "16-high-ground.toml").read_text("utf-8")
     file.write_text(shipped, "utf-8")
     async with studio(data_dir, file) as s:
         await s.press("tab", "i")
