@@ -41,7 +41,6 @@ HAVE_THE_IDEA = {
 """Programs for any level that are no cheap way to win one."""
 
 WINS_TODAY = {
-    ("08-formation", "slow-amber"): 20,
     ("10-distributed-mapping", "distributed-mapping-fastest"): 20,
     ("10-distributed-mapping", "distributed-mapping-shortest"): 20,
     ("12-power-line", "always-full"): 20,

@@ -123,14 +123,14 @@ def fay_goes_round_a_pillar() -> bool:
     return near and not sees and posts == {"Mine"}
 
 
-def amber_and_indigo_have_met() -> bool:
-    found = at("08-formation", [372, 376, 400])
-    sees = ["Indigo" in {ray["label"] for ray in moment.radar("Amber")} for moment in found]
-    leaders = {name: memory["leader"] for name, memory in found[-1].memories.items()}
-    return sees == [False, True, True] and (leaders["Amber"], leaders["Indigo"]) == (
-        "Amber",
-        "Indigo",
-    )
+def coral_sees_teal_and_goes_astray() -> bool:
+    found = at("08-formation", [1, 200])
+    sees = {
+        name: {ray["label"] for ray in found[0].radar(name) if ray["object"] == "robot"}
+        for name in ("Coral", "Teal")
+    }
+    (coral,) = (robot for robot in found[1].state.robots if robot.name == "Coral")
+    return sees == {"Coral": {"Olive", "Teal"}, "Teal": {"Amber"}} and coral.x > 230 < coral.y
 
 
 def ada_circles_the_torch() -> bool:
@@ -195,7 +195,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
         ("Fay", "pillar", "tick 300", "tick 800"),
         fay_goes_round_a_pillar,
     ),
-    ("08-formation", 1, ("Memory", "tick 376", "tick 400"), amber_and_indigo_have_met),
+    ("08-formation", 1, ("Memory", "tick 1,", "tick 200"), coral_sees_teal_and_goes_astray),
     ("11-the-gate", 1, ("Memory", "circles", "tick 500"), ada_circles_the_torch),
     ("10-distributed-mapping", 1, ("Beryl", "tick 100"), beryl_sees_several_beacons),
     ("12-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
