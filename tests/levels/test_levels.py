@@ -18,7 +18,7 @@ from tests.short import AHEAD
 CONFORMANCE = Path(__file__).parent.parent / "conformance" / "levels"
 TICKS_FOR_LOSING = 5000
 ROBOT_RADIUS = 9.0
-FREE_PROGRAMS = ["clock-in-memory", "herd", "obstacle-avoider", "wall-crawler"]
+FREE_PROGRAMS = ["clock-in-memory", "herd", "obstacle-avoider", "steering", "wall-crawler"]
 OBSTACLE_AVOIDER = "obstacle-avoider"
 LONGEST_LINE = 64
 LONGEST_IDEA = 60

@@ -1,0 +1,38 @@
+"""Levels from the fifth on begin with rules for steering, which are the same everywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui import Program, load_level
+from logical_robots_tui.language.tree import Rule
+from tests.levels.playing import LEVELS, program_text, solution_of
+
+TAUGHT_BEFORE = {"Stop"}
+"""What level 4 teaches and a starter may leave to the player."""
+
+
+def rules_of(name: str) -> dict[str, list[Rule]]:
+    """The rules of a program by the predicate that they define, but for Robot."""
+    rules: dict[str, list[Rule]] = {}
+    for each in Program.compile(program_text(name)).statements:
+        if isinstance(each, Rule) and each.name != "Robot":
+            rules.setdefault(each.name, []).append(each)
+    return rules
+
+
+@pytest.mark.parametrize("name", LEVELS[4:])
+def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
+    library = rules_of("steering")
+    starter, solution = rules_of(load_level(name).starter), rules_of(solution_of(name))
+    for program in (starter, solution):
+        common = program.keys() & library.keys()
+        assert {each: program[each] for each in common} == {each: library[each] for each in common}
+    assert solution.keys() & library.keys() <= starter.keys() | TAUGHT_BEFORE
+
+
+def test_the_documentation_shows_the_rules_as_they_are() -> None:
+    page = Path(__file__).parents[2] / "docs" / "programs.md"
+    assert f"```prolog\n{program_text('steering')}```\n" in page.read_text("utf-8")
