@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from logical_robots_tui import Program, load_level
+from logical_robots_tui import load_level
+from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.language.tree import Rule
 from tests.levels.playing import LEVELS, program_text, solution_of
 
@@ -17,15 +19,19 @@ TAUGHT_BEFORE = {"Stop"}
 def rules_of(name: str) -> dict[str, list[Rule]]:
     """The rules of a program by the predicate that they define, but for Robot."""
     rules: dict[str, list[Rule]] = {}
-    for each in Program.compile(program_text(name)).statements:
+    for each in parse(prepare(program_text(name))).statements:
         if isinstance(each, Rule) and each.name != "Robot":
             rules.setdefault(each.name, []).append(each)
     return rules
 
 
-@pytest.mark.parametrize("name", LEVELS[4:])
+OWN = {"08-formation", "10-distributed-mapping", "12-power-line", "13-swarm"}
+
+
+@pytest.mark.parametrize("name", [name for name in LEVELS[4:] if name not in OWN])
 def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
     library = rules_of("steering")
+    assert library.keys() >= {"Freedom", "Steer", "FollowWall"}
     starter, solution = rules_of(load_level(name).starter), rules_of(solution_of(name))
     for program in (starter, solution):
         common = program.keys() & library.keys()
