@@ -141,7 +141,7 @@ class _Lesson:
         former = self._answers().get(question.ask)
         print()
         say(*_question(self._level, number, is_answered=former is not None))
-        usable = self._runner.run(self._examiner.predicates(question))
+        usable = [each.name for each in self._runner.run(self._examiner.predicates(question))]
         say(*_wrapped(f"A query may use {', '.join(usable)}. An empty line goes on."))
         while True:
             print("> ", end="", flush=True)

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import asdict, dataclass, field
 from time import perf_counter
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from logical_robots_tui import game, mind, world
 from logical_robots_tui.cli import command
@@ -28,6 +28,10 @@ from logical_robots_tui.cli.command import (
     progress_bar,
 )
 from logical_robots_tui.errors import InputError
+from logical_robots_tui.wording import count_of
+
+if TYPE_CHECKING:
+    from logical_robots_tui.progress import Measures
 
 SOON = 0.5
 """Seconds before the progress bar appears."""
@@ -187,8 +191,8 @@ async def play_out(
     finally:
         await playing.close()
     outcome.seconds = perf_counter() - began
-    if victory is not None and victory.measures is not None:
-        outcome.reached = victory.measures.goals
+    if victory is not None:
+        outcome.measures = victory.measures
     return outcome
 
 
@@ -204,7 +208,7 @@ class Outcome:
     think_milliseconds: float = 0.0
     is_reliable: bool = True
     seconds: float = 0.0
-    reached: tuple[str, ...] = ()
+    measures: Measures | None = None
 
     def count(self, frame: game.Frame) -> None:
         self.frame = frame
@@ -231,6 +235,8 @@ class Outcome:
             "program": self.program_name,
             "won": self.won_at is not None,
             "ticks": ticks,
+            "size": self.measures and self.measures.size,
+            "distance": self.measures and round(self.measures.distance, 1),
             "reliable": self.is_reliable,
             "robots": [
                 {**robot, "memory": self.frame.memories.get(robot["name"])}
@@ -258,14 +264,17 @@ class Outcome:
         return found
 
     def _second_goals(self) -> dict[str, bool | None]:
+        reached = self.measures.goals if self.measures else ()
         return {
-            goal.words: None if goal.is_tried_later else goal.words in self.reached
+            goal.words: None if goal.is_tried_later else goal.words in reached
             for goal in self.level.second_goals
         }
 
     def as_text(self) -> str:
         lines = [self._verdict()]
-        if self.won_at is not None and self.level.second_goals:
+        if self.measures is not None and self.level.second_goals:
+            size, distance = count_of(self.measures.size, "symbol"), self.measures.distance
+            lines.append(f"The program has {size}; the robots drove {distance:,.0f} units.")
             says = {True: "yes", False: "no", None: "not tried"}
             told = "; ".join(
                 f"{goal}: {says[found]}" for goal, found in self._second_goals().items()

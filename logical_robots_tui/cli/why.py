@@ -83,7 +83,7 @@ def why(options: argparse.Namespace) -> int:
       logical-robots why 06-breadcrumbs breadcrumbs --tick 300 --robot Crow \\
         --predicate Next
       logical-robots why 06-breadcrumbs breadcrumbs --tick 3 --robot Crow \\
-        --predicate 'Steer(0.5)'
+        --predicate 'Turn(0.5)'
 
     A row is explained by one derivation. For each rule without a row you see the
     first condition that failed, and a single change that would have produced a row.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from logical_robots_tui.game.debugging.inquiry import Inquiry
 from logical_robots_tui.game.run import Run
 from logical_robots_tui.game.source import DEFAULT_PROGRAM, compile_program, load_program
-from logical_robots_tui.mind import ProgramError, QueryError, Table
+from logical_robots_tui.mind import Predicate, ProgramError, QueryError, Table
 from logical_robots_tui.values import Value, spell
 from logical_robots_tui.wording import clip, count_of
 from logical_robots_tui.world import Level, LevelError
@@ -40,10 +40,10 @@ class Examiner:
         self._runs: dict[str, Run] = {}
         self._inquiry = Inquiry(replace(level, visibility=_ALL))
 
-    async def predicates(self, question: LevelQuestion) -> list[str]:
-        """Return the predicates with rows that a query may use, or raise InputError."""
+    async def predicates(self, question: LevelQuestion) -> list[Predicate]:
+        """Return the predicates and functions that a query may use, or raise InputError."""
         program = (await self._run(question)).program
-        return [each.name for each in program.predicates if each.has_rows]
+        return [each for each in program.predicates if each.has_rows or each.kind != "prelude"]
 
     async def check(
         self,

@@ -33,6 +33,7 @@ from logical_robots_tui.language.signatures import (
     duplicates,
     signatures,
     wrong_calls,
+    wrong_copies,
 )
 from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.language.types import RecordOf
@@ -78,6 +79,7 @@ def check(parsed: Parsed, text: str, runs: Runs) -> Checked:
         *_names(program, text, parsed.doubtful, runs),
         *collisions(program, text),
         *wrong_calls(program, known, text, runs),
+        *wrong_copies(program, text),
         *duplicates(program, text),
         *_without_arguments(program, text),
         *_values_as_conditions(program, text),
@@ -216,6 +218,11 @@ def _names(
     subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
     values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
     values -= {*(each.name for each in calls(program)), *subjects}
+    aggregating = {
+        each.name
+        for each in calls(program)
+        if any(isinstance(given.value, tree.Aggregate) for given in each.arguments)
+    }
     for name in names_used(program):
         if name in seen or name in known or name in left_open:
             continue
@@ -237,6 +244,8 @@ def _names(
             hint = _instead(name, known, runs) or "Define it, or correct its name."
             if name in values:
                 hint = _meant_as_value(name)
+            elif name in aggregating:
+                hint = f"To define it, give it a body: {name}(...) :- ..."
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
 
 

@@ -18,7 +18,7 @@ from logical_robots_tui.language.definitions import (
     substitutions,
 )
 from logical_robots_tui.language.diagnostics import Diagnostic, closest
-from logical_robots_tui.language.source_text import diagnostic_for
+from logical_robots_tui.language.source_text import diagnostic_at, diagnostic_for
 from logical_robots_tui.schema import INPUTS, MAIN, VALUE
 
 Runs = Callable[[str], bool]
@@ -48,6 +48,21 @@ def signatures(program: Sequence[tree.Statement]) -> dict[str, Signature]:
         if signature and not candidates:
             found[name] = signature
     return found
+
+
+_GIVEN = (tree.PredicateName, tree.Literal)
+
+
+def wrong_copies(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:
+    """Report what is given to a functor and is neither the name of a predicate nor a constant."""
+    for each in program:
+        for argument in each.arguments if isinstance(each, tree.Functor) else ():
+            value = argument.value
+            if value.span is not None and not isinstance(value, _GIVEN):
+                message = "a copy takes a predicate by its name, or a constant"
+                hint = "Define a predicate with this value, and write its name here."
+                length = value.span.stop - value.span.start
+                yield diagnostic_at(text, value.span.start, length, message, hint)
 
 
 def collisions(program: Sequence[tree.Statement], text: str) -> Iterator[Diagnostic]:

@@ -49,7 +49,7 @@ def test_the_lesson_is_printed_and_its_questions_are_asked(typed: Callable[..., 
     assert told.status == 0
     assert told.out.startswith("A short way\n\nA rule with one case.\n")
     assert "Question 1 of 2: Who is there?\nAt ticks 0 and 2 of obstacle-avoider, " in told.out
-    assert "A query may use Sensor, Memory, Robot." in told.out
+    assert "A query may use Sensor, Memory, FreedomMotion, Robot." in told.out
     assert 'robot_name\n"Pip"\nRight at ticks 0 and 2.\n' in told.out
     assert "1 of 2 answered." in told.out
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from tests.cli.running import Command
 
+SIZE, DISTANCE = 11, 24.5
 GOALS = ("at most 9 ticks", "never blocked", "wins from all 20 starts")
 
 
@@ -29,15 +30,21 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_a_run_says_which_are_reached(command: Command, file: Path, ahead: Path) -> None:
-    found = command("run", file, ahead).data["second_goals"]
-    assert found == {"at most 9 ticks": False, "never blocked": True, GOALS[2]: None}
+    found = command("run", file, ahead).data
+    assert (found["size"], found["distance"]) == (SIZE, DISTANCE)
+    assert found["second_goals"] == {
+        "at most 9 ticks": False,
+        "never blocked": True,
+        GOALS[2]: None,
+    }
 
 
 async def test_a_run_says_so_in_words(file: Path) -> None:
     outcome = await play_out(load_level(file), Program.compile(AHEAD), "ahead", 500)
     told = outcome.as_text()
     goals = "at most 9 ticks: no; never blocked: yes; wins from all 20 starts: not tried"
-    assert f"\nSecond goals: {goals}.\n" in told
+    drove = f"The program has {SIZE} symbols; the robots drove {DISTANCE:.0f} units."
+    assert f"\n{drove}\nSecond goals: {goals}.\n" in told
 
 
 def test_a_level_without_them_says_nothing_of_them(

@@ -22,6 +22,7 @@ EXAMPLES = {
     "clock-in-memory": "01-first-steps",
     "herd": "05-lighthouse",
     "obstacle-avoider": "02-open-space",
+    "steering": "03-the-long-hall",
     "wall-crawler": "03-the-long-hall",
 }
 
@@ -67,9 +68,9 @@ def test_the_clock_brings_a_robot_round_a_square() -> None:
     assert ways[-1] < 5
 
 
-def test_the_wall_crawler_finds_its_way_out_of_a_labyrinth() -> None:
-    level = load_level(EXAMPLES["wall-crawler"])
-    assert ticks_to_win(level, shipped_program("wall-crawler"), 6000)
+@pytest.mark.parametrize("program", ["steering", "wall-crawler"])
+def test_a_hand_on_the_wall_leads_out_of_a_labyrinth(program: str) -> None:
+    assert ticks_to_win(load_level(EXAMPLES[program]), shipped_program(program), 6000)
 
 
 def ticks_near_each_other(program: str) -> int:

@@ -27,7 +27,8 @@ async def test_a_query_answers_a_question_and_no_constant_does(name: str) -> Non
             for right in (first, *others):
                 assert any(value not in NOTHING for row in right.rows for value in row), question
             assert any(difference(first, other) for other in others), question
-            for predicate in await examiner.predicates(question):
+            predicates = await examiner.predicates(question)
+            for predicate in (each.name for each in predicates if each.has_rows):
                 there = await examiner.rows(question, predicate, question.ticks[0])
                 assert difference(there, first), f"{predicate} answers {question.ask}"
     finally:

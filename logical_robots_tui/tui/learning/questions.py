@@ -115,7 +115,7 @@ class Questions(Dialog[None]):
         where = f"About {where}, in the rows of all robots"
         self.query_one("#where", Static).update(Content(f"{where}."))
         try:
-            names = await self._examiner.predicates(question)
+            names = [each.name for each in await self._examiner.predicates(question)]
         except LogicalRobotsError as error:
             self._say(Content.styled(one_line(str(error)), INK.bad))
             return

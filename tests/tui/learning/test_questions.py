@@ -63,7 +63,7 @@ async def test_the_lesson_leads_to_its_questions(
     async with opened(data_dir, level=asking, size=size) as game:
         await begin(game)
         await game.sees("Questions · A short way · 0 of 2 answered")
-        await game.sees("Memory, Robot.")
+        await game.sees("FreedomMotion, Robot.")
         await answer(game, 'Here(name: "Ann");')
         await game.sees("At tick 0 its only row is wrong; 1 row is asked for.")
         assert game.app.screen.query_one(ValueTable).all.rows == (("Ann",),)

@@ -1,0 +1,44 @@
+"""Levels from the fifth on begin with rules for steering, which are the same everywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from logical_robots_tui import load_level
+from logical_robots_tui.language.adapter import parse
+from logical_robots_tui.language.source_text import prepare
+from logical_robots_tui.language.tree import Rule
+from tests.levels.playing import LEVELS, program_text, solution_of
+
+TAUGHT_BEFORE = {"Stop"}
+"""What level 4 teaches and a starter may leave to the player."""
+
+
+def rules_of(name: str) -> dict[str, list[Rule]]:
+    """The rules of a program by the predicate that they define, but for Robot."""
+    rules: dict[str, list[Rule]] = {}
+    for each in parse(prepare(program_text(name))).statements:
+        if isinstance(each, Rule) and each.name != "Robot":
+            rules.setdefault(each.name, []).append(each)
+    return rules
+
+
+OWN = {"10-distributed-mapping", "12-power-line", "13-swarm"}
+
+
+@pytest.mark.parametrize("name", [name for name in LEVELS[4:] if name not in OWN])
+def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
+    library = rules_of("steering")
+    assert library.keys() >= {"Freedom", "Steer", "FollowWall"}
+    starter, solution = rules_of(load_level(name).starter), rules_of(solution_of(name))
+    for program in (starter, solution):
+        common = program.keys() & library.keys()
+        assert {each: program[each] for each in common} == {each: library[each] for each in common}
+    assert solution.keys() & library.keys() <= starter.keys() | TAUGHT_BEFORE
+
+
+def test_the_documentation_shows_the_rules_as_they_are() -> None:
+    page = Path(__file__).parents[2] / "docs" / "programs.md"
+    assert f"```prolog\n{program_text('steering')}```\n" in page.read_text("utf-8")
