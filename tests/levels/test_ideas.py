@@ -208,7 +208,7 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "08-formation": [(("else 0.6)", "else 0.8)"),)],
     "11-the-gate": [FASTER, (("80 else", "40 else"),)],
     "10-distributed-mapping": [
-        (("{left_engine: 0.8, right_engine: -0.8}", "{left_engine: -0.8, right_engine: 0.8}"),)
+        (("{left_engine: 1, right_engine: -1}", "{left_engine: -1, right_engine: 1}"),)
     ],
     "13-swarm": [(("near < 4", "near < 8"),)],
     "09-doors": [(("0.9 - 2 *", "1 - 2 *"), ("0.9 + 2 *", "1 + 2 *"))],

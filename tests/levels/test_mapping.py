@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import dist
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logical_robots_tui import Level
 
 PATIENCE = 6000
-LONGEST_ROAD = 100
+LONGEST_ROAD = 103  # the program takes those that seem shorter than 100
 FARTHEST = 250  # from a robot to both ends of a road that it believes to see
 LEADER, BASE = "Atlas", "Base"
 
@@ -115,9 +115,9 @@ def test_a_distance_rises_when_a_road_turns_out_longer_as_the_lesson_says(
 ) -> None:
     assert "must **rise**" in level.lesson
     told, _ = played
-    least: dict[str, float] = {}
-    for memory in told:
-        for label, far in distances(memory).items():
-            least[label] = min(far, least.get(label, far))
-    last = distances(told[-1])
-    assert any(far > least[label] + 2 for label, far in last.items())
+    maps = [distances(memory) for memory in told]
+    assert any(
+        far > before.get(label, far) + 2
+        for before, after in pairwise(maps)
+        for label, far in after.items()
+    )
