@@ -44,7 +44,6 @@ WINS_TODAY = {
     ("08-formation", "slow-amber"): 20,
     ("10-distributed-mapping", "distributed-mapping-fastest"): 20,
     ("10-distributed-mapping", "distributed-mapping-shortest"): 20,
-    ("12-power-line", "always-full"): 20,
 }
 """From how many of 20 shifted starts, at least, a cheap program wins where it should not.
 
