@@ -41,7 +41,6 @@ HAVE_THE_IDEA = {
 """Programs for any level that are no cheap way to win one."""
 
 WINS_TODAY = {
-    ("12-power-line", "always-full"): 20,
 }
 """From how many of 20 shifted starts, at least, a cheap program wins where it should not.
 

@@ -148,7 +148,7 @@ def beryl_sees_several_beacons() -> bool:
 def volta_charges_a_little() -> bool:
     powers = [
         row["sensor"]["self"]["battery_level"]
-        for moment in at("12-power-line", range(450, 601, 10))
+        for moment in at("12-power-line", range(450, 801, 10))
         for row in moment.rows
         if row["robot_name"] == "Volta"
     ]
@@ -198,7 +198,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     ("08-formation", 1, ("Memory", "tick 1,", "tick 200"), coral_sees_teal_and_goes_astray),
     ("11-the-gate", 1, ("Memory", "circles", "tick 500"), ada_circles_the_torch),
     ("10-distributed-mapping", 1, ("Beryl", "tick 100"), beryl_sees_several_beacons),
-    ("12-power-line", 1, ("Volta", "tick 450", "tick 600"), volta_charges_a_little),
+    ("12-power-line", 1, ("Volta", "tick 450", "tick 800"), volta_charges_a_little),
     ("13-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
     ("09-doors", 1, ("Memory", "Ida", "tick 300", "tick 400"), ida_goes_back_and_forth),
     ("14-right-of-way", 1, ("Memory", "tick 100", "tick 250"), two_have_the_door_and_meet),
