@@ -94,6 +94,14 @@ def two_still_meet_in_the_door() -> bool:
     return places == ["door", "door", "gate", "gate", "road", "road"]
 
 
+def only_the_oven_is_done() -> bool:
+    """Whether the jobs of worn-out batteries stay undone, each begun by one robot."""
+    *_, last = moments("15-auction", step("15-auction", "briefing"), 700)
+    jobs = sorted(filter(None, (memory["job"] for memory in last.memories.values())))
+    done = [area.name for area in last.state.areas if not area.active]
+    return jobs == ["Crane", "Lathe", "Oven", "Pump"] and done == ["Green gate"]
+
+
 TRIED = {
     "04-everybody-home": ("steer to the beacon", each_comes_home_at_some_time),
     "05-lighthouse": ("keep wreckers out", no_ship_stays_at_a_wreckers_light),
@@ -105,6 +113,7 @@ TRIED = {
     "13-swarm": ("once settled, stay settled", more_settle_and_all_stay_settled),
     "09-doors": ("a predicate Reach has the archive", reach_grows_from_the_archive),
     "14-right-of-way": ("wait at the gate", two_still_meet_in_the_door),
+    "15-auction": ("of all bids for a job the least wins", only_the_oven_is_done),
 }
 
 

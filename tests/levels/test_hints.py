@@ -170,6 +170,13 @@ def two_have_the_door_and_meet() -> bool:
     return inside == two and all(late.to("Door", name) < 10 for name in two)
 
 
+def five_want_the_pump_and_nobody_the_crane() -> bool:
+    (moment,) = at("15-auction", [30])
+    jobs = [memory["job"] for memory in moment.memories.values()]
+    wanted = {job: jobs.count(job) for job in ("Pump", "Crane", "Oven", "Lathe")}
+    return wanted == {"Pump": 5, "Crane": 0, "Oven": 1, "Lathe": 1}
+
+
 def ida_goes_back_and_forth() -> bool:
     found = at("09-doors", [300, 400])
     return [moment.memories["Ida"]["room"] for moment in found] == ["attic", "gallery"]
@@ -202,6 +209,7 @@ LOOKS: list[tuple[str, int, tuple[str, ...], Callable[[], bool]]] = [
     ("13-swarm", 1, ("settled", "tick 400", "tick 300"), nobody_settles_any_more),
     ("09-doors", 1, ("Memory", "Ida", "tick 300", "tick 400"), ida_goes_back_and_forth),
     ("14-right-of-way", 1, ("Memory", "tick 100", "tick 250"), two_have_the_door_and_meet),
+    ("15-auction", 1, ("Memory", "tick 30"), five_want_the_pump_and_nobody_the_crane),
 ]
 
 

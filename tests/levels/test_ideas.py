@@ -213,6 +213,7 @@ VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "13-swarm": [(("near < 4", "near < 8"),)],
     "09-doors": [(("0.9 - 2 *", "1 - 2 *"), ("0.9 + 2 *", "1 + 2 *"))],
     "14-right-of-way": [(("radar) < 25", "radar) < 20"),)],
+    "15-auction": [(("Steer(0.5", "Steer(0.8"),)],
 }
 """Easy changes to solutions: a text of it, and another in its place."""
 
