@@ -25,10 +25,7 @@ def rules_of(name: str) -> dict[str, list[Rule]]:
     return rules
 
 
-OWN = {"10-distributed-mapping", "12-power-line", "13-swarm"}
-
-
-@pytest.mark.parametrize("name", [name for name in LEVELS[4:] if name not in OWN])
+@pytest.mark.parametrize("name", LEVELS[4:])
 def test_steering_is_given_and_the_same_in_every_level(name: str) -> None:
     library = rules_of("steering")
     assert library.keys() >= {"Freedom", "Steer", "FollowWall"}
