@@ -25,7 +25,7 @@ from logical_robots_tui.world.levels.load import read_level
 from logical_robots_tui.world.world import desire_of
 
 if TYPE_CHECKING:
-    import pandas as pd
+    import pandas
 
     from logical_robots_tui.explain import Explanation
     from logical_robots_tui.mind import Decision, Limits, Mind, Question, Table
@@ -261,14 +261,17 @@ class Simulation:
             message = f"can't be written: {error.strerror or error}"
             raise InputError(message, place=str(path)) from error
 
-    def to_pandas(self) -> pd.DataFrame:
-        """Return a row for each tick and robot: where it was, what it wanted and remembered."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return `rows` as a table; raise InputError without pandas, which is installed apart."""
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            message, hint = "A table needs pandas.", "Install it with: pip install pandas"
+            raise InputError(message, hint=hint) from None
+        return DataFrame(self.rows())
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the same rows as records."""
+        """Yield for each tick and robot where it was, what it wanted and what it remembered."""
         for tick in range(self._history.first, self._history.last + 1):
             frame = self.at(tick)
             for robot in frame.after.robots:
