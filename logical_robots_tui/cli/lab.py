@@ -74,7 +74,7 @@ def _sweep(options: argparse.Namespace) -> int:
 @command.declare(
     "grade",
     _path("assignment", "a TOML file"),
-    _path("submissions", "a folder with one entry per student"),
+    _path("submissions", "a folder or an archive with one entry per student"),
     _OUTPUT,
     *_ENGINE,
 )
@@ -86,8 +86,9 @@ def _grade(options: argparse.Namespace) -> int:
     examples:
       logical-robots grade assignment.toml submissions -o grades
 
-    A submission is a folder with a program for each level, such as ada/01-first-steps.l, or one
-    file for all levels, such as ada.l.
+    A submission is a folder or an archive with a program for each level, such as
+    ada/01-first-steps.l, or one file for all levels, such as ada.l. What Moodle, Canvas and
+    Gradescope export is read as it comes.
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
@@ -131,6 +132,10 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
         for problem in error.problems:
             print(harmless(problem), file=sys.stderr)
         return WRONG
+    if manifest.kind == "grade":
+        from logical_robots_tui.lab.submissions import account_of
+
+        print(*map(harmless, account_of(manifest)), sep="\n", flush=True)
     folder = Folder(options.output)
     with folder.locked():
         with folder.ledger(mixed=options.mixed):

@@ -64,6 +64,10 @@ class Student(msgspec.Struct, frozen=True, omit_defaults=True):
     late: bool = False
     remarks: tuple[str, ...] = ()
 
+    @property
+    def called(self) -> str:
+        return f"{self.name} ({self.id})" if self.name not in ("", self.id) else self.id
+
 
 class Player(msgspec.Struct, frozen=True, omit_defaults=True):
     """A player of a tournament; `lost` is why all matches are lost without being played."""
@@ -78,7 +82,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
 
     There are `starts` shifted starts, if `given_first` for programs that win from the given one.
     A think has `steps`, a run `seconds` at most. `rounds` are pairs of players by index, for each
-    round of a tournament that is known so far.
+    round of a tournament that is known so far. `strays` are files that nobody handed in.
     """
 
     kind: Literal["sweep", "grade", "tournament"]
@@ -98,6 +102,7 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     match: Cell = Cell("", "", "", "", 0)
     rounds: tuple[tuple[tuple[Index, Index], ...], ...] = ()
     most_rounds: Index = 1
+    strays: tuple[str, ...] = ()
     engine: dict[str, str] = {}
     format: int = _FORMAT
 

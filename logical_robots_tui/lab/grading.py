@@ -14,10 +14,11 @@ from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.submissions import Assignment
+from logical_robots_tui.lab.submissions import NOTHING, Assignment
 from logical_robots_tui.wording import count_of
 
 _LONGEST_FILE = 60
+_NO_PROGRAM = "no program for this level was found"
 
 
 class LevelGrade(msgspec.Struct, frozen=True):
@@ -68,7 +69,8 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
-            levels.append(_level(manifest, assignment, name, each.points, key in cells, results))
+            known = key in cells, bool(student.submission)
+            levels.append(_level(manifest, assignment, name, each.points, *known, results))
         sum_ = sum(level.points or 0 for level in levels)
         kept = assignment.late.keep if student.late else 1
         grades.append(
@@ -89,6 +91,7 @@ def _level(
     name: str,
     most: float,
     is_submitted: bool,
+    has_submission: bool,
     results: dict[int, Result],
 ) -> LevelGrade:
     first = results.get(0)
@@ -110,7 +113,8 @@ def _level(
     )
     if first is not None and first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
-    outcome = first.outcome if first else "not run yet" if is_submitted else "nothing was submitted"
+    missing = _NO_PROGRAM if has_submission else NOTHING
+    outcome = first.outcome if first else "not run yet" if is_submitted else missing
     return LevelGrade(
         name,
         None if points is None else _round(points),
@@ -234,7 +238,7 @@ def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
 
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     said = []
-    if "won" in show or level.outcome in ("does not compile", "nothing was submitted"):
+    if "won" in show or level.outcome in ("does not compile", NOTHING, _NO_PROGRAM):
         said.append(f"From the given start: {level.outcome}.")
     if "ticks" in show and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
@@ -293,6 +297,6 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
 def _junit_kind(level: LevelGrade) -> str:
     if level.points is None:
         return "error"
-    if level.outcome == "nothing was submitted":
+    if level.outcome in (NOTHING, _NO_PROGRAM):
         return "skipped"
     return "" if level.won else "failure"

@@ -25,6 +25,7 @@ from logical_robots_tui.lab.exporting import (
 )
 from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, export_grades, grades_of
+from logical_robots_tui.lab.submissions import account_of
 from logical_robots_tui.lab.tournament import export_tournament, tournament_lines, tournament_parts
 
 _WIDTH = 78
@@ -179,7 +180,9 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
     ]
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
     same = [(level, ", ".join(ids)) for level, _, ids in duplicates(manifest)]
-    text = "<h2>Students</h2>" + as_table(head, rows)
+    text = "<h2>Submissions</h2>"
+    text += "".join(f"<p>{html.escape(harmless_text(line))}</p>" for line in account_of(manifest))
+    text += "<h2>Students</h2>" + as_table(head, rows)
     if same:
         text += "<h2>The same program</h2><p>The same but for comments and space.</p>"
         text += as_table(("level", "students"), same)
