@@ -214,7 +214,7 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
                 raise
             engine.close()
         status = _tell(folder, manifest, ledger, coordinator)
-        if status == COMPLETE:
+        if status == COMPLETE or manifest.kind == "grade":
             _export(folder, manifest, ledger)
             if manifest.kind == "tournament":
                 _print_summary(manifest, ledger)
@@ -249,9 +249,8 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
     if tally.failed:
         print(f"{tally.failed:,} runs could not be done (infrastructure), for example:")
         for done in islice(failed_runs(manifest, ledger), 5):
-            cell, (_, _, reason) = done.cell, done.result.first or (0, "", "")
-            program = f"{cell.student}: {cell.program_name}" if cell.student else cell.program_name
-            print(harmless(f"  {program} in {cell.level_name}, start {done.start}: {reason}"))
+            _, _, reason = done.result.first or (0, "", "")
+            print(harmless(f"  {manifest.called(done.cell)}, start {done.start}: {reason}"))
     if tally.differing:
         print(
             "DEFECT: these runs gave different results when they were run twice. Please report it:"
@@ -316,6 +315,9 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
             rest = f"{pace:.1f} runs/s"
             rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
             rest += f", {tally.failed:,} failed" if tally.failed else ""
+            seconds, cell = coordinator.longest() or (0.0, None)
+            if cell and seconds > _LINE_SECONDS:
+                rest += f", {harmless(manifest.called(cell))} for {seconds:.0f} s"
             done, total = tally.done, tally.done + tally.due
             count = f"{done:,} of {total:,} runs"
             draw(done, total, count, rest)

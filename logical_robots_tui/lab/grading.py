@@ -45,15 +45,24 @@ class LevelGrade(msgspec.Struct, frozen=True):
 class Grade(msgspec.Struct, frozen=True):
     """What a student has achieved.
 
-    `points` are less what being late costs, without `ungraded` levels, whose runs are missing
-    through no fault of the student's.
+    `points` are less what being late costs, None if there are `ungraded` levels, whose runs are
+    missing through no fault of the student's; `so_far` are those of the others.
     """
 
     student: Student
     levels: tuple[LevelGrade, ...]
-    points: float
+    points: float | None
+    so_far: float
     most: float
     ungraded: int
+
+    @property
+    def said(self) -> str:
+        """The points in words."""
+        if self.points is not None:
+            return f"{self.points:g} of {self.most:g} points"
+        left = count_of(self.ungraded, "level")
+        return f"{self.so_far:g} of {self.most:g} points so far, {left} not graded yet"
 
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
@@ -71,15 +80,17 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             results = {done.start: done.result for done in runs.get(key, ())}
             known = key in cells, bool(student.submission)
             levels.append(_level(manifest, assignment, name, each.points, *known, results))
-        sum_ = sum(level.points or 0 for level in levels)
         kept = assignment.late.keep if student.late else 1
+        so_far = _round(sum(level.points or 0 for level in levels) * kept)
+        ungraded = sum(level.points is None for level in levels)
         grades.append(
             Grade(
                 student,
                 tuple(levels),
-                _round(sum_ * kept),
+                None if ungraded else so_far,
+                so_far,
                 sum(each.points for each in assignment.level),
-                sum(level.points is None for level in levels),
+                ungraded,
             )
         )
     return grades
@@ -114,7 +125,10 @@ def _level(
     if first is not None and first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
     missing = _NO_PROGRAM if has_submission else NOTHING
-    outcome = first.outcome if first else "not run yet" if is_submitted else missing
+    outcome = "not run yet" if is_submitted else missing
+    if first is not None:
+        outcome = first.outcome
+        outcome += f" at tick {first.ticks:,}" * (outcome in ("too slow", "too many steps"))
     return LevelGrade(
         name,
         None if points is None else _round(points),
@@ -225,13 +239,15 @@ def _gradebook(grades: list[Grade]) -> Table:
 def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
     student = grade.student
     lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
-    lines[-1] += f"{grade.points:g} of {grade.most:g} points"
+    lines[-1] += grade.said
     if student.late:
         lines[-1] += f", late: {kept:.0%} of the points count"
     lines += [""] * bool(student.remarks) + [f"- {_markdown(each)}" for each in student.remarks]
     for level in grade.levels:
-        points = "not graded yet" if level.points is None else f"{level.points:g}"
-        lines += ["", f"## {_markdown(level.level)}: {points} of {level.most:g} points", ""]
+        points = "not graded yet"
+        if level.points is not None:
+            points = f"{level.points:g} of {level.most:g} points"
+        lines += ["", f"## {_markdown(level.level)}: {points}", ""]
         lines += [f"- {_markdown(said)}" for said in _level_feedback(level, show)]
     return "\n".join(lines) + "\n"
 
@@ -262,11 +278,16 @@ def _markdown(text: str) -> str:
 def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
     tests = []
     for level in grade.levels:
-        test = {"name": level.level, "score": level.points or 0, "max_score": level.most}
+        test: dict[str, Any] = {"name": level.level, "max_score": level.most}
+        if level.points is not None:
+            test["score"] = level.points
         test["output"] = "\n".join(map(harmless_text, _level_feedback(level, show)))
         tests.append(test)
-    remarks = "\n".join(map(harmless_text, grade.student.remarks))
-    return {"score": grade.points, "output": remarks, "output_format": "text", "tests": tests}
+    remarks = "\n".join(
+        map(harmless_text, [grade.said] * (grade.points is None) + [*grade.student.remarks])
+    )
+    score = {} if grade.points is None else {"score": grade.points}
+    return {**score, "output": remarks, "output_format": "text", "tests": tests}
 
 
 def _json(data: Any) -> bytes:

@@ -8,11 +8,10 @@ import platform
 import re
 import socket
 import sqlite3
-import threading
 from collections import Counter
 from functools import cache, lru_cache
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import Any, Literal, TypeAlias
 
 import msgspec
@@ -46,6 +45,7 @@ Outcome: TypeAlias = Literal[
     "played",
     "nothing changes",
     "too many steps",
+    "too slow",
     "does not compile",
     "infrastructure",
 ]
@@ -64,7 +64,8 @@ class Task(msgspec.Struct, frozen=True):
     """Runs in one level, of texts of programs by team, "" if all robots think alike.
 
     Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
-    think has `steps`, a run `seconds` at most. `fingerprint` is of the engine that must run it.
+    think has `steps` at most, a run `seconds` of a processor, and `run_steps` unless that is 0.
+    `fingerprint` is of the engine that must run it.
     """
 
     level: str
@@ -76,6 +77,7 @@ class Task(msgspec.Struct, frozen=True):
     seconds: float
     given_first: bool
     fingerprint: str
+    run_steps: int = 0
 
 
 class Series(msgspec.Struct, frozen=True):
@@ -109,14 +111,15 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
 class Answer(msgspec.Struct, frozen=True):
     """The answer of a worker (host and process).
 
-    `results` are start, result as JSON and seconds of each run; `refused` means that the
-    worker's engine is another one.
+    `results` are start, result as JSON and processor seconds of each run; `refused` means that the
+    worker's engine is another one, `is_final` that another attempt would fail in the same way.
     """
 
     results: tuple[tuple[int, str, float], ...] = ()
     worker: str = ""
     failure: str = ""
     refused: bool = False
+    is_final: bool = False
 
 
 @cache
@@ -149,15 +152,16 @@ def execute(task: Task) -> Answer:
     results: list[tuple[int, str, float]] = []
     prepared: _Prepared | None = None
     for start in task.starts:
-        began = perf_counter()
-        if results and began > until:
+        if results and perf_counter() > until:
             break
+        began = thread_time()
         try:
             prepared = prepared or _Prepared(task)
             result = prepared.run(start)
         except (LateError, MemoryError, ProgramError, Stopped) as error:
-            return Answer(tuple(results), worker, _reason(error, task))
-        seconds = perf_counter() - began
+            is_final = isinstance(error, Stopped)
+            return Answer(tuple(results), worker, _reason(error, task), is_final=is_final)
+        seconds = thread_time() - began
         results.append((start, msgspec.json.encode(result).decode(), seconds))
         if start == 0 and task.given_first and result.outcome != "won":
             break
@@ -194,26 +198,19 @@ class _Prepared:
     def run(self, start: int) -> Result:
         """Return the result from a start.
 
-        Raises LateError if the clock or lack of memory cut off a thought, Stopped if it took long.
+        Raises LateError if the clock or lack of memory cut off a thought, Stopped if all of them
+        took more than the seconds.
         """
         if self.mistakes:
             return Result("does not compile", mistakes=self.mistakes)
         watcher = _Watcher(self)
-        stop = threading.Event()
-        guard = threading.Timer(self.task.seconds, stop.set)
-        guard.daemon = True
-        guard.start()
-        try:
-            played = play_through(
-                start_of(self.level, start),
-                self.program,
-                self.task.ticks,
-                limits=self.limits,
-                is_over=watcher.is_over,
-                stop=stop,
-            )
-        finally:
-            guard.cancel()
+        played = play_through(
+            start_of(self.level, start),
+            self.program,
+            self.task.ticks,
+            limits=self.limits,
+            is_over=watcher.is_over,
+        )
         lasts: Outcome = "played" if self.level.teams else "out of ticks"
         return Result(
             "won" if played.won_at is not None else watcher.ended or lasts,
@@ -257,7 +254,8 @@ class _Watcher:
         self._keep_at = 1
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
-        self._cells = 0
+        self._cells = self._steps = 0
+        self._until = thread_time() + prepared.task.seconds
         self._columns: dict[Asked, tuple[str, ...]] = {}
         self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
         self._failures: dict[Asked, str] = {}
@@ -266,12 +264,20 @@ class _Watcher:
         self.first: tuple[int, str, str] | None = None
 
     def is_over(self, frame: Frame, mind: Mind) -> bool:
-        """Record a tick; return whether the run ends with it. Takes a few microseconds."""
+        """Record a tick; return whether the run ends with it. Takes a few microseconds.
+
+        Raises Stopped if the run has taken more than its seconds.
+        """
         self._state = frame.after
+        if thread_time() > self._until and frame.after.won_at is None:
+            raise Stopped
         if any(decision.notices for decision in frame.decisions):
             self._note(frame)
         if self._can_repeat:
             self._compare(frame)
+        self._steps += mind.steps
+        if self._steps > self._task.run_steps > 0:
+            self.ended = self.ended or "too slow"
         for asked, question in self._questions.items():
             tick = frame.tick
             is_last = self.ended or frame.after.won_at is not None or tick >= self._task.ticks

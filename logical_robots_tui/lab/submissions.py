@@ -22,7 +22,7 @@ from logical_robots_tui.lab.handins import (
     readable,
     stems_of,
 )
-from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_to_run
+from logical_robots_tui.lab.sweeping import Name, Positive, RunLimit, Starts, level_to_run
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
 from logical_robots_tui.paths import read_text
@@ -75,12 +75,17 @@ class AssignmentTable(msgspec.Struct, frozen=True):
     )
 
 
+class GradeLimit(RunLimit, frozen=True):
+    run_steps: Annotated[int, Bounds(0)] = 1_000_000_000
+    seconds: Annotated[float, Bounds(0.001)] = 120.0
+
+
 class Assignment(msgspec.Struct, frozen=True):
     assignment: AssignmentTable
     level: Annotated[list[LevelTable], Bounds(1)]
     points: Split = Split()
     late: Late = Late()
-    limits: Limit = Limit()
+    limits: GradeLimit = GradeLimit()
 
 
 def read_assignment(spec: TomlFile) -> Assignment:
@@ -262,6 +267,7 @@ def _manifest(
         tuple(cells),
         tuple(students),
         msgspec.to_builtins(assignment),
+        run_steps=limits.run_steps,
     )
     return manifest, inputs
 

@@ -69,6 +69,11 @@ class Mind:
         self._robot = self._asking.asked("Robot")
         self._within = Within.of_thought(self.limits)
 
+    @property
+    def steps(self) -> int:
+        """The steps of the last think: of the same thoughts always the same, on every machine."""
+        return self._within.steps - self._within.budget.steps
+
     def think(
         self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None
     ) -> list[Decision]:
