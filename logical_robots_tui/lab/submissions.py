@@ -76,7 +76,7 @@ class AssignmentTable(msgspec.Struct, frozen=True):
 
 
 class GradeLimit(RunLimit, frozen=True):
-    run_steps: Annotated[int, Bounds(0)] = 1_000_000_000
+    run_steps: Annotated[int, Bounds(0)] = 500_000_000
     seconds: Annotated[float, Bounds(0.001)] = 120.0
 
 
