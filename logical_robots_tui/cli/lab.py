@@ -76,6 +76,7 @@ def _sweep(options: argparse.Namespace) -> int:
     _path("assignment", "a TOML file"),
     _path("submissions", "a folder or an archive with one entry per student"),
     _OUTPUT,
+    command.option("--student", "ID", "run this one, and print what they would read"),
     *_ENGINE,
 )
 def _grade(options: argparse.Namespace) -> int:
@@ -191,6 +192,9 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
 def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
     from logical_robots_tui.lab.coordinating import Coordinator
 
+    student = getattr(options, "student", None)
+    if student:
+        manifest = _only(manifest, student)
     with folder.ledger(mixed=options.mixed) as ledger:
         ledger.forget_failures()
         coordinator = Coordinator(folder, manifest, ledger)
@@ -214,11 +218,28 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
                 raise
             engine.close()
         status = _tell(folder, manifest, ledger, coordinator)
-        if status == COMPLETE or manifest.kind == "grade":
+        if student:
+            from logical_robots_tui.lab.grading import feedback_of
+
+            text = feedback_of(manifest, ledger, manifest.students[0].id)
+            print("", *map(harmless, text.splitlines()), sep="\n")
+        elif status == COMPLETE or manifest.kind == "grade":
             _export(folder, manifest, ledger)
             if manifest.kind == "tournament":
                 _print_summary(manifest, ledger)
         return status
+
+
+def _only(manifest: Manifest, name: str) -> Manifest:
+    """Return the part of a manifest for one student, by id, name or submission."""
+    from msgspec.structs import replace
+
+    found = [each for each in manifest.students if name in (each.id, each.name, each.submission)]
+    if len(found) != 1:
+        message = f"{'several' if found else 'no'} students are called so"
+        raise InputError(message, place=name, hint="Name one by the id of the roster.")
+    cells = tuple(cell for cell in manifest.cells if cell.student == found[0].id)
+    return replace(manifest, students=tuple(found), cells=cells)
 
 
 def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:

@@ -8,6 +8,7 @@ import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
+from datetime import timedelta
 from errno import ENOSPC
 from pathlib import Path
 from time import monotonic, time
@@ -56,13 +57,23 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A student, or anybody who submitted something; the id is then the submission's name."""
+    """A student, or anybody who submitted something; the id is then the submission's name.
+
+    `late_by` are seconds, 0 if that is not known; `added` are points given by hand, with reasons.
+    """
 
     id: str
     name: str = ""
     submission: str = ""
     late: bool = False
     remarks: tuple[str, ...] = ()
+    late_by: float = 0.0
+    added: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def lateness(self) -> str:
+        by = f"{timedelta(seconds=round(self.late_by))} " if self.late_by else ""
+        return f"{by}late" if self.late else ""
 
     @property
     def called(self) -> str:

@@ -18,6 +18,7 @@ from logical_robots_tui.lab.submissions import NOTHING, Assignment
 from logical_robots_tui.wording import count_of
 
 _LONGEST_FILE = 60
+_MOST_ENDS = 8  # robots of a level of which feedback tells the end
 _NO_PROGRAM = "no program for this level was found"
 
 
@@ -25,7 +26,8 @@ class LevelGrade(msgspec.Struct, frozen=True):
     """What a student has achieved in a level; `distance` is in map units.
 
     `points` is None if runs are missing through no fault of the student's; `lost` are numbers
-    of shifted starts. Outcome, ticks and distance are from the given start.
+    of shifted starts. Outcome, ticks, distance, and `ends` of what was not won are from the given
+    start.
     """
 
     level: str
@@ -40,6 +42,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     starts: int
     lost: tuple[int, ...]
     messages: tuple[str, ...]
+    ends: tuple[str, ...] = ()
 
 
 class Grade(msgspec.Struct, frozen=True):
@@ -55,6 +58,11 @@ class Grade(msgspec.Struct, frozen=True):
     so_far: float
     most: float
     ungraded: int
+
+    @property
+    def remarks(self) -> list[str]:
+        added = [f"{points:+g} points by hand: {why or '-'}" for points, why in self.student.added]
+        return [*added, *self.student.remarks]
 
     @property
     def said(self) -> str:
@@ -81,7 +89,8 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             known = key in cells, bool(student.submission)
             levels.append(_level(manifest, assignment, name, each.points, *known, results))
         kept = assignment.late.keep if student.late else 1
-        so_far = _round(sum(level.points or 0 for level in levels) * kept)
+        so_far = sum(level.points or 0 for level in levels) * kept
+        so_far = _round(so_far + sum(points for points, _ in student.added))
         ungraded = sum(level.points is None for level in levels)
         grades.append(
             Grade(
@@ -142,6 +151,7 @@ def _level(
         manifest.starts,
         tuple(start for start, result in shifted.items() if result.outcome != "won"),
         tuple(messages),
+        tuple(map(str, first.ends)) if first and not won else (),
     )
 
 
@@ -182,7 +192,7 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
             for key in {"won", "ticks", "rules", "distance"} - set(show):
                 del level[key]
             if "won" not in show:
-                del level["outcome"]
+                del level["outcome"], level["ends"]
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
         folder.put(
@@ -218,22 +228,31 @@ def _file_names(ids: list[str]) -> list[str]:
 
 def _gradebook(grades: list[Grade]) -> Table:
     levels = [level.level for level in grades[0].levels] if grades else []
-    head = ("id", "name", "submission", "late", "points", "most", "ungraded")
+    head = ("id", "name", "submission", "late", "by_hand", "points", "most", "ungraded")
     rows = [
         (
             grade.student.id,
             grade.student.name,
             grade.student.submission,
             grade.student.late,
+            sum(points for points, _ in grade.student.added),
             grade.points,
             grade.most,
             grade.ungraded,
             *(level.points for level in grade.levels),
-            "; ".join(grade.student.remarks),
+            "; ".join(grade.remarks),
         )
         for grade in grades
     ]
     return Table((*head, *levels, "remarks"), list(rows))
+
+
+def feedback_of(manifest: Manifest, ledger: Ledger, student: str) -> str:
+    """Return what a student gets to read, as Markdown."""
+    (grade,) = (each for each in grades_of(manifest, ledger) if each.student.id == student)
+    table = manifest.assignment
+    show, kept = table["assignment"]["show"], table["late"]["keep"]
+    return _feedback(manifest.title, grade, show, kept)
 
 
 def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
@@ -241,8 +260,9 @@ def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
     lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
     lines[-1] += grade.said
     if student.late:
-        lines[-1] += f", late: {kept:.0%} of the points count"
-    lines += [""] * bool(student.remarks) + [f"- {_markdown(each)}" for each in student.remarks]
+        lines[-1] += f", {student.lateness}: {kept:.0%} of the points count"
+    remarks = grade.remarks
+    lines += [""] * bool(remarks) + [f"- {_markdown(each)}" for each in remarks]
     for level in grade.levels:
         points = "not graded yet"
         if level.points is not None:
@@ -256,6 +276,9 @@ def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     said = []
     if "won" in show or level.outcome in ("does not compile", NOTHING, _NO_PROGRAM):
         said.append(f"From the given start: {level.outcome}.")
+        said += level.ends[:_MOST_ENDS]
+        if level.ends:
+            said.append(f"To see that: logical-robots play {level.level} YOUR-PROGRAM")
     if "ticks" in show and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
     if "rules" in show and level.rules is not None:
@@ -283,9 +306,8 @@ def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
             test["score"] = level.points
         test["output"] = "\n".join(map(harmless_text, _level_feedback(level, show)))
         tests.append(test)
-    remarks = "\n".join(
-        map(harmless_text, [grade.said] * (grade.points is None) + [*grade.student.remarks])
-    )
+    said = [grade.said] * (grade.points is None) + grade.remarks
+    remarks = "\n".join(map(harmless_text, said))
     score = {} if grade.points is None else {"score": grade.points}
     return {**score, "output": remarks, "output_format": "text", "tests": tests}
 

@@ -177,9 +177,9 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
             grade.student.name,
             grade.said if grade.points is None else grade.points,
             grade.most,
-            grade.student.late,
+            grade.student.lateness,
             *("not graded yet" if level.points is None else level.points for level in grade.levels),
-            "; ".join(grade.student.remarks),
+            "; ".join(grade.remarks),
         )
         for grade in grades
     ]

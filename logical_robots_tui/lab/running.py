@@ -88,6 +88,19 @@ class Series(msgspec.Struct, frozen=True):
     failure: str = ""
 
 
+class End(msgspec.Struct, frozen=True):
+    """Where a robot was at the end, in map units, and the tick since which it was there."""
+
+    robot: str
+    x: float
+    y: float
+    since: int
+
+    def __str__(self) -> str:
+        where = f"{self.robot} ended at ({self.x:g}, {self.y:g})"
+        return f"{where}, and had stood there since tick {self.since:,}."
+
+
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     """The result of a run, determined by its inputs alone.
 
@@ -106,6 +119,7 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     mistakes: tuple[Diagnostic, ...] = ()
     points: dict[str, float] = {}
     forfeit: tuple[str, ...] = ()
+    ends: tuple[End, ...] = ()
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -222,6 +236,7 @@ class _Prepared:
             {asked.name: watcher.series(asked) for asked in self.questions},
             points=watcher.points(),
             forfeit=watcher.forfeit(),
+            ends=watcher.ends(),
         )
 
 
@@ -255,6 +270,7 @@ class _Watcher:
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
         self._cells = self._steps = 0
+        self._places = [(robot.x, robot.y, 0) for robot in level.robots]
         self._until = thread_time() + prepared.task.seconds
         self._columns: dict[Asked, tuple[str, ...]] = {}
         self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
@@ -275,6 +291,10 @@ class _Watcher:
             self._note(frame)
         if self._can_repeat:
             self._compare(frame)
+        for number, robot in enumerate(frame.after.robots):
+            x, y, _ = self._places[number]
+            if robot.x != x or robot.y != y:
+                self._places[number] = robot.x, robot.y, frame.tick
         self._steps += mind.steps
         if self._steps > self._task.run_steps > 0:
             self.ended = self.ended or "too slow"
@@ -291,6 +311,10 @@ class _Watcher:
 
     def points(self) -> dict[str, float]:
         return {} if self._state is None else standing(self._level, self._state)
+
+    def ends(self) -> tuple[End, ...]:
+        named = zip(self._level.robots, self._places, strict=True)
+        return tuple(End(bot.name, round(x, 1), round(y, 1), at) for bot, (x, y, at) in named)
 
     def forfeit(self) -> tuple[str, ...]:
         ticks = self._state.tick if self._state is not None else 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -52,10 +53,11 @@ class Split(msgspec.Struct, frozen=True):
 
 
 class Late(msgspec.Struct, frozen=True):
-    """``[late]``: the deadline or a file of late students, and the share of points they keep."""
+    """``[late]``: deadlines or a file of late students, and the share of points they keep."""
 
     after: datetime | None = None
     students: str = ""
+    extensions: str = ""
     keep: Annotated[float, Bounds(0, 1)] = 1.0
 
 
@@ -70,6 +72,7 @@ class AssignmentTable(msgspec.Struct, frozen=True):
     given_first: bool = True
     roster: str = ""
     pattern: str = ""
+    by_hand: str = ""
     show: list[Literal["won", "starts", "ticks", "rules", "distance"]] = msgspec.field(
         default_factory=lambda: ["won", "starts", "ticks", "rules"]
     )
@@ -116,9 +119,15 @@ def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str
     levels = _levels(spec, assignment)
     roster = _table(spec, ("assignment", "roster"), assignment.assignment.roster)
     late = _table(spec, ("late", "students"), assignment.late.students)
+    deadlines = _deadlines(spec, assignment)
+    added = _added(spec, assignment)
     spec.refuse()
     entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
-    students, strays = _students(assignment, entries, roster, {row["id"] for row in late})
+    is_late = {row["id"] for row in late}
+    students, strays = _students(assignment, entries, roster, is_late, deadlines, added)
+    for nobody in sorted(added.keys() - {student.id for student in students}):
+        spec.problem(("assignment", "by_hand"), f"{printable(nobody)} is not among the students")
+    spec.refuse()
     manifest, inputs = _manifest(spec, assignment, levels, students, entries)
     return msgspec.structs.replace(manifest, strays=tuple(strays)), inputs
 
@@ -142,7 +151,39 @@ def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> No
             spec.problem(("points", key), said)
 
 
-def _table(spec: TomlFile, path: tuple[str, str], name: str) -> list[dict[str, str]]:
+def _deadlines(spec: TomlFile, assignment: Assignment) -> dict[str, datetime]:
+    found, path = {}, ("late", "extensions")
+    for row in _table(spec, path, assignment.late.extensions):
+        try:
+            found[row["id"]] = until = datetime.fromisoformat(row.get("until", "").strip())
+            if until.tzinfo is None:
+                raise ValueError
+        except ValueError:
+            said = f"until for {printable(row['id'])} must be like 2026-01-31T23:59:00+01:00"
+            spec.problem(path, said)
+    return found
+
+
+def _added(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[tuple[float, str], ...]]:
+    """Return points that were given by hand, with their reasons, by student."""
+    found: dict[str, tuple[tuple[float, str], ...]] = {}
+    path = ("assignment", "by_hand")
+    for row in _table(spec, path, assignment.assignment.by_hand, is_unique=False):
+        try:
+            points = float(row.get("points", ""))
+            if not math.isfinite(points):
+                raise ValueError
+        except ValueError:
+            spec.problem(path, f"points for {printable(row['id'])} must be a number")
+        else:
+            reason = readable(row.get("reason", ""))
+            found[row["id"]] = (*found.get(row["id"], ()), (points, reason))
+    return found
+
+
+def _table(
+    spec: TomlFile, path: tuple[str, str], name: str, *, is_unique: bool = True
+) -> list[dict[str, str]]:
     if not name:
         return []
     try:
@@ -159,7 +200,7 @@ def _table(spec: TomlFile, path: tuple[str, str], name: str) -> list[dict[str, s
         spec.problem(path, f'{name} has no column "id"; its first line names the columns')
         return []
     rows = [row for row in rows if row["id"].strip()]
-    ids = [row["id"] for row in rows]
+    ids = [row["id"] for row in rows] if is_unique else []
     for twice in sorted({each for each in ids if ids.count(each) > 1}):
         spec.problem(path, f"{name} has {printable(twice)} twice")
     return rows
@@ -170,6 +211,8 @@ def _students(
     entries: Mapping[str, Submission],
     roster: list[dict[str, str]],
     late: set[str],
+    deadlines: Mapping[str, datetime],
+    added: Mapping[str, tuple[tuple[float, str], ...]],
 ) -> tuple[list[Student], list[str]]:
     """Return the students of the roster and others who submitted, and files that are nobody's."""
     found = matched(roster, entries)
@@ -177,7 +220,6 @@ def _students(
     known = [(found.get(row["id"], ""), row) for row in roster]
     strays = [name for name in entries if name not in used and entries[name].is_stray]
     others = [name for name in entries if name not in used and name not in strays]
-    after = assignment.late.after
     students = []
     for name, row in [*known, *((name, dict[str, str]()) for name in others)]:
         entry = entries.get(name)
@@ -187,17 +229,22 @@ def _students(
         if roster and not row:
             remarks.append(NOT_IN_ROSTER)
         mine = readable(row.get("id") or name)
-        is_late = mine in late
-        if entry is not None:
+        is_late, late_by = mine in late, 0.0
+        after = deadlines.get(mine, assignment.late.after)
+        if entry is not None and after is not None:
             changed = datetime.fromtimestamp(entry.changed, UTC)
-            is_late = is_late or (changed > after if after else entry.is_late)
+            late_by = max(0.0, (changed - after).total_seconds())
+        elif entry is not None:
+            is_late = is_late or entry.is_late
         students.append(
             Student(
                 mine,
                 readable(row.get("name") or (entry.owner.name if entry else "")),
                 name,
-                is_late,
+                is_late or late_by > 0,
                 tuple(readable(remark) for remark in _first(remarks)),
+                late_by,
+                added.get(mine, ()),
             )
         )
     return students, [top for name in strays for top in map(readable, entries[name].tops)]
