@@ -109,7 +109,7 @@ SEEDS = [
 ]
 
 
-@settings(max_examples=300, deadline=2_000)
+@settings(max_examples=300, deadline=None)
 @given(
     st.sampled_from(SEEDS),
     st.lists(st.tuples(st.integers(0, 20_000), st.integers(0, 255)), max_size=12),
@@ -128,14 +128,14 @@ def test_damage_ends_in_files_or_problems(
         assert len(file.content) <= MB
 
 
-@settings(max_examples=200, deadline=2_000)
+@settings(max_examples=200, deadline=None)
 @given(st.binary(max_size=2_000), st.sampled_from([b"", b"PK", b"\x1f\x8b", b"BZh", b"\xfd7zXZ\0"]))
 def test_noise_is_no_archive(noise: bytes, magic: bytes) -> None:
     found = [*unpack(File(("a",), magic + noise), Room(), lambda _name: MB)]
     assert all(file.problem or not file.content for file in found)
 
 
-@settings(max_examples=200, deadline=2_000)
+@settings(max_examples=200, deadline=None)
 @given(st.dictionaries(st.text(min_size=1, max_size=30), st.binary(max_size=50), max_size=8))
 def test_any_name_stays_inside(files: dict[str, bytes]) -> None:
     out = io.BytesIO()
