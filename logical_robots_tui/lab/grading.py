@@ -14,12 +14,13 @@ from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.submissions import NOTHING, Assignment
+from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.wording import count_of
 
 _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
 _NO_PROGRAM = "no program for this level was found"
+_MISSING = (NOTHING, UNMATCHED, _NO_PROGRAM)
 
 
 class LevelGrade(msgspec.Struct, frozen=True):
@@ -86,7 +87,8 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
-            known = key in cells, bool(student.submission)
+            missing = _NO_PROGRAM if student.submission else student.remarks[0]
+            known = key in cells, missing
             levels.append(_level(manifest, assignment, name, each.points, *known, results))
         kept = assignment.late.keep if student.late else 1
         so_far = sum(level.points or 0 for level in levels) * kept
@@ -111,7 +113,7 @@ def _level(
     name: str,
     most: float,
     is_submitted: bool,
-    has_submission: bool,
+    missing: str,
     results: dict[int, Result],
 ) -> LevelGrade:
     first = results.get(0)
@@ -133,7 +135,6 @@ def _level(
     )
     if first is not None and first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
-    missing = _NO_PROGRAM if has_submission else NOTHING
     outcome = "not run yet" if is_submitted else missing
     if first is not None:
         outcome = first.outcome
@@ -274,7 +275,7 @@ def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
 
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
     said = []
-    if "won" in show or level.outcome in ("does not compile", NOTHING, _NO_PROGRAM):
+    if "won" in show or level.outcome in ("does not compile", *_MISSING):
         said.append(f"From the given start: {level.outcome}.")
         said += level.ends[:_MOST_ENDS]
         if level.ends:
@@ -340,6 +341,6 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
 def _junit_kind(level: LevelGrade) -> str:
     if level.points is None:
         return "error"
-    if level.outcome in (NOTHING, _NO_PROGRAM):
+    if level.outcome in _MISSING:
         return "skipped"
     return "" if level.won else "failure"

@@ -62,6 +62,7 @@ class Late(msgspec.Struct, frozen=True):
 
 
 NOTHING = "nothing was submitted"
+UNMATCHED = "nothing that was submitted was found to be theirs"
 NOT_IN_ROSTER = "not in the roster"
 
 
@@ -225,7 +226,7 @@ def _students(
         entry = entries.get(name)
         remarks = [] if entry is None else list(entry.remarks)
         if entry is None:
-            remarks.append(NOTHING)
+            remarks.append(UNMATCHED if others or strays else NOTHING)
         if roster and not row:
             remarks.append(NOT_IN_ROSTER)
         mine = readable(row.get("id") or name)

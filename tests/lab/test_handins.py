@@ -222,6 +222,13 @@ def test_before_it_runs_it_says_who_was_matched(
     assert "no program for this level was found" in feedback
 
 
+def test_nothing_was_submitted_only_if_nothing_is_left_over(tmp_path: Path) -> None:
+    files: Files = {"1001.l": "", "1002.l": ""}
+    assert planned(tmp_path, files).students[2].remarks == ("nothing was submitted",)
+    more = planned(tmp_path, {**files, "essay.docx": ""}).students[2].remarks
+    assert more == ("nothing that was submitted was found to be theirs",)
+
+
 def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
     assert only(tmp_path / "a", {"ada.zip": b"PK no zip"}).remarks == ["ada.zip: it is damaged"]
     assert only(tmp_path / "b", {"ada.zip": zipped({})}).remarks == [
