@@ -68,12 +68,12 @@ NOT_IN_ROSTER = "not in the roster"
 
 class AssignmentTable(msgspec.Struct, frozen=True):
     title: str = ""
+    pattern: str = ""
+    by_hand: str = ""
     starts: Starts = 20
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = True
     roster: str = ""
-    pattern: str = ""
-    by_hand: str = ""
     show: list[Literal["won", "starts", "ticks", "rules", "distance"]] = msgspec.field(
         default_factory=lambda: ["won", "starts", "ticks", "rules"]
     )
