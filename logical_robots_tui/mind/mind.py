@@ -77,6 +77,11 @@ class Mind:
             raise ValueError("Each team has a mind of its own: use Simulation or Game.")
         return cls(program, level.visibility.memory, level.visibility.sensor, limits)
 
+    @property
+    def steps(self) -> int:
+        """The steps of the last think: of the same thoughts always the same, on every machine."""
+        return self._within.steps - self._within.budget.steps
+
     def think(
         self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None
     ) -> list[Decision]:

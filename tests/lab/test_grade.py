@@ -111,7 +111,7 @@ def test_the_gradebook_has_the_points_of_everybody(exported: Path) -> None:
     hostile = next(name for name in book if "cmd" in name)
     assert points == {"1": 15, "2": 5, "3": 0, "4": 0, "eve": 0, hostile: 0, "yan": 0, "zoe": 0}
     assert (book["2"]["late"], book["2"]["01-first-steps"]) == ("true", "10.0")
-    assert book["4"]["remarks"] == "nothing was submitted"
+    assert book["4"]["remarks"] == "nothing that was submitted was found to be theirs"
     assert "there is no program in it" in book["yan"]["remarks"]
     assert "it is a link" in book["zoe"]["remarks"]
     assert all(row["ungraded"] == "0" for row in book.values())
