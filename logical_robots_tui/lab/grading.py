@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 from xml.etree import ElementTree
@@ -21,6 +22,19 @@ _LONGEST_FILE = 60
 _MOST_ENDS = 8  # robots of a level of which feedback tells the end
 _NO_PROGRAM = "no program for this level was found"
 _MISSING = (NOTHING, UNMATCHED, _NO_PROGRAM)
+
+
+class Part(msgspec.Struct, frozen=True):
+    """A part of a level's points, such as that for its ticks, and what it was given for."""
+
+    name: str
+    points: float
+    most: float
+    said: str
+
+    def __str__(self) -> str:
+        what = {"won": "winning", "starts": "shifted starts"}.get(self.name, self.name)
+        return f"{self.points:g} of {self.most:g} points for {what}: {self.said}."
 
 
 class LevelGrade(msgspec.Struct, frozen=True):
@@ -44,6 +58,7 @@ class LevelGrade(msgspec.Struct, frozen=True):
     lost: tuple[int, ...]
     messages: tuple[str, ...]
     ends: tuple[str, ...] = ()
+    parts: tuple[Part, ...] = ()
 
 
 class Grade(msgspec.Struct, frozen=True):
@@ -136,10 +151,12 @@ def _level(
         or len(shifted) == manifest.starts
     )
     points: float | None = 0.0
-    if is_submitted and not is_over:
+    parts: tuple[Part, ...] = ()
+    if (is_submitted and not is_over) or (not is_submitted and missing == UNMATCHED):
         points = None
     elif first is not None:
-        points = most * _share(assignment, name, first, wins / max(manifest.starts, 1))
+        parts = tuple(_parts(assignment, name, most, first, wins, manifest.starts))
+        points = sum(part.points for part in parts)
     messages = (
         [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes] if first else []
     )
@@ -163,19 +180,28 @@ def _level(
         tuple(start for start, result in shifted.items() if result.outcome != "won"),
         tuple(messages),
         tuple(map(str, first.ends)) if first and not won else (),
+        tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
     )
 
 
-def _share(assignment: Assignment, name: str, first: Result, robust: float) -> float:
-    """Return the share of a level's points, from 0 to 1."""
-    split = assignment.points
+def _parts(
+    assignment: Assignment, name: str, most: float, first: Result, wins: int, starts: int
+) -> Iterator[Part]:
+    """Yield the parts of a level's points that count, not rounded."""
     reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
-    won = first.outcome == "won"
-    reached = split.won * won + split.starts * robust
-    if won and reference is not None:
-        reached += split.ticks * min(1, reference.ticks / first.ticks)
-        reached += split.size * min(1, reference.size / max(first.size, 1))
-    return reached / (split.won + split.starts + split.ticks + split.size)
+    is_won = first.outcome == "won"
+    split: dict[str, float] = msgspec.to_builtins(assignment.points)
+    for part in [part for part, share in split.items() if share]:
+        share, said = float(is_won), f"{'' if is_won else 'not '}won from the given start"
+        if part == "starts":
+            share, said = wins / starts, f"won from {wins} of {starts}"
+        elif part in ("ticks", "size"):
+            own, best = getattr(first, part), getattr(reference, part, 0)
+            share = min(1.0, best / max(own, 1)) if is_won else 0.0
+            unit = "tick" if part == "ticks" else "symbol"
+            said = f"{count_of(own, unit)}; the reference program has {best:,}" if is_won else said
+        worth = most * split[part] / sum(split.values())
+        yield Part(part, worth * share, _round(worth), said)
 
 
 def _round(points: float) -> float:
@@ -207,6 +233,7 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
                 del level["outcome"], level["ends"]
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
+            level["parts"] = [part for part in level["parts"] if part["name"] in show]
         folder.put(
             folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show, kept)
         )
@@ -285,20 +312,23 @@ def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
 
 
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
-    said = []
-    if "won" in show or level.outcome in ("does not compile", *_MISSING):
+    parts = {part.name: part for part in level.parts if part.name in show and len(level.parts) > 1}
+    said = [str(part) for part in parts.values() if level.outcome != "does not compile"]
+    is_told = "won" in parts and level.won
+    if ("won" in show and not is_told) or level.outcome in ("does not compile", *_MISSING):
         said.append(f"From the given start: {level.outcome}.")
         said += level.ends[:_MOST_ENDS]
         if level.ends:
             said.append(f"To see that: logical-robots play {level.level} YOUR-PROGRAM")
-    if "ticks" in show and level.ticks is not None:
+    if "ticks" in show and "ticks" not in parts and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
-    if "size" in show and level.size is not None:
+    if "size" in show and "size" not in parts and level.size is not None:
         said.append(f"{count_of(level.size, 'symbol')}.")
     if "distance" in show and level.distance:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):
-        said.append(f"Won from {level.wins} of {level.starts} shifted starts.")
+        if "starts" not in parts:
+            said.append(f"Won from {level.wins} of {level.starts} shifted starts.")
         if level.lost:
             said.append(f"Lost from shifted start {', '.join(map(str, level.lost))}.")
             program = f"YOUR-PROGRAM --start {level.lost[0]}"

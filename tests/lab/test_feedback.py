@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.submissions import plan_grading
+from logical_robots_tui.language.source_text import size_of
 from logical_robots_tui.toml_files import TomlFileError
 from tests.cli.running import Command
 from tests.lab.laboratory import FIRST_STEPS
@@ -66,6 +68,25 @@ def test_late_by_some_time_with_extensions_and_points_by_hand(
     assert "Ada ended at (" in lost
     assert "and had stood there since tick 0." in lost
     assert "logical-robots play 01-first-steps YOUR-PROGRAM" in lost
+
+
+def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
+    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, out = Command(capsys), assignment[1].parent / "out"
+    text = ASSIGNMENT.replace("by_hand", "#") + "[points]\nwon = 5\nticks = 3\nsize = 2\n"
+    assignment[0].write_text(text.replace("keep = 0.5", ""))
+    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    won, lost = ((out / f"feedback/{name}.md").read_text() for name in ("ben", "cem"))
+    first = reference_table()["01-first-steps"]["first-steps"]
+    size = size_of(FIRST_STEPS)
+    assert "- 5 of 5 points for winning: won from the given start.\n" in won
+    ticks = f"{first.ticks:,} ticks; the reference program has {first.ticks:,}.\n"
+    assert f"- 3 of 3 points for ticks: {ticks}" in won
+    points = f"{2 * min(1, first.size / size):.2f}".rstrip("0").rstrip(".")
+    symbols = f"{size} symbols; the reference program has {first.size}.\n"
+    assert f"- {points} of 2 points for size: {symbols}" in won
+    assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
 
 
 def test_one_student_can_be_looked_at_before_all_are_run(
