@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from logical_robots_tui.explain import Explanation
     from logical_robots_tui.mind import Decision, Limits, Mind, Question, Table
-    from logical_robots_tui.values import Value
+    from logical_robots_tui.values import SensorRow, Value
     from logical_robots_tui.world import RobotState
     from logical_robots_tui.world.world import Wanted
 
@@ -180,6 +180,11 @@ class Simulation:
             return lambda: until(self)
         question = self.program.question(until)
         return lambda: bool(matching_rows(question, self._ask(question)).rows)
+
+    def look(self) -> list[SensorRow]:
+        """Return what the robots see right now; not to be changed."""
+        self._world.restore(self.frame.after)
+        return self._world.look()
 
     def query(self, query: str) -> Table:
         """Return the rows of a predicate, or the answer to a question, in the present tick.
