@@ -16,6 +16,7 @@ from benchmarks.functions import functions
 from benchmarks.history import history
 from benchmarks.inspector import inspector
 from benchmarks.lab import laboratory
+from benchmarks.learning import learning
 from benchmarks.memory import memory
 from benchmarks.mind import compiling, thinking
 from benchmarks.proofs import proofs
@@ -60,11 +61,14 @@ SUITE = Suite(
         "class": classes,
         "large-class": large_classes,
         "lab": laboratory,
+        "learning": learning,
         "tournament": tournament,
         "processor": processor,
         "first-frame": first_frame,
     },
-    named=frozenset({"functions", "lab", "large-class", "memory", "safety", "tournament"}),
+    named=frozenset(
+        {"functions", "lab", "large-class", "learning", "memory", "safety", "tournament"}
+    ),
     thorough=frozenset(
         {"class", "editing", "folding", "inspector", "processor", "ssh", "teams", "traffic"}
     ),

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from logical_robots_tui.errors import InputError, LogicalRobotsError
     from logical_robots_tui.game import Frame, Game
     from logical_robots_tui.mind import Decision, Diagnostic, Mind, Program, ProgramError
+    from logical_robots_tui.simulation import Simulation
     from logical_robots_tui.values import Desire
     from logical_robots_tui.world import Level, World, list_arenas, list_levels, load_level
 
@@ -36,6 +37,7 @@ __all__ = [
     "Mind",
     "Program",
     "ProgramError",
+    "Simulation",
     "World",
     "__version__",
     "list_arenas",
@@ -49,6 +51,7 @@ __getattr__ = lazy_exports(
         "errors": "InputError LogicalRobotsError",
         "game": "Frame Game",
         "mind": "Decision Diagnostic Mind Program ProgramError",
+        "simulation": "Simulation",
         "values": "Desire",
         "world": "Level World list_arenas list_levels load_level",
     },

@@ -314,8 +314,8 @@ def _new_bar() -> Progress:
     return Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("{task.fields[count]}"),
-        TextColumn("{task.fields[rest]}"),
+        TextColumn("{task.fields[count]}", markup=False),
+        TextColumn("{task.fields[rest]}", markup=False),
         console=Console(stderr=True),
         auto_refresh=False,
         transient=True,

@@ -74,8 +74,9 @@ def _sweep(options: argparse.Namespace) -> int:
 @command.declare(
     "grade",
     _path("assignment", "a TOML file"),
-    _path("submissions", "a folder with one entry per student"),
+    _path("submissions", "a folder or an archive with one entry per student"),
     _OUTPUT,
+    command.option("--student", "ID", "run this one, and print what they would read"),
     *_ENGINE,
 )
 def _grade(options: argparse.Namespace) -> int:
@@ -86,8 +87,9 @@ def _grade(options: argparse.Namespace) -> int:
     examples:
       logical-robots grade assignment.toml submissions -o grades
 
-    A submission is a folder with a program for each level, such as ada/01-first-steps.l, or one
-    file for all levels, such as ada.l.
+    A submission is a folder or an archive with a program for each level, such as
+    ada/01-first-steps.l, or one file for all levels, such as ada.l. What Moodle, Canvas and
+    Gradescope export is read as it comes.
 
     exit status: 0 complete, 1 some runs are left or could not be done, 2 wrong input
     """
@@ -131,6 +133,10 @@ def _plan(options: argparse.Namespace, plan: Callable[[], tuple[Manifest, dict[s
         for problem in error.problems:
             print(harmless(problem), file=sys.stderr)
         return WRONG
+    if manifest.kind == "grade":
+        from logical_robots_tui.lab.submissions import account_of
+
+        print(*map(harmless, account_of(manifest)), sep="\n", flush=True)
     folder = Folder(options.output)
     with folder.locked():
         with folder.ledger(mixed=options.mixed):
@@ -186,6 +192,9 @@ def _print_summary(manifest: Manifest, ledger: Ledger) -> None:
 def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> int:
     from logical_robots_tui.lab.coordinating import Coordinator
 
+    student = getattr(options, "student", None)
+    if student:
+        manifest = _only(manifest, student)
     with folder.ledger(mixed=options.mixed) as ledger:
         ledger.forget_failures()
         coordinator = Coordinator(folder, manifest, ledger)
@@ -209,11 +218,28 @@ def _work(options: argparse.Namespace, folder: Folder, manifest: Manifest) -> in
                 raise
             engine.close()
         status = _tell(folder, manifest, ledger, coordinator)
-        if status == COMPLETE:
+        if student:
+            from logical_robots_tui.lab.grading import feedback_of
+
+            text = feedback_of(manifest, ledger, manifest.students[0].id)
+            print("", *map(harmless, text.splitlines()), sep="\n")
+        elif status == COMPLETE or manifest.kind == "grade":
             _export(folder, manifest, ledger)
             if manifest.kind == "tournament":
                 _print_summary(manifest, ledger)
         return status
+
+
+def _only(manifest: Manifest, name: str) -> Manifest:
+    """Return the part of a manifest for one student, by id, name or submission."""
+    from msgspec.structs import replace
+
+    found = [each for each in manifest.students if name in (each.id, each.name, each.submission)]
+    if len(found) != 1:
+        message = f"{'several' if found else 'no'} students are called so"
+        raise InputError(message, place=name, hint="Name one by the id of the roster.")
+    cells = tuple(cell for cell in manifest.cells if cell.student == found[0].id)
+    return replace(manifest, students=tuple(found), cells=cells)
 
 
 def _next_round(manifest: Manifest, ledger: Ledger, coordinator: Coordinator) -> Manifest | None:
@@ -244,9 +270,8 @@ def _tell(folder: Folder, manifest: Manifest, ledger: Ledger, coordinator: Coord
     if tally.failed:
         print(f"{tally.failed:,} runs could not be done (infrastructure), for example:")
         for done in islice(failed_runs(manifest, ledger), 5):
-            cell, (_, _, reason) = done.cell, done.result.first or (0, "", "")
-            program = f"{cell.student}: {cell.program_name}" if cell.student else cell.program_name
-            print(harmless(f"  {program} in {cell.level_name}, start {done.start}: {reason}"))
+            _, _, reason = done.result.first or (0, "", "")
+            print(harmless(f"  {manifest.called(done.cell)}, start {done.start}: {reason}"))
     if tally.differing:
         print(
             "DEFECT: these runs gave different results when they were run twice. Please report it:"
@@ -311,6 +336,9 @@ def _progress(manifest: Manifest, coordinator: Coordinator) -> Iterator[Callable
             rest = f"{pace:.1f} runs/s"
             rest += f", {timedelta(seconds=round(tally.due / pace))} left" if pace else ""
             rest += f", {tally.failed:,} failed" if tally.failed else ""
+            seconds, cell = coordinator.longest() or (0.0, None)
+            if cell and seconds > _LINE_SECONDS:
+                rest += f", {harmless(manifest.called(cell))} for {seconds:.0f} s"
             done, total = tally.done, tally.done + tally.due
             count = f"{done:,} of {total:,} runs"
             draw(done, total, count, rest)

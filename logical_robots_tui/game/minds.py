@@ -56,6 +56,11 @@ class TeamMind(Mind):
         }
         return [decided[row["robot_name"]] for row in rows]
 
+    @property
+    def steps(self) -> int:
+        others = (mind.steps for mind in self._others or ())
+        return super().steps + sum(others)
+
     def close(self) -> None:
         super().close()
         for mind in self._others or ():

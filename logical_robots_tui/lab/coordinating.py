@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from time import monotonic
 from typing import NamedTuple, Protocol, cast
 
 import msgspec
@@ -14,6 +15,7 @@ from logical_robots_tui.lab.running import Answer, Task, fingerprint
 
 _MOST_STARTS = 64  # of a task
 _LOOK_SECONDS = 0.2
+_SLOW_SECONDS = 5.0  # of a run; the rest of its student's runs waits for those of the others
 
 
 class Engine(Protocol):
@@ -92,6 +94,9 @@ class Coordinator:
         self._outcomes = ledger.outcomes()
         self._failures = {job: len(reasons) for job, reasons in ledger.failures().items()}
         self._waiting: deque[_Group] = deque()
+        self._slow: deque[_Group] = deque()  # for when nothing else waits
+        self._slow_students: set[str] = set()
+        self._at_work: dict[int, tuple[float, Cell]] = {}
         self._planned: set[str] = set()
         self._twins: dict[str, list[Cell]] = {}
         for cell in manifest.cells:
@@ -106,6 +111,11 @@ class Coordinator:
         differing = len(self._ledger.differences())
         return Tally(self._done, self._left - failed, failed, differing)
 
+    def longest(self) -> tuple[float, Cell] | None:
+        """Return how many seconds the longest task at work has taken so far, and its cell."""
+        began, cell = min(self._at_work.values(), default=(0.0, None), key=lambda each: each[0])
+        return (monotonic() - began, cell) if cell else None
+
     def work(
         self, engine: Engine, is_stopped: Callable[[], bool], show: Callable[[], None]
     ) -> None:
@@ -113,16 +123,29 @@ class Coordinator:
 
         Raises InputError for a damaged input, a worker with another engine, or a full disk.
         """
-        at_work = 0
-        while at_work or (self._waiting and not is_stopped()):
-            while engine.free and self._waiting and not is_stopped():
+        while self._at_work or (self._has_more and not is_stopped()):
+            while engine.free and self._has_more and not is_stopped():
                 group = self._next(engine)
+                self._at_work[id(group)] = monotonic(), group.cell
                 engine.submit(group, self._task(group))
-                at_work += 1
             for key, answer in engine.wait(_LOOK_SECONDS):
-                at_work -= 1
+                del self._at_work[id(key)]
                 self._take(cast("_Group", key), answer)
             show()
+
+    @property
+    def _has_more(self) -> bool:
+        return bool(self._waiting or self._slow)
+
+    def _queue(self, group: _Group) -> None:
+        is_slow = group.cell.student in self._slow_students
+        (self._slow if is_slow else self._waiting).append(group)
+
+    def _postpone(self, student: str) -> None:
+        self._slow_students.add(student)
+        waiting, self._waiting = self._waiting, deque()
+        for group in waiting:
+            self._queue(group)
 
     def _plan(self, cell: Cell) -> None:
         """Queue the rest of a cell, unless it equals an earlier cell."""
@@ -139,18 +162,19 @@ class Coordinator:
         given_up = [start for start in left if attempts[start] >= ATTEMPTS]
         if left and not (self._manifest.given_first and 0 in given_up):
             left = [start for start in left if start not in given_up]
-            self._waiting.append(group._replace(starts=tuple(left)))
+            self._queue(group._replace(starts=tuple(left)))
 
     def _next(self, engine: Engine) -> _Group:
         """Return a group whose first starts are to be run now, usually all of them."""
-        group = self._waiting.popleft()
+        queue = self._waiting or self._slow
+        group = queue.popleft()
         if self._manifest.given_first and group.starts[0] == 0:
             return group
         most = 1 if group.is_alone else _MOST_STARTS
-        if len(self._waiting) < engine.slots:
+        if len(queue) < engine.slots:
             most = min(most, -(-len(group.starts) // engine.slots))
         if rest := group.starts[most:]:
-            self._waiting.appendleft(group._replace(starts=rest))
+            queue.appendleft(group._replace(starts=rest))
         return group._replace(starts=group.starts[:most])
 
     def _task(self, group: _Group) -> Task:
@@ -166,6 +190,7 @@ class Coordinator:
             manifest.seconds,
             manifest.given_first,
             fingerprint(),
+            manifest.run_steps,
         )
 
     def _take(self, group: _Group, answer: Answer) -> None:
@@ -191,16 +216,21 @@ class Coordinator:
                 group = self._note_failure(group, culprits[0], answer)
             else:
                 group = group._replace(is_alone=True)
+        is_slow = answer.failure or any(each > _SLOW_SECONDS for _, _, each in answer.results)
+        student = group.cell.student
+        if is_slow and student and student not in self._slow_students:
+            self._postpone(student)
         if group.starts:
-            self._waiting.append(group)
+            self._queue(group)
         if 0 in finished:
             for cell in self._twins.get(group.cell.program, ()):
                 self._plan(cell)
 
     def _note_failure(self, group: _Group, start: int, answer: Answer) -> _Group:
         job = self._manifest.job(group.cell, start)
-        self._ledger.fail(job, answer.failure, answer.worker)
-        self._failures[job] = self._failures.get(job, 0) + 1
+        for _ in range(ATTEMPTS if answer.is_final else 1):
+            self._ledger.fail(job, answer.failure, answer.worker)
+            self._failures[job] = self._failures.get(job, 0) + 1
         if self._failures[job] < ATTEMPTS:
             return group
         if start == 0 and self._manifest.given_first:

@@ -7,6 +7,7 @@ import math
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import deque
 from collections.abc import Iterator
@@ -14,8 +15,11 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessP
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from multiprocessing import resource_tracker
+from pathlib import Path
 from time import monotonic
 from typing import Any
+
+import msgspec
 
 from logical_robots_tui.errors import InputError
 from logical_robots_tui.lab.running import CHUNK_SECONDS, Answer, Task, execute
@@ -65,7 +69,8 @@ class _Worker:
         self._key: object = None
         self._pool: ProcessPoolExecutor | None = None
         self._pid: Future[int] | None = None
-        self._deadline = 0.0
+        self._spent = self._limit = 0.0  # seconds of a processor: so far, and at most
+        self._seen_at = 0.0  # when it was last seen to do something
         self._false_starts = 0
         self._is_stuck = False
 
@@ -86,7 +91,8 @@ class _Worker:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         self._is_stuck = False
-        self._deadline = monotonic() + CHUNK_SECONDS + task.seconds + _GRACE
+        self._spent, self._seen_at = self._processor_seconds(), monotonic()
+        self._limit = self._spent + self._patience
 
     def finish(self) -> tuple[object, Answer]:
         """Return the finished task's key and answer; raises InputError if workers keep dying."""
@@ -99,7 +105,9 @@ class _Worker:
             if self._false_starts > _MOST_FALSE_STARTS:
                 raise InputError("a worker process can't start", hint="Is there memory left?")
             said = f"it took more than {self.task.seconds:g} seconds and could not be stopped"
+            is_final = self._spent > self._limit
             answer = Answer(failure=said if self._is_stuck else "its worker process died")
+            answer = msgspec.structs.replace(answer, is_final=is_final and self._is_stuck)
             self.close(at_once=True)
         elif error is not None:
             answer = Answer(failure=f"a bug in Logical Robots: {error!r}")
@@ -110,9 +118,32 @@ class _Worker:
         return key, answer
 
     def end_if_stuck(self) -> None:
-        if self.task is not None and monotonic() > self._deadline:
+        """Kill it if its task takes too much of a processor, or gets none for as long."""
+        if self.task is None:
+            return
+        now, spent = monotonic(), self._processor_seconds()
+        if spent != self._spent:
+            self._spent, self._seen_at = spent, now
+        if spent > self._limit or now > self._seen_at + self._patience:
             self._is_stuck = True
             self._kill()
+
+    @property
+    def _patience(self) -> float:
+        return CHUNK_SECONDS + (self.task.seconds if self.task else 0.0) + _GRACE
+
+    def _processor_seconds(self) -> float:
+        """Return how much of a processor it has used, or the time where that is not known."""
+        if sys.platform != "linux":
+            return monotonic()
+        if self._pid is None or not self._pid.done() or self._pid.exception():
+            return 0.0
+        try:
+            text = Path(f"/proc/{self._pid.result()}/stat").read_text("utf-8", "replace")
+        except OSError:  # it has just ended
+            return self._spent
+        user, system = text.rpartition(")")[2].split()[11:13]
+        return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
     def close(self, *, at_once: bool) -> None:
         if self._pool is not None:

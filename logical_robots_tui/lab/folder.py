@@ -8,6 +8,7 @@ import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
+from datetime import timedelta
 from errno import ENOSPC
 from pathlib import Path
 from time import monotonic, time
@@ -56,13 +57,27 @@ class Cell(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class Student(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A student, or anybody who submitted something; the id is then the submission's name."""
+    """A student, or anybody who submitted something; the id is then the submission's name.
+
+    `late_by` are seconds, 0 if that is not known; `added` are points given by hand, with reasons.
+    """
 
     id: str
     name: str = ""
     submission: str = ""
     late: bool = False
     remarks: tuple[str, ...] = ()
+    late_by: float = 0.0
+    added: tuple[tuple[float, str], ...] = ()
+
+    @property
+    def lateness(self) -> str:
+        by = f"{timedelta(seconds=round(self.late_by))} " if self.late_by else ""
+        return f"{by}late" if self.late else ""
+
+    @property
+    def called(self) -> str:
+        return f"{self.name} ({self.id})" if self.name not in ("", self.id) else self.id
 
 
 class Player(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -77,8 +92,9 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     """Everything that is needed to repeat the work, beside the inputs.
 
     There are `starts` shifted starts, if `given_first` for programs that win from the given one.
-    A think has `steps`, a run `seconds` at most. `rounds` are pairs of players by index, for each
-    round of a tournament that is known so far.
+    A think has `steps` at most, a run `run_steps` unless that is 0, and `seconds` of a processor.
+    `rounds` are pairs of players by index, for each round of a tournament that is known so far.
+    `strays` are files that nobody handed in.
     """
 
     kind: Literal["sweep", "grade", "tournament"]
@@ -98,15 +114,22 @@ class Manifest(msgspec.Struct, frozen=True, omit_defaults=True):
     match: Cell = Cell("", "", "", "", 0)
     rounds: tuple[tuple[tuple[Index, Index], ...], ...] = ()
     most_rounds: Index = 1
+    strays: tuple[str, ...] = ()
+    run_steps: Index = 0
     engine: dict[str, str] = {}
     format: int = _FORMAT
+
+    def called(self, cell: Cell) -> str:
+        """Return whose program a cell runs where: ``Ada (1001): ada.l in 01-first-steps``."""
+        whose = next((each.called for each in self.students if each.id == cell.student), "")
+        return f"{whose}: " * bool(whose) + f"{cell.program_name} in {cell.level_name}"
 
     def job(self, cell: Cell, start: int) -> str:
         """Return the digest of what a run depends on, except the engine."""
         asked = [(each.name, each.query, each.every) for each in self.asked]
         program = cell.program or cell.parts
         what = (cell.level, program, start, cell.ticks, asked, self.steps)
-        return digest(repr(what))
+        return digest(repr((*what, self.run_steps) if self.run_steps else what))
 
     def run(self, job: str) -> str:
         """Return the identity of a run on this engine."""

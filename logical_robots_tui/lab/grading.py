@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 from xml.etree import ElementTree
@@ -14,17 +15,34 @@ from logical_robots_tui.game.victory import reference_table
 from logical_robots_tui.lab.exporting import Done, Table, csv_of, done_runs, harmless_text
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Student, digest
 from logical_robots_tui.lab.running import Result
-from logical_robots_tui.lab.submissions import Assignment
+from logical_robots_tui.lab.submissions import NOTHING, UNMATCHED, Assignment
 from logical_robots_tui.wording import count_of
 
 _LONGEST_FILE = 60
+_MOST_ENDS = 8  # robots of a level of which feedback tells the end
+_NO_PROGRAM = "no program for this level was found"
+_MISSING = (NOTHING, UNMATCHED, _NO_PROGRAM)
+
+
+class Part(msgspec.Struct, frozen=True):
+    """A part of a level's points, such as that for its ticks, and what it was given for."""
+
+    name: str
+    points: float
+    most: float
+    said: str
+
+    def __str__(self) -> str:
+        what = {"won": "winning", "starts": "shifted starts"}.get(self.name, self.name)
+        return f"{self.points:g} of {self.most:g} points for {what}: {self.said}."
 
 
 class LevelGrade(msgspec.Struct, frozen=True):
     """What a student has achieved in a level; `distance` is in map units.
 
     `points` is None if runs are missing through no fault of the student's; `lost` are numbers
-    of shifted starts. Outcome, ticks and distance are from the given start.
+    of shifted starts. Outcome, ticks, distance, and `ends` of what was not won are from the given
+    start.
     """
 
     level: str
@@ -39,20 +57,36 @@ class LevelGrade(msgspec.Struct, frozen=True):
     starts: int
     lost: tuple[int, ...]
     messages: tuple[str, ...]
+    ends: tuple[str, ...] = ()
+    parts: tuple[Part, ...] = ()
 
 
 class Grade(msgspec.Struct, frozen=True):
     """What a student has achieved.
 
-    `points` are less what being late costs, without `ungraded` levels, whose runs are missing
-    through no fault of the student's.
+    `points` are less what being late costs, None if there are `ungraded` levels, whose runs are
+    missing through no fault of the student's; `so_far` are those of the others.
     """
 
     student: Student
     levels: tuple[LevelGrade, ...]
-    points: float
+    points: float | None
+    so_far: float
     most: float
     ungraded: int
+
+    @property
+    def remarks(self) -> list[str]:
+        added = [f"{points:+g} points by hand: {why or '-'}" for points, why in self.student.added]
+        return [*added, *self.student.remarks]
+
+    @property
+    def said(self) -> str:
+        """The points in words."""
+        if self.points is not None:
+            return f"{self.points:g} of {self.most:g} points"
+        left = count_of(self.ungraded, "level")
+        return f"{self.so_far:g} of {self.most:g} points so far, {left} not graded yet"
 
 
 def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
@@ -68,16 +102,21 @@ def grades_of(manifest: Manifest, ledger: Ledger) -> list[Grade]:
             name = re.sub(r"\.(toml|json)$", "", each.name.rpartition("/")[2])
             key = student.id, name
             results = {done.start: done.result for done in runs.get(key, ())}
-            levels.append(_level(manifest, assignment, name, each.points, key in cells, results))
-        sum_ = sum(level.points or 0 for level in levels)
+            missing = _NO_PROGRAM if student.submission else student.remarks[0]
+            known = key in cells, missing
+            levels.append(_level(manifest, assignment, name, each.points, *known, results))
         kept = assignment.late.keep if student.late else 1
+        so_far = sum(level.points or 0 for level in levels) * kept
+        so_far = _round(so_far + sum(points for points, _ in student.added))
+        ungraded = sum(level.points is None for level in levels)
         grades.append(
             Grade(
                 student,
                 tuple(levels),
-                _round(sum_ * kept),
+                None if ungraded else so_far,
+                so_far,
                 sum(each.points for each in assignment.level),
-                sum(level.points is None for level in levels),
+                ungraded,
             )
         )
     return grades
@@ -99,6 +138,7 @@ def _level(
     name: str,
     most: float,
     is_submitted: bool,
+    missing: str,
     results: dict[int, Result],
 ) -> LevelGrade:
     first = results.get(0)
@@ -111,16 +151,21 @@ def _level(
         or len(shifted) == manifest.starts
     )
     points: float | None = 0.0
-    if is_submitted and not is_over:
+    parts: tuple[Part, ...] = ()
+    if (is_submitted and not is_over) or (not is_submitted and missing == UNMATCHED):
         points = None
     elif first is not None:
-        points = most * _share(assignment, name, first, wins / max(manifest.starts, 1))
+        parts = tuple(_parts(assignment, name, most, first, wins, manifest.starts))
+        points = sum(part.points for part in parts)
     messages = (
         [f"line {m.line}: {m.message}. {m.hint}".strip() for m in first.mistakes] if first else []
     )
     if first is not None and first.first is not None:
         messages.append("tick {}, {}: {}".format(*first.first))
-    outcome = first.outcome if first else "not run yet" if is_submitted else "nothing was submitted"
+    outcome = "not run yet" if is_submitted else missing
+    if first is not None:
+        outcome = first.outcome
+        outcome += f" at tick {first.ticks:,}" * (outcome in ("too slow", "too many steps"))
     return LevelGrade(
         name,
         None if points is None else _round(points),
@@ -134,19 +179,29 @@ def _level(
         manifest.starts,
         tuple(start for start, result in shifted.items() if result.outcome != "won"),
         tuple(messages),
+        tuple(map(str, first.ends)) if first and not won else (),
+        tuple(msgspec.structs.replace(part, points=_round(part.points)) for part in parts),
     )
 
 
-def _share(assignment: Assignment, name: str, first: Result, robust: float) -> float:
-    """Return the share of a level's points, from 0 to 1."""
-    split = assignment.points
+def _parts(
+    assignment: Assignment, name: str, most: float, first: Result, wins: int, starts: int
+) -> Iterator[Part]:
+    """Yield the parts of a level's points that count, not rounded."""
     reference = next(iter(reference_table().get(name, {}).values()), None)  # the solution
-    won = first.outcome == "won"
-    reached = split.won * won + split.starts * robust
-    if won and reference is not None:
-        reached += split.ticks * min(1, reference.ticks / first.ticks)
-        reached += split.size * min(1, reference.size / max(first.size, 1))
-    return reached / (split.won + split.starts + split.ticks + split.size)
+    is_won = first.outcome == "won"
+    split: dict[str, float] = msgspec.to_builtins(assignment.points)
+    for part in [part for part, share in split.items() if share]:
+        share, said = float(is_won), f"{'' if is_won else 'not '}won from the given start"
+        if part == "starts":
+            share, said = wins / starts, f"won from {wins} of {starts}"
+        elif part in ("ticks", "size"):
+            own, best = getattr(first, part), getattr(reference, part, 0)
+            share = min(1.0, best / max(own, 1)) if is_won else 0.0
+            unit = "tick" if part == "ticks" else "symbol"
+            said = f"{count_of(own, unit)}; the reference program has {best:,}" if is_won else said
+        worth = most * split[part] / sum(split.values())
+        yield Part(part, worth * share, _round(worth), said)
 
 
 def _round(points: float) -> float:
@@ -175,9 +230,10 @@ def export_grades(folder: Folder, manifest: Manifest, ledger: Ledger) -> list[st
             for key in {"won", "ticks", "size", "distance"} - set(show):
                 del level[key]
             if "won" not in show:
-                del level["outcome"]
+                del level["outcome"], level["ends"]
             if "starts" not in show:
                 del level["wins"], level["starts"], level["lost"]
+            level["parts"] = [part for part in level["parts"] if part["name"] in show]
         folder.put(
             folder.path / f"feedback/{name}.md", _feedback(manifest.title, grade, show, kept)
         )
@@ -211,50 +267,68 @@ def _file_names(ids: list[str]) -> list[str]:
 
 def _gradebook(grades: list[Grade]) -> Table:
     levels = [level.level for level in grades[0].levels] if grades else []
-    head = ("id", "name", "submission", "late", "points", "most", "ungraded")
+    head = ("id", "name", "submission", "late", "by_hand", "points", "most", "ungraded")
     rows = [
         (
             grade.student.id,
             grade.student.name,
             grade.student.submission,
             grade.student.late,
+            sum(points for points, _ in grade.student.added),
             grade.points,
             grade.most,
             grade.ungraded,
             *(level.points for level in grade.levels),
-            "; ".join(grade.student.remarks),
+            "; ".join(grade.remarks),
         )
         for grade in grades
     ]
     return Table((*head, *levels, "remarks"), list(rows))
 
 
+def feedback_of(manifest: Manifest, ledger: Ledger, student: str) -> str:
+    """Return what a student gets to read, as Markdown."""
+    (grade,) = (each for each in grades_of(manifest, ledger) if each.student.id == student)
+    table = manifest.assignment
+    show, kept = table["assignment"]["show"], table["late"]["keep"]
+    return _feedback(manifest.title, grade, show, kept)
+
+
 def _feedback(title: str, grade: Grade, show: list[str], kept: float) -> str:
     student = grade.student
     lines = [f"# {_markdown(title)}", "", f"{_markdown(student.name or student.id)}: "]
-    lines[-1] += f"{grade.points:g} of {grade.most:g} points"
+    lines[-1] += grade.said
     if student.late:
-        lines[-1] += f", late: {kept:.0%} of the points count"
-    lines += [""] * bool(student.remarks) + [f"- {_markdown(each)}" for each in student.remarks]
+        lines[-1] += f", {student.lateness}: {kept:.0%} of the points count"
+    remarks = grade.remarks
+    lines += [""] * bool(remarks) + [f"- {_markdown(each)}" for each in remarks]
     for level in grade.levels:
-        points = "not graded yet" if level.points is None else f"{level.points:g}"
-        lines += ["", f"## {_markdown(level.level)}: {points} of {level.most:g} points", ""]
+        points = "not graded yet"
+        if level.points is not None:
+            points = f"{level.points:g} of {level.most:g} points"
+        lines += ["", f"## {_markdown(level.level)}: {points}", ""]
         lines += [f"- {_markdown(said)}" for said in _level_feedback(level, show)]
     return "\n".join(lines) + "\n"
 
 
 def _level_feedback(level: LevelGrade, show: list[str]) -> list[str]:
-    said = []
-    if "won" in show or level.outcome in ("does not compile", "nothing was submitted"):
+    parts = {part.name: part for part in level.parts if part.name in show and len(level.parts) > 1}
+    said = [str(part) for part in parts.values() if level.outcome != "does not compile"]
+    is_told = "won" in parts and level.won
+    if ("won" in show and not is_told) or level.outcome in ("does not compile", *_MISSING):
         said.append(f"From the given start: {level.outcome}.")
-    if "ticks" in show and level.ticks is not None:
+        said += level.ends[:_MOST_ENDS]
+        if level.ends:
+            said.append(f"To see that: logical-robots play {level.level} YOUR-PROGRAM")
+    if "ticks" in show and "ticks" not in parts and level.ticks is not None:
         said.append(f"Won in {level.ticks:,} ticks.")
-    if "size" in show and level.size is not None:
+    if "size" in show and "size" not in parts and level.size is not None:
         said.append(f"{count_of(level.size, 'symbol')}.")
     if "distance" in show and level.distance:
         said.append(f"{level.distance:,.0f} units driven.")
     if "starts" in show and level.starts and (level.wins or level.lost):
-        said.append(f"Won from {level.wins} of {level.starts} shifted starts.")
+        if "starts" not in parts:
+            said.append(f"Won from {level.wins} of {level.starts} shifted starts.")
         if level.lost:
             said.append(f"Lost from shifted start {', '.join(map(str, level.lost))}.")
             program = f"YOUR-PROGRAM --start {level.lost[0]}"
@@ -269,11 +343,15 @@ def _markdown(text: str) -> str:
 def _gradescope(grade: Grade, show: list[str]) -> dict[str, Any]:
     tests = []
     for level in grade.levels:
-        test = {"name": level.level, "score": level.points or 0, "max_score": level.most}
+        test: dict[str, Any] = {"name": level.level, "max_score": level.most}
+        if level.points is not None:
+            test["score"] = level.points
         test["output"] = "\n".join(map(harmless_text, _level_feedback(level, show)))
         tests.append(test)
-    remarks = "\n".join(map(harmless_text, grade.student.remarks))
-    return {"score": grade.points, "output": remarks, "output_format": "text", "tests": tests}
+    said = [grade.said] * (grade.points is None) + grade.remarks
+    remarks = "\n".join(map(harmless_text, said))
+    score = {} if grade.points is None else {"score": grade.points}
+    return {**score, "output": remarks, "output_format": "text", "tests": tests}
 
 
 def _json(data: Any) -> bytes:
@@ -304,6 +382,6 @@ def _junit(title: str, grades: list[Grade]) -> bytes:
 def _junit_kind(level: LevelGrade) -> str:
     if level.points is None:
         return "error"
-    if level.outcome == "nothing was submitted":
+    if level.outcome in _MISSING:
         return "skipped"
     return "" if level.won else "failure"

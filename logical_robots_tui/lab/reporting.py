@@ -20,11 +20,13 @@ from logical_robots_tui.lab.exporting import (
     check_extra,
     done_runs,
     export_runs,
+    failed_runs,
     harmless_text,
     shade,
 )
-from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Ledger, Manifest, digest
+from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, digest
 from logical_robots_tui.lab.grading import duplicates, export_grades, grades_of
+from logical_robots_tui.lab.submissions import account_of
 from logical_robots_tui.lab.tournament import export_tournament, tournament_lines, tournament_parts
 
 _WIDTH = 78
@@ -87,12 +89,16 @@ def lines_of(manifest: Manifest, ledger: Ledger) -> list[str]:
     check_extra("plotext", "a report")
     done = list(done_runs(manifest, ledger))
     if manifest.kind == "grade":
-        points = [grade.points for grade in grades_of(manifest, ledger)]
+        grades = grades_of(manifest, ledger)
+        points = [grade.points for grade in grades if grade.points is not None]
+        left = [f"{each.student.called}: {each.said}" for each in grades if each.points is None]
         given = by_level(each for each in done if not each.start)
         winners = {level: share_of(runs).won for level, runs in given.items()}
         lines = _bars("Students who win from the given start", winners)
         counts = Counter(math.floor(point) for point in points)
-        return lines + _bars("Students by points", {str(n): counts[n] for n in sorted(counts)})
+        return (
+            lines + _bars("Students by points", {str(n): counts[n] for n in sorted(counts)}) + left
+        )
     has_levels = len({cell.level_name for cell in manifest.cells}) > 1
     has_programs = len({cell.program_name for cell in manifest.cells}) > 1
     shares = {}
@@ -169,17 +175,19 @@ def _grades(manifest: Manifest, ledger: Ledger) -> str:
         (
             grade.student.id,
             grade.student.name,
-            grade.points,
+            grade.said if grade.points is None else grade.points,
             grade.most,
-            grade.student.late,
+            grade.student.lateness,
             *("not graded yet" if level.points is None else level.points for level in grade.levels),
-            "; ".join(grade.student.remarks),
+            "; ".join(grade.remarks),
         )
         for grade in grades
     ]
     head = ("id", "name", "points", "most", "late", *levels, "remarks")
     same = [(level, ", ".join(ids)) for level, _, ids in duplicates(manifest)]
-    text = "<h2>Students</h2>" + as_table(head, rows)
+    text = "<h2>Submissions</h2>"
+    text += "".join(f"<p>{html.escape(harmless_text(line))}</p>" for line in account_of(manifest))
+    text += "<h2>Students</h2>" + as_table(head, rows)
     if same:
         text += "<h2>The same program</h2><p>The same but for comments and space.</p>"
         text += as_table(("level", "students"), same)
@@ -262,28 +270,30 @@ def _failures(manifest: Manifest, ledger: Ledger, done: list[Done]) -> str:
             else ""
         )
         kinds.setdefault((each.cell.level_name, result.outcome, why), []).append(each)
+    for each in failed_runs(manifest, ledger):
+        why = each.result.first[2] if each.result.first else ""
+        kinds.setdefault((each.cell.level_name, each.result.outcome, why), []).append(each)
     rows: list[Sequence[Any]] = []
+    names = {student.id: student.called for student in manifest.students}
     for (level, outcome, why), runs in sorted(kinds.items(), key=lambda kind: -len(kind[1])):
-        first = runs[0]
-        rows.append((level, outcome, why, len(runs), as_code(first.replay)))
-    infrastructure = Counter(
-        found[-1] for found in ledger.failures().values() if len(found) >= ATTEMPTS
-    )
-    rows += [("", "infrastructure", why, count, "") for why, count in infrastructure.items()]
-    head = ("level", "how it ended", "why", "runs", "one of them")
+        who = dict.fromkeys(names[each.cell.student] for each in runs if names)
+        whose = (", ".join(who),) if names else ()
+        rows.append((level, outcome, why, len(runs), *whose, as_code(runs[0].replay)))
+    head = ("level", "how it ended", "why", "runs", *(("whose",) if names else ()), "one of them")
     title = "What failed" if manifest.kind == "tournament" else "Not won"
     return f"<h2>{title}</h2>" + as_table(head, rows) if rows else ""
 
 
 def _cells(manifest: Manifest, done: list[Done]) -> str:
     rows: list[Sequence[Any]] = []
+    names = {student.id: student.called for student in manifest.students}
     for cell, runs in by_cell(done):
         share = share_of(runs)
         # A run that was lost, from a shifted start if there is one, else the given start.
         shown = next((r for r in runs[::-1] if r.result.outcome != "won"), runs[0])
         rows.append(
             (
-                cell.student or setting_text(cell),
+                names.get(cell.student) or setting_text(cell),
                 cell.level_name,
                 cell.program_name,
                 runs[0].result.outcome,

@@ -8,11 +8,10 @@ import platform
 import re
 import socket
 import sqlite3
-import threading
 from collections import Counter
 from functools import cache, lru_cache
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, thread_time
 from typing import Any, Literal, TypeAlias
 
 import msgspec
@@ -46,6 +45,7 @@ Outcome: TypeAlias = Literal[
     "played",
     "nothing changes",
     "too many steps",
+    "too slow",
     "does not compile",
     "infrastructure",
 ]
@@ -64,7 +64,8 @@ class Task(msgspec.Struct, frozen=True):
     """Runs in one level, of texts of programs by team, "" if all robots think alike.
 
     Start 0 is the given one; if `given_first`, a program that does not win from it is done. A
-    think has `steps`, a run `seconds` at most. `fingerprint` is of the engine that must run it.
+    think has `steps` at most, a run `seconds` of a processor, and `run_steps` unless that is 0.
+    `fingerprint` is of the engine that must run it.
     """
 
     level: str
@@ -76,6 +77,7 @@ class Task(msgspec.Struct, frozen=True):
     seconds: float
     given_first: bool
     fingerprint: str
+    run_steps: int = 0
 
 
 class Series(msgspec.Struct, frozen=True):
@@ -84,6 +86,19 @@ class Series(msgspec.Struct, frozen=True):
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
     failure: str = ""
+
+
+class End(msgspec.Struct, frozen=True):
+    """Where a robot was at the end, in map units, and the tick since which it was there."""
+
+    robot: str
+    x: float
+    y: float
+    since: int
+
+    def __str__(self) -> str:
+        where = f"{self.robot} ended at ({self.x:g}, {self.y:g})"
+        return f"{where}, and had stood there since tick {self.since:,}."
 
 
 class Result(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -106,19 +121,21 @@ class Result(msgspec.Struct, frozen=True, omit_defaults=True):
     points: dict[str, float] = {}
     forfeit: tuple[str, ...] = ()
     rules: int = 0
+    ends: tuple[End, ...] = ()
 
 
 class Answer(msgspec.Struct, frozen=True):
     """The answer of a worker (host and process).
 
-    `results` are start, result as JSON and seconds of each run; `refused` means that the
-    worker's engine is another one.
+    `results` are start, result as JSON and processor seconds of each run; `refused` means that the
+    worker's engine is another one, `is_final` that another attempt would fail in the same way.
     """
 
     results: tuple[tuple[int, str, float], ...] = ()
     worker: str = ""
     failure: str = ""
     refused: bool = False
+    is_final: bool = False
 
 
 @cache
@@ -151,15 +168,16 @@ def execute(task: Task) -> Answer:
     results: list[tuple[int, str, float]] = []
     prepared: _Prepared | None = None
     for start in task.starts:
-        began = perf_counter()
-        if results and began > until:
+        if results and perf_counter() > until:
             break
+        began = thread_time()
         try:
             prepared = prepared or _Prepared(task)
             result = prepared.run(start)
         except (LateError, MemoryError, ProgramError, Stopped) as error:
-            return Answer(tuple(results), worker, _reason(error, task))
-        seconds = perf_counter() - began
+            is_final = isinstance(error, Stopped)
+            return Answer(tuple(results), worker, _reason(error, task), is_final=is_final)
+        seconds = thread_time() - began
         results.append((start, msgspec.json.encode(result).decode(), seconds))
         if start == 0 and task.given_first and result.outcome != "won":
             break
@@ -196,26 +214,19 @@ class _Prepared:
     def run(self, start: int) -> Result:
         """Return the result from a start.
 
-        Raises LateError if the clock or lack of memory cut off a thought, Stopped if it took long.
+        Raises LateError if the clock or lack of memory cut off a thought, Stopped if all of them
+        took more than the seconds.
         """
         if self.mistakes:
             return Result("does not compile", mistakes=self.mistakes)
         watcher = _Watcher(self)
-        stop = threading.Event()
-        guard = threading.Timer(self.task.seconds, stop.set)
-        guard.daemon = True
-        guard.start()
-        try:
-            played = play_through(
-                start_of(self.level, start),
-                self.program,
-                self.task.ticks,
-                limits=self.limits,
-                is_over=watcher.is_over,
-                stop=stop,
-            )
-        finally:
-            guard.cancel()
+        played = play_through(
+            start_of(self.level, start),
+            self.program,
+            self.task.ticks,
+            limits=self.limits,
+            is_over=watcher.is_over,
+        )
         lasts: Outcome = "played" if self.level.teams else "out of ticks"
         return Result(
             "won" if played.won_at is not None else watcher.ended or lasts,
@@ -227,6 +238,7 @@ class _Prepared:
             {asked.name: watcher.series(asked) for asked in self.questions},
             points=watcher.points(),
             forfeit=watcher.forfeit(),
+            ends=watcher.ends(),
         )
 
 
@@ -259,7 +271,9 @@ class _Watcher:
         self._keep_at = 1
         self._slow: Counter[str] = Counter()  # by team: ticks with too many steps
         self._failed: Counter[str] = Counter()  # and ticks in which all robots failed
-        self._cells = 0
+        self._cells = self._steps = 0
+        self._places = [(robot.x, robot.y, 0) for robot in level.robots]
+        self._until = thread_time() + prepared.task.seconds
         self._columns: dict[Asked, tuple[str, ...]] = {}
         self._rows: dict[Asked, list[tuple[Any, ...]]] = {asked: [] for asked in questions}
         self._failures: dict[Asked, str] = {}
@@ -268,12 +282,24 @@ class _Watcher:
         self.first: tuple[int, str, str] | None = None
 
     def is_over(self, frame: Frame, mind: Mind) -> bool:
-        """Record a tick; return whether the run ends with it. Takes a few microseconds."""
+        """Record a tick; return whether the run ends with it. Takes a few microseconds.
+
+        Raises Stopped if the run has taken more than its seconds.
+        """
         self._state = frame.after
+        if thread_time() > self._until and frame.after.won_at is None:
+            raise Stopped
         if any(decision.notices for decision in frame.decisions):
             self._note(frame)
         if self._can_repeat:
             self._compare(frame)
+        for number, robot in enumerate(frame.after.robots):
+            x, y, _ = self._places[number]
+            if robot.x != x or robot.y != y:
+                self._places[number] = robot.x, robot.y, frame.tick
+        self._steps += mind.steps
+        if self._steps > self._task.run_steps > 0:
+            self.ended = self.ended or "too slow"
         for asked, question in self._questions.items():
             tick = frame.tick
             is_last = self.ended or frame.after.won_at is not None or tick >= self._task.ticks
@@ -287,6 +313,10 @@ class _Watcher:
 
     def points(self) -> dict[str, float]:
         return {} if self._state is None else standing(self._level, self._state)
+
+    def ends(self) -> tuple[End, ...]:
+        named = zip(self._level.robots, self._places, strict=True)
+        return tuple(End(bot.name, round(x, 1), round(y, 1), at) for bot, (x, y, at) in named)
 
     def forfeit(self) -> tuple[str, ...]:
         ticks = self._state.tick if self._state is not None else 0

@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 import csv
-import os
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
 import msgspec
 
-from logical_robots_tui.errors import InputError
 from logical_robots_tui.game.source import SUFFIX
 from logical_robots_tui.game.victory import reference_for
 from logical_robots_tui.lab.folder import BUILT_IN, Cell, Manifest, Student, digest
-from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_to_run
+from logical_robots_tui.lab.handins import (
+    MOST_BYTES,
+    Submission,
+    entries_of,
+    matched,
+    pattern_problem,
+    readable,
+    stems_of,
+)
+from logical_robots_tui.lab.sweeping import Name, Positive, RunLimit, Starts, level_to_run
 from logical_robots_tui.language.diagnostics import printable
 from logical_robots_tui.language.source_text import prepare
-from logical_robots_tui.paths import is_folder, read_text
+from logical_robots_tui.paths import read_text
 from logical_robots_tui.toml_files import Bounds, TomlFile
+from logical_robots_tui.wording import count_of
 from logical_robots_tui.world import Level
 
-_MOST_BYTES = 1_000_000
-_LONGEST_NAME = 200
 _MOST_REMARKS = 20
+_COLUMNS = {"identifier": "id", "full name": "name", "student": "name"}  # of Moodle and Canvas
 
 
 Share: TypeAlias = Annotated[float, Bounds(0)]
@@ -45,15 +53,23 @@ class Split(msgspec.Struct, frozen=True):
 
 
 class Late(msgspec.Struct, frozen=True):
-    """``[late]``: the deadline or a file of late students, and the share of points they keep."""
+    """``[late]``: deadlines or a file of late students, and the share of points they keep."""
 
     after: datetime | None = None
     students: str = ""
+    extensions: str = ""
     keep: Annotated[float, Bounds(0, 1)] = 1.0
+
+
+NOTHING = "nothing was submitted"
+UNMATCHED = "nothing that was submitted was found to be theirs"
+NOT_IN_ROSTER = "not in the roster"
 
 
 class AssignmentTable(msgspec.Struct, frozen=True):
     title: str = ""
+    pattern: str = ""
+    by_hand: str = ""
     starts: Starts = 20
     ticks: Positive | Name = "2*reference+200"
     given_first: bool = True
@@ -63,12 +79,17 @@ class AssignmentTable(msgspec.Struct, frozen=True):
     )
 
 
+class GradeLimit(RunLimit, frozen=True):
+    run_steps: Annotated[int, Bounds(0)] = 500_000_000
+    seconds: Annotated[float, Bounds(0.001)] = 120.0
+
+
 class Assignment(msgspec.Struct, frozen=True):
     assignment: AssignmentTable
     level: Annotated[list[LevelTable], Bounds(1)]
     points: Split = Split()
     late: Late = Late()
-    limits: Limit = Limit()
+    limits: GradeLimit = GradeLimit()
 
 
 def read_assignment(spec: TomlFile) -> Assignment:
@@ -78,6 +99,8 @@ def read_assignment(spec: TomlFile) -> Assignment:
         spec.problem(("points",), "at least one share of the points must be more than 0")
     if found.points.starts and not found.assignment.starts:
         spec.problem(("points", "starts"), "there are points for starts, but starts = 0")
+    if wrong := pattern_problem(found.assignment.pattern):
+        spec.problem(("assignment", "pattern"), wrong)
     names = [level.name for level in found.level]
     for number, name in enumerate(names):
         if name in names[:number]:
@@ -86,63 +109,28 @@ def read_assignment(spec: TomlFile) -> Assignment:
     return found
 
 
-class Submission:
-    """A submission: its texts by level's name ("" for all levels), with remarks on oddities."""
-
-    def __init__(self, path: Path, stems: Mapping[str, str]) -> None:
-        is_single = not path.is_dir()
-        self.name = path.name.removesuffix(SUFFIX) if is_single else path.name
-        self.programs: dict[str, str] = {}
-        self.remarks: list[str] = []
-        self.changed = 0.0
-        for file in [path] if is_single else self._files(path):
-            level = "" if is_single else stems.get(file.name.removesuffix(SUFFIX), "?")
-            if file.name.startswith(".") or (not is_single and file.suffix != SUFFIX):
-                continue
-            if level == "?":
-                self.remarks.append(f"{file.name}: it is not named like a level here")
-            else:
-                self._read(file, level)
-        if not self.programs and not self.remarks:
-            self.remarks.append(f"there is no program in it; their names end with {SUFFIX}")
-
-    def _files(self, folder: Path) -> list[Path]:
-        try:
-            if folder.is_symlink():
-                raise OSError(None, "it is a link")
-            return sorted(folder.iterdir())
-        except OSError as error:
-            self.remarks.append(f"{folder.name}: {error.strerror}")
-            return []
-
-    def _read(self, file: Path, level: str) -> None:
-        try:
-            if file.is_symlink():
-                raise OSError(None, "it is a link")
-            text = read_text(file, _MOST_BYTES)
-            if "\0" in text:
-                raise OSError(None, "it is not text")
-        except OSError as error:
-            self.remarks.append(f"{file.name}: {error.strerror}")
-        else:
-            self.programs[level] = text
-            self.changed = max(self.changed, file.stat().st_mtime)
-
-
 def plan_grading(file: Path, submissions: Path) -> tuple[Manifest, dict[str, str]]:
     """Return what to run for an assignment, and the texts of levels and programs by digest.
 
-    `submissions` has one folder or file per student. Raises TomlFileError, InputError.
+    `submissions` is a folder or an archive with one folder, file or archive per student. Raises
+    TomlFileError, InputError.
     """
     spec = TomlFile(file)
     assignment = read_assignment(spec)
     levels = _levels(spec, assignment)
     roster = _table(spec, ("assignment", "roster"), assignment.assignment.roster)
     late = _table(spec, ("late", "students"), assignment.late.students)
+    deadlines = _deadlines(spec, assignment)
+    added = _added(spec, assignment)
     spec.refuse()
-    entries = entries_of(submissions, stems_of(levels))
-    students = _students(assignment, entries, roster, {row["id"] for row in late})
-    return _manifest(spec, assignment, levels, students, entries)
+    entries = entries_of(submissions, stems_of(levels), assignment.assignment.pattern)
+    is_late = {row["id"] for row in late}
+    students, strays = _students(assignment, entries, roster, is_late, deadlines, added)
+    for nobody in sorted(added.keys() - {student.id for student in students}):
+        spec.problem(("assignment", "by_hand"), f"{printable(nobody)} is not among the students")
+    spec.refuse()
+    manifest, inputs = _manifest(spec, assignment, levels, students, entries)
+    return msgspec.structs.replace(manifest, strays=tuple(strays)), inputs
 
 
 def _levels(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[str, int]]:
@@ -164,12 +152,47 @@ def _check_reference(spec: TomlFile, assignment: Assignment, level: Level) -> No
             spec.problem(("points", key), said)
 
 
-def _table(spec: TomlFile, path: tuple[str, str], name: str) -> list[dict[str, str]]:
+def _deadlines(spec: TomlFile, assignment: Assignment) -> dict[str, datetime]:
+    found, path = {}, ("late", "extensions")
+    for row in _table(spec, path, assignment.late.extensions):
+        try:
+            found[row["id"]] = until = datetime.fromisoformat(row.get("until", "").strip())
+            if until.tzinfo is None:
+                raise ValueError
+        except ValueError:
+            said = f"until for {printable(row['id'])} must be like 2026-01-31T23:59:00+01:00"
+            spec.problem(path, said)
+    return found
+
+
+def _added(spec: TomlFile, assignment: Assignment) -> dict[str, tuple[tuple[float, str], ...]]:
+    """Return points that were given by hand, with their reasons, by student."""
+    found: dict[str, tuple[tuple[float, str], ...]] = {}
+    path = ("assignment", "by_hand")
+    for row in _table(spec, path, assignment.assignment.by_hand, is_unique=False):
+        try:
+            points = float(row.get("points", ""))
+            if not math.isfinite(points):
+                raise ValueError
+        except ValueError:
+            spec.problem(path, f"points for {printable(row['id'])} must be a number")
+        else:
+            reason = readable(row.get("reason", ""))
+            found[row["id"]] = (*found.get(row["id"], ()), (points, reason))
+    return found
+
+
+def _table(
+    spec: TomlFile, path: tuple[str, str], name: str, *, is_unique: bool = True
+) -> list[dict[str, str]]:
     if not name:
         return []
     try:
-        lines = read_text(spec.folder / name, _MOST_BYTES).splitlines()
-        rows = list(csv.DictReader(lines, restval=""))
+        lines = read_text(spec.folder / name, MOST_BYTES).splitlines()
+        reader = csv.DictReader(lines, restval="")
+        heads = [head.strip().casefold() for head in reader.fieldnames or ()]
+        reader.fieldnames = [_COLUMNS.get(head, head) for head in heads]
+        rows = list(reader)
     except (OSError, ValueError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         spec.problem(path, f"{name} can't be read: {reason}")
@@ -177,36 +200,11 @@ def _table(spec: TomlFile, path: tuple[str, str], name: str) -> list[dict[str, s
     if rows and "id" not in rows[0]:
         spec.problem(path, f'{name} has no column "id"; its first line names the columns')
         return []
-    ids = [row["id"] for row in rows]
+    rows = [row for row in rows if row["id"].strip()]
+    ids = [row["id"] for row in rows] if is_unique else []
     for twice in sorted({each for each in ids if ids.count(each) > 1}):
         spec.problem(path, f"{name} has {printable(twice)} twice")
     return rows
-
-
-def stems_of(levels: Iterable[str]) -> dict[str, str]:
-    stems = {name: name for name in levels}
-    return stems | {name.partition("-")[2]: name for name in levels if name[:2].isdecimal()}
-
-
-def entries_of(folder: Path, stems: Mapping[str, str]) -> dict[str, Submission]:
-    """Return submissions by names to show; raises InputError if unreadable or names are equal."""
-    if not is_folder(folder):
-        hint = "It has one folder or file for each student or player."
-        raise InputError("this is not a folder", place=str(folder), hint=hint)
-    found: dict[str, Submission] = {}
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or not (path.is_dir() or path.suffix == SUFFIX):
-            continue
-        each = Submission(path, stems)
-        name = _readable(each.name)
-        if name in found and name == each.name:
-            hint = "Keep one of the two."
-            message = "there is a folder and a file of this name"
-            raise InputError(message, place=str(folder / each.name), hint=hint)
-        while name in found:  # what can't be shown in them may be all that differs
-            name += "'"
-        found[name] = each
-    return found
 
 
 def _students(
@@ -214,41 +212,68 @@ def _students(
     entries: Mapping[str, Submission],
     roster: list[dict[str, str]],
     late: set[str],
-) -> list[Student]:
-    """Return the students of the roster, then those who submitted without being on it."""
-    known: list[tuple[str, dict[str, str]]]
-    known = [(row.get("submission") or row["id"], row) for row in roster]  # several may share one
-    used = {name for name, _ in known}
-    after = assignment.late.after
+    deadlines: Mapping[str, datetime],
+    added: Mapping[str, tuple[tuple[float, str], ...]],
+) -> tuple[list[Student], list[str]]:
+    """Return the students of the roster and others who submitted, and files that are nobody's."""
+    found = matched(roster, entries)
+    used = set(found.values())
+    known = [(found.get(row["id"], ""), row) for row in roster]
+    strays = [name for name in entries if name not in used and entries[name].is_stray]
+    others = [name for name in entries if name not in used and name not in strays]
     students = []
-    for name, row in [*known, *((name, {}) for name in entries if name not in used)]:
+    for name, row in [*known, *((name, dict[str, str]()) for name in others)]:
         entry = entries.get(name)
         remarks = [] if entry is None else list(entry.remarks)
         if entry is None:
-            remarks.append("nothing was submitted")
+            remarks.append(UNMATCHED if others or strays else NOTHING)
         if roster and not row:
-            remarks.append("not in the roster")
-        changed = datetime.fromtimestamp(entry.changed, UTC) if entry else None
-        mine = _readable(row.get("id") or name)
+            remarks.append(NOT_IN_ROSTER)
+        mine = readable(row.get("id") or name)
+        is_late, late_by = mine in late, 0.0
+        after = deadlines.get(mine, assignment.late.after)
+        if entry is not None and after is not None:
+            changed = datetime.fromtimestamp(entry.changed, UTC)
+            late_by = max(0.0, (changed - after).total_seconds())
+        elif entry is not None:
+            is_late = is_late or entry.is_late
         students.append(
             Student(
                 mine,
-                _readable(row.get("name") or ""),
-                name if entry else "",
-                mine in late or (after is not None and changed is not None and changed > after),
-                tuple(_readable(remark) for remark in _first(remarks)),
+                readable(row.get("name") or (entry.owner.name if entry else "")),
+                name,
+                is_late or late_by > 0,
+                tuple(readable(remark) for remark in _first(remarks)),
+                late_by,
+                added.get(mine, ()),
             )
         )
-    return students
+    return students, [top for name in strays for top in map(readable, entries[name].tops)]
+
+
+def account_of(manifest: Manifest) -> list[str]:
+    """Return who of the roster handed in something, and what nobody in it handed in."""
+    students = manifest.students
+    others = [each for each in students if NOT_IN_ROSTER in each.remarks]
+    roster = [each for each in students if each not in others]
+    missing = [each.called for each in roster if not each.submission]
+    if manifest.assignment["assignment"]["roster"]:
+        said = f"{len(roster):,} in the roster, {len(roster) - len(missing):,} matched"
+    else:
+        said = f"{count_of(len(roster), 'submission')}"
+    said += f"; not matched: {', '.join(missing)}" if missing else ""
+    nobody = [*(each.submission for each in others), *manifest.strays]
+    lines = [said + (f"; files that nobody handed in: {', '.join(nobody)}" if nobody else "")]
+    return lines + [
+        f"{each.called}: {'; '.join(each.remarks)}"
+        for each in roster
+        if each.submission and each.remarks
+    ]
 
 
 def _first(remarks: list[str]) -> list[str]:
     more = len(remarks) - _MOST_REMARKS
     return remarks if more <= 0 else [*remarks[:_MOST_REMARKS], f"and {more:,} more"]
-
-
-def _readable(name: str) -> str:
-    return printable(os.fsencode(name).decode(errors="replace"))[:_LONGEST_NAME]
 
 
 def _manifest(
@@ -290,6 +315,7 @@ def _manifest(
         tuple(cells),
         tuple(students),
         msgspec.to_builtins(assignment),
+        run_steps=limits.run_steps,
     )
     return manifest, inputs
 

@@ -44,6 +44,12 @@ class Limit(msgspec.Struct, frozen=True):
     seconds: Annotated[float, Bounds(0.001)] = 600.0
 
 
+class RunLimit(Limit, frozen=True):
+    """The same with the steps of all thoughts of a run, which affect the result; 0 is no limit."""
+
+    run_steps: Annotated[int, Bounds(0)] = 0
+
+
 class Query(msgspec.Struct, frozen=True):
     """A Logica question, asked every so many ticks; 0 means in the last tick only."""
 
@@ -81,7 +87,7 @@ class Experiment(msgspec.Struct, frozen=True):
     vary: list[Vary] = []
     case: list[Case] = []
     measure: dict[str, Literal["end"] | Query] = {}
-    limits: Limit = Limit()
+    limits: RunLimit = RunLimit()
 
 
 def read_experiment(spec: TomlFile) -> Experiment:
@@ -224,6 +230,7 @@ class _Plan:
             limits.steps,
             limits.seconds,
             tuple(cell for cell in cells if cell is not None),
+            run_steps=limits.run_steps,
         )
         return manifest, self._inputs
 

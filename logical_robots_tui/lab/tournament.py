@@ -22,8 +22,8 @@ from logical_robots_tui.lab.exporting import (
     shade,
 )
 from logical_robots_tui.lab.folder import Cell, Folder, Ledger, Manifest, Player, digest
+from logical_robots_tui.lab.handins import Submission, entries_of, stems_of
 from logical_robots_tui.lab.ranking import Ranking, ranking_of
-from logical_robots_tui.lab.submissions import Submission, entries_of, stems_of
 from logical_robots_tui.lab.sweeping import Limit, Name, Positive, Starts, level_with_text
 from logical_robots_tui.mind import Program, ProgramError
 from logical_robots_tui.toml_files import TomlFile
@@ -64,7 +64,8 @@ def plan_tournament(file: Path, players: Path) -> tuple[Manifest, dict[str, str]
     level, text = _level(spec, table.level)
     ticks = min(table.ticks or level.match_ticks, level.match_ticks)
     inputs = {digest(text): text}
-    named = sorted(entries_of(players, stems_of([level.name])).items())
+    entries = entries_of(players, stems_of([level.name]))
+    named = sorted(item for item in entries.items() if not item[1].is_stray)
     if len(named) < 2:
         raise InputError("there are fewer than two players", place=str(players), hint=_HINT)
     entered = [_player(name, entry, level, inputs) for name, entry in named]

@@ -21,6 +21,7 @@ from logical_robots_tui.values import SensorRow, Value
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind.relations import Relations
+    from logical_robots_tui.world import Level
 
 _ROOM = 320 * 1024**2  # bytes of address space that SQLite and all rows may take
 
@@ -68,6 +69,18 @@ class Mind:
         self._asking = Asking(program, self.limits, plain=plain, frozen=frozen)
         self._robot = self._asking.asked("Robot")
         self._within = Within.of_thought(self.limits)
+
+    @classmethod
+    def for_level(cls, program: Program, level: Level, limits: Limits | None = None) -> Mind:
+        """Return a mind that sees what robots of a level see; raise ValueError if it has teams."""
+        if level.teams:
+            raise ValueError("Each team has a mind of its own: use Simulation or Game.")
+        return cls(program, level.visibility.memory, level.visibility.sensor, limits)
+
+    @property
+    def steps(self) -> int:
+        """The steps of the last think: of the same thoughts always the same, on every machine."""
+        return self._within.steps - self._within.budget.steps
 
     def think(
         self, rows: Sequence[SensorRow], memories: Memories, *, stop: threading.Event | None = None

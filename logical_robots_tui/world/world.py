@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
 from operator import attrgetter
@@ -113,31 +113,33 @@ class World:
         rows, _ = self._look(self.tick)
         return rows
 
-    def act(self, desires: Mapping[str, Desire]) -> None:
+    def act(self, desires: Mapping[str, Wanted]) -> None:
         """Finish the tick: batteries, driving, pushing out, switches, visits, victory.
 
         Begins the tick itself if ``sense`` didn't.
 
         Args:
-            desires: By robot name. A robot without one stops; so does an engine whose power is
-                not a finite number.
+            desires: By robot name, each a `Desire` or a pair of numbers. A robot without one stops;
+                so does an engine whose power is not a finite number.
 
         Raises:
-            ValueError: A name is not a robot of the level; nothing has changed then.
+            ValueError: A name is not a robot of the level, or something is no desire; nothing has
+                changed then.
         """
         for name in sorted(desires.keys() - set(self._names)):
             hint = did_you_mean(name, self._names)
             raise ValueError(f'The level has no robot "{name}". {hint}'.rstrip())
+        given = [
+            each if type(each := desires.get(name)) is Desire else desire_of(name, each)
+            for name in self._names
+        ]
         self.sense()
         before, level = self._state, self._level
 
         movers = [Mover(r.x, r.y, r.angle, r.battery_level) for r in before.robots]
         pairs = list(zip(level.areas, before.areas, strict=True))
         solid = [area for area, state in pairs if area.impenetrable and state.active]
-        given = [desires.get(name) for name in self._names]
-        wanted = [
-            (_power(d.left_engine), _power(d.right_engine)) if d else (0.0, 0.0) for d in given
-        ]
+        wanted = [(_power(each.left_engine), _power(each.right_engine)) for each in given]
         sources = charging_sources(level, movers)
         divided = level.divided_charge or bool(level.teams)
         if divided:
@@ -205,6 +207,25 @@ class World:
     def _look(self, clock: int) -> tuple[list[SensorRow], frozenset[str]]:
         check_room(_ROOM)
         return self._senses.sense(self._state.robots, self._state.areas, clock)
+
+
+Wanted: TypeAlias = "Desire | Sequence[float]"
+"""What a robot wants: a desire, or a pair of engine powers, left first."""
+
+
+_REST = Desire(0.0, 0.0)
+
+
+def desire_of(robot: str, wanted: Wanted | None) -> Desire:
+    """Return a robot's desire, to rest if there is none, or raise ValueError."""
+    if wanted is None or isinstance(wanted, Desire):
+        return wanted or _REST
+    try:
+        left, right = wanted
+        return Desire(float(left), float(right))
+    except (TypeError, ValueError):
+        message = f"{wanted!r} is no desire of {robot}: give a pair of engine powers, left first"
+        raise ValueError(f"{message}, such as (1, 0.5).") from None
 
 
 def _power(engine: object) -> float:

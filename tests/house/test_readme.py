@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import re
 import shlex
 from typing import TYPE_CHECKING
@@ -120,12 +121,23 @@ def test_the_level_loads(tmp_path: Path) -> None:
     assert load_level(path).areas[0].victory_robots == ("Ada",)
 
 
-def test_the_python_runs() -> None:
-    text, *_ = code(DOCS / "python.md", "python")
+def test_the_python_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(text, "python.md", "exec"), {})
-    assert re.match(r"10 [\d.]+ \{'Ada': 10\} False\n", out.getvalue())
+        exec(compile("\n".join(code(DOCS / "python.md", "python")), "python.md", "exec"), {})
+    first, *_ = out.getvalue().splitlines()
+    assert re.fullmatch(r"10 [\d.]+ \{'Ada': 10\} False", first)
+    assert (tmp_path / "crow.replay").exists()
+
+
+def test_the_notebook_runs() -> None:
+    cells = json.loads((DOCS / "simulation.ipynb").read_text())["cells"]
+    names: dict[str, object] = {}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), "simulation.ipynb", "exec"), names)
+    assert "<svg" in names["sim"]._repr_html_()  # type: ignore[attr-defined] # a Simulation
 
 
 def anchors(page: Path) -> set[str]:

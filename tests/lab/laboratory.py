@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Background",
     "deadly",
+    "endless",
     "exported",
     "program_text",
     "recorded",
@@ -136,6 +137,13 @@ class Background:
 def start(*arguments: object) -> Background:
     """Start the command in a process of its own."""
     return Background(*arguments)
+
+
+def endless(task: Task) -> Answer:
+    """Execute a task, but compute for ever if the program says so."""
+    while "# endless" in "".join(task.programs.values()):
+        pass
+    return running.execute(task)
 
 
 def deadly(task: Task) -> Answer:

@@ -127,6 +127,16 @@ class Explanation:
     def nodes(self) -> tuple[Node, ...]:
         return tuple(rule.node for rule in self.rules)
 
+    def __str__(self) -> str:
+        marks = {True: "+", False: "-", None: " "}
+        return "\n".join(
+            f"{'  ' * depth}{marks[node.holds]} {node.text}"
+            + (f" = {' or '.join(map(spell, node.values))}" if node.values else "")
+            + (f"  ({node.said})" if node.said else "")
+            for rule in self.nodes
+            for depth, node in rule.walk()
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Proof:

@@ -1,0 +1,184 @@
+"""Zip and tar archives from strangers: read within bounds, and never unpacked onto the disk."""
+
+from __future__ import annotations
+
+import bz2
+import io
+import lzma
+import stat
+import tarfile
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, NamedTuple
+
+MOST_PACKED = 200_000_000
+"""Bytes of an archive that holds a whole class."""
+
+_MOST_RATIO = 200
+_SLACK = 1_000_000  # bytes of which the ratio does not matter
+_ENDINGS = (".tar.gz", ".tar.bz2", ".tar.xz", ".zip", ".tar", ".tgz", ".tbz2", ".txz")
+_UNREADABLE = (
+    *(zipfile.BadZipFile, tarfile.TarError, lzma.LZMAError, zlib.error),
+    *(EOFError, LookupError, OSError, OverflowError, RuntimeError, ValueError),
+)
+
+
+class _RefusedError(ValueError):
+    def __str__(self) -> str:
+        return "it holds too much"
+
+
+class File(NamedTuple):
+    """A file that was handed in, and when it was changed; `problem` is why it can't be read.
+
+    The names of the archives that it was in are among its `parts`.
+    """
+
+    parts: tuple[str, ...]
+    content: bytes = b""
+    changed: float = 0.0
+    problem: str = ""
+
+
+@dataclass(slots=True)
+class Room:
+    """What may still be unpacked of one hand-in."""
+
+    members: int = 10_000
+    bytes: int = 50_000_000
+
+    def take(self, size: int, packed: int) -> None:
+        """Count a file of an archive of `packed` bytes; raise an error if it is too much."""
+        self.members -= 1
+        self.bytes -= size
+        if self.members < 0 or self.bytes < 0 or size > max(_SLACK, _MOST_RATIO * packed):
+            raise _RefusedError
+
+
+class _Member(NamedTuple):
+    name: str
+    changed: float
+    problem: str
+    read: Callable[[int], bytes]
+
+
+def is_archive(name: str) -> bool:
+    return name.casefold().endswith(_ENDINGS)
+
+
+def stem_of(name: str, *endings: str) -> str:
+    """Return a file's name without the ending of an archive, or one of `endings`, in any case."""
+    for ending in (*_ENDINGS, *endings):
+        if name.casefold().endswith(ending):
+            return name[: -len(ending)]
+    return name
+
+
+def is_hidden(name: str) -> bool:
+    return name.startswith(".") or name == "__MACOSX"
+
+
+def unpack(archive: File, room: Room, most: Callable[[str], int]) -> Iterator[File]:
+    """Yield the files of an archive, with contents of at most `most(name)` bytes.
+
+    Links and paths that lead out of it are files with a problem, and so is the archive itself if
+    it is damaged or takes more than `room`.
+    """
+    try:
+        for member in (_of_zip if archive.content[:2] == b"PK" else _of_tar)(archive.content, room):
+            parts = tuple(part for part in member.name.replace("\\", "/").split("/") if part != ".")
+            problem, content = member.problem, b""
+            if not parts or any(is_hidden(part) for part in parts if part != ".."):
+                continue
+            if "" in parts or ".." in parts or ":" in parts[0]:
+                parts = tuple(part for part in parts if part not in ("", ".."))[-1:] or ("?",)
+                problem = "its path leads out of the archive"
+            if not problem and (limit := most(parts[-1])):
+                try:
+                    content = member.read(limit + 1)
+                except _UNREADABLE:
+                    problem = "it is damaged"
+                if len(content) > limit:
+                    content, problem = b"", f"it is larger than {limit // 10**6} MB"
+            room.take(len(content), len(archive.content))
+            yield File((*archive.parts, *parts), content, member.changed, problem)
+    except _UNREADABLE as error:
+        said = str(error) if isinstance(error, _RefusedError) else "it is damaged"
+        yield File(archive.parts, problem=said)
+
+
+def _of_zip(content: bytes, room: Room) -> Iterator[_Member]:
+    if content.count(b"PK\1\2") > room.members:  # each takes memory as soon as it is opened
+        raise _RefusedError
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        for info in archive.infolist():
+            if info.is_dir():
+                continue
+            name = info.filename
+            if not info.flag_bits & 0x800:  # what macOS packs is UTF-8 without saying so
+                with suppress(UnicodeError):
+                    name = name.encode("cp437").decode()
+            problem = "it is a link" if stat.S_ISLNK(info.external_attr >> 16) else ""
+            if info.flag_bits & 1:
+                problem = "it is encrypted"
+            elif info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                problem = "it is packed in a way that is not read here"
+            try:
+                changed = datetime(*info.date_time).timestamp()
+            except (OverflowError, ValueError):
+                changed = 0.0
+
+            def read(most: int, info: zipfile.ZipInfo = info) -> bytes:
+                with archive.open(info) as file:
+                    return file.read(most)
+
+            yield _Member(name, changed, problem, read)
+
+
+def _of_tar(content: bytes, room: Room) -> Iterator[_Member]:
+    decompressor: Any = None
+    if content[:2] == b"\x1f\x8b":
+        decompressor = zlib.decompressobj(31)
+    elif content[:3] == b"BZh":
+        decompressor = bz2.BZ2Decompressor()
+    elif content[:6] == b"\xfd7zXZ\0":
+        decompressor = lzma.LZMADecompressor(memlimit=_SLACK * 100)
+    if decompressor:
+        packed, content = len(content), decompressor.decompress(content, room.bytes + 1)
+        room.take(len(content), packed)
+
+    class Info(_Info):
+        special = 0
+
+    with tarfile.open(fileobj=io.BytesIO(content), mode="r:", tarinfo=Info) as archive:
+        for info in archive:
+            if info.isdir():
+                continue
+            problem = "" if info.isreg() and not info.issparse() else "it is a link"
+
+            def read(most: int, info: tarfile.TarInfo = info) -> bytes:
+                file = archive.extractfile(info)
+                return file.read(most) if file else b""
+
+            yield _Member(info.name, min(max(float(info.mtime), 0.0), 4e9), problem, read)
+
+
+class _Info(tarfile.TarInfo):
+    """A header that refuses what keeps the parser busy: long or many headers of headers."""
+
+    special: int
+
+    @classmethod
+    def frombuf(cls, buf: bytes | bytearray, encoding: str, errors: str) -> _Info:
+        info = super().frombuf(buf, encoding, errors)
+        if info.size < 0:
+            raise tarfile.ReadError("a file of a negative size")
+        if info.type in b"xgXLK":
+            cls.special += info.size
+            if info.size > 8_000 or cls.special > 250_000:
+                raise _RefusedError
+        return info

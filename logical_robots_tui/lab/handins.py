@@ -1,0 +1,384 @@
+"""What was handed in, in a folder or an archive: whose each file is, and for which level."""
+
+from __future__ import annotations
+
+import os
+import re
+import unicodedata
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.game.source import SUFFIX
+from logical_robots_tui.lab.archives import (
+    MOST_PACKED,
+    File,
+    Room,
+    is_archive,
+    is_hidden,
+    stem_of,
+    unpack,
+)
+from logical_robots_tui.language.diagnostics import printable
+from logical_robots_tui.paths import is_folder, read_ordinary
+from logical_robots_tui.wording import join_names
+
+MOST_BYTES = 1_000_000
+"""Bytes of a program or a table."""
+
+_MOST_ARCHIVE = 20_000_000
+_MOST_DEPTH = 8
+_MOST_NAMED = 5
+_LONGEST_NAME = 200
+_METADATA = "submission_metadata.yml"
+
+FIELDS = {"name": r"[^/]+", "id": r"[^/_\s]+", "level": r"[^/]+"}
+"""What a pattern of names may have in braces."""
+
+_EXPORTS = (
+    # Moodle, with folders or without: Ada Lovelace_1234_assignsubmission_file_/program.l
+    re.compile(r"(?P<name>.+)_(?P<id>\d+)_assignsubmission_[a-z]+_?(?P<rest>.*)", re.I),
+    # Canvas: lovelaceada_LATE_12345_67890_program-1.l; without the name if it is anonymous
+    re.compile(
+        r"(?:(?P<name>.+?)_)?(?P<late>LATE_)?(?P<id>\d{2,})"
+        r"_(?:\d{2,}_(?P<rest>.+)|(?:text|link)\.html)",
+        re.I,
+    ),
+)
+_COPY = re.compile(r"[-_ ]*(?:\(\d+\)|\d+)$")  # what Canvas and browsers add to a name
+
+
+class Owner(NamedTuple):
+    """Whose a file is, as far as its name says."""
+
+    key: str
+    name: str = ""
+    id: str = ""
+    level: str = ""
+    is_late: bool = False
+
+
+class Submission:
+    """A submission: its texts by level's name ("" for all levels), with remarks on oddities."""
+
+    def __init__(self, owner: Owner) -> None:
+        self.owner = owner
+        self.programs: dict[str, str] = {}
+        self.remarks: list[str] = []
+        self.changed = 0.0
+        self.is_late = False
+        self.files: list[tuple[File, str]] = []  # each with the name that tells its level
+
+    @property
+    def tops(self) -> list[str]:
+        """The names of its files and folders among the submissions."""
+        return sorted({file.parts[0] for file, _ in self.files})
+
+    @property
+    def is_stray(self) -> bool:
+        """Whether it is nothing but files that are neither programs nor archives."""
+        return not self.programs and all(
+            len(file.parts) == 1 and not file.problem and not is_archive(file.parts[0])
+            for file, _ in self.files
+        )
+
+    def read(self, stems: Mapping[str, str]) -> None:
+        """Find the program of each level among the files."""
+        unnamed: list[tuple[str, str, float]] = []
+        others: list[str] = []
+        taken: dict[str, str] = {}
+        nearest = sorted(self.files, key=lambda each: (len(each[0].parts), -each[0].changed))
+        for file, name in nearest:
+            shown = "/".join(file.parts[1:]) or file.parts[0]
+            if file.problem:
+                self.remarks.append(f"{shown}: {file.problem}")
+            elif not name.casefold().endswith(SUFFIX):
+                others += [shown] * bool(name)
+            else:
+                try:
+                    text = _text(file.content)
+                except ValueError as error:
+                    self.remarks.append(f"{shown}: {error}")
+                    continue
+                stem = stem_of(name, SUFFIX)
+                level = stems.get(plain(stem)) or stems.get(plain(_COPY.sub("", stem)))
+                if level in taken:
+                    self.remarks.append(f"{shown}: {taken[level]} is there for this level, too")
+                elif level:
+                    taken[level] = shown
+                    self._take(level, text, file.changed)
+                else:
+                    unnamed.append((shown, text, file.changed))
+        if len(unnamed) == 1 and not self.programs:
+            self._take("", *unnamed[0][1:])
+        else:
+            self.remarks += [f"{shown}: it is not named like a level here" for shown, *_ in unnamed]
+        self.files = [(file._replace(content=b""), name) for file, name in self.files]
+        if not self.programs and (others or not self.remarks):
+            more = f", but {join_names(others[:_MOST_NAMED])}" if others else ""
+            said = f"there is no program in it; their names end with {SUFFIX}{more}"
+            self.remarks.append(said)
+
+    def _take(self, level: str, text: str, changed: float) -> None:
+        self.programs[level] = text
+        self.changed = max(self.changed, changed)
+
+
+def _text(content: bytes) -> str:
+    try:
+        text = content.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError:
+        raise ValueError("it is not UTF-8 text") from None
+    if "\0" in text:
+        raise ValueError("it is not text")
+    return text
+
+
+def plain(text: str) -> str:
+    """Return a name as it is compared: letters and digits, without case and accents."""
+    text = unicodedata.normalize("NFKD", text.casefold())
+    return "".join(character for character in text if character.isalnum())
+
+
+def readable(name: str) -> str:
+    return printable(os.fsencode(name).decode(errors="replace"))[:_LONGEST_NAME]
+
+
+def stems_of(levels: Iterable[str]) -> dict[str, str]:
+    """Return levels by what a program for them may be called, with or without the number."""
+    stems = {plain(name): name for name in levels}
+    return {plain(n.partition("-")[2]): n for n in levels if n[:2].isdecimal()} | stems
+
+
+def pattern_problem(pattern: str) -> str:
+    fields = re.findall(r"\{(.*?)\}", pattern)
+    if unknown := set(fields) - FIELDS.keys():
+        return f"{{{min(unknown)}}} can't be in a pattern; known are {{name}}, {{id}} and {{level}}"
+    if len(fields) > len(set(fields)):
+        return "the same is twice in the pattern"
+    if pattern and not {"name", "id"} & {*fields}:
+        return "a pattern needs {name} or {id}, such as {name}_{id}_{level}.l"
+    return ""
+
+
+def entries_of(place: Path, stems: Mapping[str, str], pattern: str = "") -> dict[str, Submission]:
+    """Return submissions by names to show, of a folder or an archive.
+
+    `pattern` is how their names are made, such as ``{name}_{id}_{level}.l``; those of Moodle,
+    Canvas and Gradescope are known. Raises InputError if unreadable or names are equal.
+    """
+    files = _unwrapped(list(_files(place)), stems) if not is_folder(place) else list(_files(place))
+    students = _students_of_gradescope(files)
+    patterns = _patterns(pattern, stems)
+    found: dict[str, Submission] = {}
+    for file in files:
+        if file.parts == (_METADATA,):
+            continue
+        owner, name = _owner(file.parts, patterns, students)
+        entry = found.setdefault(owner.key, Submission(owner))
+        entry.files.append((file, owner.level or name))
+        entry.is_late |= owner.is_late
+    shown: dict[str, Submission] = {}
+    for key, entry in sorted(found.items()):
+        if not entry.owner.id and not entry.owner.name and len(entry.tops) > 1:
+            message = f"there is more than one of this name: {', '.join(map(readable, entry.tops))}"
+            raise InputError(message, place=str(place / key), hint="Keep one of them.")
+        entry.read(stems)
+        name = readable(key)
+        while name in shown:  # what can't be shown in them may be all that differs
+            name += "'"
+        shown[name] = entry
+    return shown
+
+
+def _files(place: Path) -> Iterator[File]:
+    """Yield all files, in the order of their paths, those of archives too."""
+    found: Iterable[File]
+    if is_folder(place):
+        found = _walked(place, ())
+    elif is_archive(place.name):
+        try:
+            content = read_ordinary(place, MOST_PACKED + 1)
+        except OSError as error:
+            raise InputError(f"can't be read: {error.strerror}", place=str(place)) from error
+        if len(content) > MOST_PACKED:
+            hint = "Unpack it, and name the folder."
+            raise InputError("this archive is too large", place=str(place), hint=hint)
+        room = Room(100_000, MOST_PACKED)
+        found = sorted(unpack(File((), content), room, _most))
+        for file in found[:1]:
+            if not file.parts:
+                raise InputError(file.problem, place=str(place), hint="Unpack it by hand.")
+    else:
+        hint = "It has one folder, file or archive for each student or player."
+        raise InputError("this is neither a folder nor an archive", place=str(place), hint=hint)
+    rooms: dict[str, Room] = defaultdict(Room)
+    for file in found:
+        yield from _opened(file, rooms[file.parts[0]], 2)
+
+
+def _walked(folder: Path, parts: tuple[str, ...]) -> Iterator[File]:
+    for path in sorted(folder.iterdir()) if len(parts) < _MOST_DEPTH else ():
+        here, is_link = (*parts, path.name), path.is_symlink()
+        if is_hidden(path.name):
+            continue
+        if path.is_dir() and not is_link:
+            try:
+                if not parts and not any(path.iterdir()):
+                    yield File((*here, ""))  # it is empty
+                yield from _walked(path, here)
+            except OSError as error:
+                yield File(here, problem=error.strerror or str(error))
+        elif most := _most(path.name) or (is_link and path.is_dir()):
+            try:
+                if is_link:
+                    raise OSError(None, "it is a link")
+                content = read_ordinary(path, most + 1)
+                if len(content) > most:
+                    raise OSError(None, f"it is larger than {most // 10**6} MB")
+                yield File(here, content, path.stat().st_mtime)
+            except OSError as error:
+                yield File(here, problem=error.strerror or str(error))
+        else:
+            yield File(here)
+
+
+def _most(name: str) -> int:
+    if is_archive(name):
+        return _MOST_ARCHIVE
+    return MOST_BYTES if name.casefold().endswith(SUFFIX) or name == _METADATA else 0
+
+
+def _opened(file: File, room: Room, depth: int) -> Iterator[File]:
+    """Yield a file, or those of an archive, which are as old as it."""
+    if file.problem or not is_archive(file.parts[-1]):
+        yield file
+    elif not depth:
+        yield file._replace(problem="it is in an archive in an archive")
+    else:
+        is_empty = True
+        for inner in unpack(file, room, _most):
+            is_empty = False
+            yield from _opened(inner._replace(changed=file.changed), room, depth - 1)
+        if is_empty:
+            yield file._replace(problem="there is nothing in it")
+
+
+def _unwrapped(files: list[File], stems: Mapping[str, str]) -> list[File]:
+    """Return files without the one folder that an archive of the class puts around them."""
+    tops = {file.parts[0] for file in files}
+    inner = {file.parts[1] for file in files if len(file.parts) > 1}
+    levels = [name for name in inner if plain(stem_of(name, SUFFIX)) in stems]
+    if len(tops) > 1 or len(inner) < 2 or levels or any(len(file.parts) < 2 for file in files):
+        return files
+    if any(each.fullmatch(top) for each in _EXPORTS for top in tops):
+        return files
+    return [file._replace(parts=file.parts[1:]) for file in files]
+
+
+def _students_of_gradescope(files: list[File]) -> dict[str, tuple[str, str]]:
+    """Return names and ids by folder, from the metadata that Gradescope exports."""
+    content = next((file.content for file in files if file.parts == (_METADATA,)), b"")
+    found: dict[str, tuple[str, str]] = {}
+    for part in re.split(r"^(?=\S)", content.decode(errors="replace"), flags=re.M):
+        name, student = (
+            re.search(rf"^[\s-]*:{key}:[ '\"]*([^'\"\n]*)", part, re.M) for key in ("name", "sid")
+        )
+        folder = part.partition(":")[0]
+        found[folder] = (name[1].strip() if name else "", student[1].strip() if student else "")
+    return found
+
+
+def _patterns(pattern: str, stems: Mapping[str, str]) -> list[re.Pattern[str]]:
+    """Return a pattern as expressions: with the levels that there are, and with any."""
+    if not pattern:
+        return []
+    levels = "|".join(r"[\W_]*".join(stem) for stem in sorted(stems, key=len, reverse=True))
+    found = []
+    for level in (levels, FIELDS["level"]):
+        fields = FIELDS | {"level": level}
+        pieces = re.split(r"\{(\w+)\}", stem_of(pattern, SUFFIX))
+        texts = [
+            f"(?P<{piece}>{fields[piece]})" if number % 2 else re.escape(piece)
+            for number, piece in enumerate(pieces)
+        ]
+        found.append(re.compile("".join(texts), re.I))
+    return found
+
+
+def _owner(
+    parts: tuple[str, ...],
+    patterns: list[re.Pattern[str]],
+    students: Mapping[str, tuple[str, str]],
+) -> tuple[Owner, str]:
+    """Return whose a file is, and its name without what tells that."""
+    top, name = parts[0], parts[-1]
+    for each in patterns:
+        for text in ("/".join(parts), name, top):
+            if match := each.fullmatch(stem_of(text, SUFFIX)):
+                fields = match.groupdict()
+                who = fields.get("name", ""), fields.get("id", "")
+                is_program = text[-len(name) :] == name and name.casefold().endswith(SUFFIX)
+                level = fields["level"] + SUFFIX if "level" in fields and is_program else ""
+                return Owner("_".join(filter(None, who)), *who, level), name
+    if top in students and any(students[top]):
+        who = students[top]
+        return Owner("_".join(filter(None, who)), *who), name
+    for each in _EXPORTS:
+        if match := each.fullmatch(top):
+            who = match["name"] or "", match["id"]
+            late = "late" in each.groupindex and bool(match["late"])
+            rest = match["rest"] or ""
+            owner = Owner("_".join(filter(None, who)), *who, is_late=late)
+            return owner, rest if len(parts) == 1 else name
+    return Owner(stem_of(top, SUFFIX) if len(parts) == 1 or is_archive(top) else top), name
+
+
+def matched(
+    roster: Iterable[Mapping[str, str]], entries: Mapping[str, Submission]
+) -> dict[str, str]:
+    """Return the entries of the students of a roster, by id.
+
+    What a row names exactly is found first, for several rows if they name the same one; then what
+    is the same but for case and accents, then names of people in any order of their words. Of
+    several that are equally near none counts.
+    """
+    keys: dict[str, set[str]] = defaultdict(set)
+    for shown, entry in entries.items():
+        owner = entry.owner
+        names = {shown, owner.key, *entry.tops, *(stem_of(top, SUFFIX) for top in entry.tops)}
+        for key in names | {plain(name) for name in {*names, owner.id, owner.name}}:
+            keys[key].add(shown)
+    found: dict[str, str] = {}
+    for nearness in _KEYS:
+        claims: dict[str, set[str]] = {}
+        taken = set(found.values()) if nearness is not _KEYS[0] else set()
+        for row in roster:
+            if row["id"] not in found:
+                near = {shown for key in nearness(row) if key for shown in keys.get(key, ())}
+                claims[row["id"]] = near - taken
+        counts = Counter(shown for near in claims.values() for shown in near)
+        for student, near in claims.items():
+            if len(near) == 1 and (counts[min(near)] == 1 or nearness is _KEYS[0]):
+                found[student] = min(near)
+    return found
+
+
+def _exact(row: Mapping[str, str]) -> list[str]:
+    own = row.get("submission") or row["id"]
+    return [own, stem_of(own, SUFFIX)]
+
+
+def _alike(row: Mapping[str, str]) -> list[str]:
+    own, student = plain(stem_of(row.get("submission") or "", SUFFIX)), plain(row["id"])
+    return [own, student, student.removeprefix("participant")]  # as Moodle's tables have it
+
+
+def _called(row: Mapping[str, str]) -> list[str]:
+    words = re.findall(r"\w+", row.get("name") or "")
+    return [plain("".join(words[n:] + words[:n])) for n in range(len(words))]
+
+
+_KEYS = (_exact, _alike, _called)

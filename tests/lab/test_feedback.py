@@ -1,0 +1,115 @@
+"""What a teacher adds to grades, and what a student reads before and after."""
+
+from __future__ import annotations
+
+import csv
+import os
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.game.victory import reference_table
+from logical_robots_tui.lab.submissions import plan_grading
+from logical_robots_tui.language.source_text import size_of
+from logical_robots_tui.toml_files import TomlFileError
+from tests.cli.running import Command
+from tests.lab.laboratory import FIRST_STEPS
+from tests.lab.test_running import SENSOR, STILL
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ASSIGNMENT = """
+[assignment]
+starts = 0
+roster = "roster.csv"
+by_hand = "by-hand.csv"
+[[level]]
+name = "01-first-steps"
+[late]
+after = 2026-01-31T12:00:00Z
+extensions = "extensions.csv"
+keep = 0.5
+"""
+
+
+@pytest.fixture
+def assignment(tmp_path: Path) -> tuple[Path, Path]:
+    """Three students who were all too late, but one had more time."""
+    (tmp_path / "a.toml").write_text(ASSIGNMENT)
+    (tmp_path / "roster.csv").write_text("id,name\nada,Ada\nben,Ben\ncem,Cem\n")
+    (tmp_path / "extensions.csv").write_text("id,until\nben,2026-02-01T12:00:00+00:00\n")
+    (tmp_path / "by-hand.csv").write_text("id,points,reason\nada,1.5,neat\nada,-0.5,\n")
+    folder = tmp_path / "all"
+    folder.mkdir()
+    changed = datetime(2026, 1, 31, 13, 2, 3, tzinfo=UTC).timestamp()
+    for name in ("ada", "ben", "cem"):
+        text = STILL.format("0", '""', SENSOR) if name == "cem" else FIRST_STEPS
+        (folder / f"{name}.l").write_text(text)
+        os.utime(folder / f"{name}.l", (changed, changed))
+    return tmp_path / "a.toml", folder
+
+
+def test_late_by_some_time_with_extensions_and_points_by_hand(
+    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, out = Command(capsys), assignment[1].parent / "out"
+    for _ in range(2):  # what was added by hand survives that
+        assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+        with (out / "gradebook.csv").open(newline="") as lines:
+            ada, ben, cem = csv.DictReader(lines)
+        assert (ada["points"], ada["late"], ada["by_hand"]) == ("6.0", "true", "1.0")
+        assert (ben["points"], ben["late"], cem["points"]) == ("10.0", "false", "0.0")
+    feedback = (out / "feedback/ada.md").read_text()
+    assert "6 of 10 points, 1:02:03 late: 50% of the points count" in feedback
+    assert "+1.5 points by hand: neat" in feedback.replace("\\", "")
+    lost = (out / "feedback/cem.md").read_text().replace("\\", "")
+    assert "Ada ended at (" in lost
+    assert "and had stood there since tick 0." in lost
+    assert "logical-robots play 01-first-steps YOUR-PROGRAM" in lost
+
+
+def test_each_part_of_the_points_is_told_with_its_number_and_the_reference(
+    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, out = Command(capsys), assignment[1].parent / "out"
+    text = ASSIGNMENT.replace("by_hand", "#") + "[points]\nwon = 5\nticks = 3\nsize = 2\n"
+    assignment[0].write_text(text.replace("keep = 0.5", ""))
+    assert command("grade", *assignment, "-o", out, "--workers", 1).status == 0
+    won, lost = ((out / f"feedback/{name}.md").read_text() for name in ("ben", "cem"))
+    first = reference_table()["01-first-steps"]["first-steps"]
+    size = size_of(FIRST_STEPS)
+    assert "- 5 of 5 points for winning: won from the given start.\n" in won
+    ticks = f"{first.ticks:,} ticks; the reference program has {first.ticks:,}.\n"
+    assert f"- 3 of 3 points for ticks: {ticks}" in won
+    points = f"{2 * min(1, first.size / size):.2f}".rstrip("0").rstrip(".")
+    symbols = f"{size} symbols; the reference program has {first.size}.\n"
+    assert f"- {points} of 2 points for size: {symbols}" in won
+    assert "- 0 of 3 points for ticks: not won from the given start.\n" in lost
+
+
+def test_one_student_can_be_looked_at_before_all_are_run(
+    assignment: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    command, out = Command(capsys), assignment[1].parent / "out"
+    run = ("grade", *assignment, "-o", out, "--workers", 1)
+    told = command(*run, "--student", "Cem")
+    assert told.status == 0
+    assert "# a\n\nCem: 0 of 10 points" in told.out
+    assert not (out / "gradebook.csv").exists()
+    assert command("lab", "status", out).status == 1  # the others are left
+    assert command(*run, "--student", "Dot").status == 2
+
+
+def test_what_is_wrong_with_the_tables_is_said(assignment: tuple[Path, Path]) -> None:
+    folder = assignment[0].parent
+    (folder / "extensions.csv").write_text("id,until\nben,tomorrow\n")
+    (folder / "by-hand.csv").write_text("id,points\nada,many\n")
+    with pytest.raises(TomlFileError) as caught:
+        plan_grading(*assignment)
+    assert ["points for ada" in each for each in caught.value.problems] == [True, False]
+    (folder / "extensions.csv").write_text("id,until\n")
+    (folder / "by-hand.csv").write_text("id,points\neve,1\n")
+    with pytest.raises(TomlFileError, match="eve is not among the students"):
+        plan_grading(*assignment)

@@ -1,0 +1,243 @@
+"""Hand-ins as they come: exports, archives, names, and a roster that is matched before it runs."""
+
+from __future__ import annotations
+
+import io
+import tarfile
+import zipfile
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.errors import InputError
+from logical_robots_tui.lab.handins import entries_of, stems_of
+from logical_robots_tui.lab.submissions import account_of, plan_grading
+from logical_robots_tui.toml_files import TomlFileError
+from tests.cli.running import Command
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from logical_robots_tui.lab.folder import Manifest
+    from logical_robots_tui.lab.handins import Submission
+
+    Files = Mapping[str, str | bytes]
+
+FIRST, SECOND = "01-first-steps", "02-open-space"
+STEMS = stems_of([FIRST, SECOND])
+ROSTER = "id,name\n1001,Ada Lovelace\n1002,Zoë Müller\n1003,Cem Aydin\n"
+
+
+def zipped(files: Files) -> bytes:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return out.getvalue()
+
+
+def tarred(files: Mapping[str, str], mode: str = "w:gz") -> bytes:
+    out = io.BytesIO()
+    with tarfile.open(fileobj=out, mode=mode) as archive:  # type: ignore[call-overload] # literals only
+        for name, content in files.items():
+            info = tarfile.TarInfo(name)
+            info.size = len(content)
+            archive.addfile(info, io.BytesIO(content.encode()))
+    return out.getvalue()
+
+
+def written(folder: Path, files: Files) -> Path:
+    for name, content in files.items():
+        path = folder / "submissions" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return folder / "submissions"
+
+
+def entries(folder: Path, files: Files, pattern: str = "") -> dict[str, object]:
+    """The programs of each entry."""
+    found = entries_of(written(folder, files), STEMS, pattern)
+    return {name: entry.programs for name, entry in found.items()}
+
+
+def only(folder: Path, files: Files) -> Submission:
+    (found,) = entries_of(written(folder, files), STEMS).values()
+    return found
+
+
+def planned(folder: Path, files: Files, roster: str = ROSTER, more: str = "") -> Manifest:
+    (folder / "roster.csv").write_text(roster, "utf-8")
+    text = f'[assignment]\nroster = "roster.csv"\n{more}\n[[level]]\nname = "{FIRST}"\n'
+    (folder / "a.toml").write_text(text + f'[[level]]\nname = "{SECOND}"\n')
+    manifest, _ = plan_grading(folder / "a.toml", written(folder, files))
+    return manifest
+
+
+BOTH = {FIRST: "one", SECOND: "two"}
+SHAPES: dict[str, Files] = {
+    "a folder": {"ada/01-first-steps.l": "one", "ada/Open_Space.L": "two"},
+    "one folder down": {"ada/week 1/first-steps.l": "one", "ada/week 1/open-space.l": "two"},
+    "a zip": {"ada.ZIP": zipped({"01-first-steps.l": "one", "02-open-space.l": "two"})},
+    "a zip of Windows": {"ada.zip": zipped({r"w\first-steps.l": "one", r"w\open-space.l": "two"})},
+    "a tar": {"ada.tgz": tarred({"./first-steps.l": "one", "./open-space.l": "two"})},
+    "an xz": {"ada.tar.xz": tarred({"first-steps.l": "one", "open-space.l": "two"}, "w:xz")},
+    "archives in a folder": {
+        "ada/1.zip": zipped({"first-steps.l": "one"}),
+        "ada/2.tar": tarred({"a/open-space.l": "two"}, "w"),
+    },
+    "what macOS packs": {
+        "ada.zip": zipped(
+            {
+                "ada/": "",
+                "ada/first-steps.l": "one",
+                "ada/open-space.l": "two",
+                "__MACOSX/ada/._first-steps.l": b"\0\5\x16\7",
+                "ada/.DS_Store": "",
+            }
+        )
+    },
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_one_student_hands_in(tmp_path: Path, shape: str) -> None:
+    found = only(tmp_path, SHAPES[shape])
+    assert (found.owner.key, found.programs, found.remarks) == ("ada", BOTH, [])
+
+
+def test_exports_of_moodle_canvas_gradescope_and_nbgrader_are_matched(tmp_path: Path) -> None:
+    metadata = (
+        "submission_77:\n  :submitters:\n  - :name: Cem Aydin\n    :sid: '1003'\n"
+        "    :email: c@example.org\n  :created_at: 2026-01-01 10:00:00.000000000 Z\n"
+    )
+    manifest = planned(
+        tmp_path,
+        {
+            "Ada Lovelace_398021_assignsubmission_file_/program.l": "moodle",
+            "müllerzoë_LATE_12345_67890_first-steps-1.l": "canvas",
+            "müllerzoë_LATE_12345_67891_open-space.l": "canvas, too",
+            "submission_77/ps1/first-steps.l": "gradescope",
+            "submission_metadata.yml": metadata,
+            "1004/ps1/first-steps.l": "nbgrader",
+        },
+        ROSTER + "1004,Dot\n",
+    )
+    got = {each.id: (each.submission, each.late, each.remarks) for each in manifest.students}
+    assert got == {
+        "1001": ("Ada Lovelace_398021", False, ()),
+        "1002": ("müllerzoë_12345", True, ()),
+        "1003": ("Cem Aydin_1003", False, ()),
+        "1004": ("1004", False, ()),
+    }
+    cells = [(cell.student, cell.level_name) for cell in manifest.cells]
+    alone = [("1003", FIRST), ("1004", FIRST)]
+    assert cells == [(who, level) for who in ("1001", "1002") for level in BOTH] + alone
+    assert account_of(manifest) == ["4 in the roster, 4 matched"]
+
+
+def test_an_export_needs_not_be_unpacked(tmp_path: Path) -> None:
+    files: dict[str, str] = {"class/ada/first-steps.l": "one", "class/ben.l": "all"}
+    cem: Files = {"class/cem.zip": zipped({"first-steps.l": "one"})}
+    programs = {"ada": {FIRST: "one"}, "ben": {"": "all"}}
+    for name, content, more in (
+        ("submissions.zip", zipped({**files, **cem}), {"cem": {FIRST: "one"}}),
+        ("submissions.tar.gz", tarred(files), {}),
+    ):
+        file = tmp_path / name
+        file.write_bytes(content)
+        found = {key: entry.programs for key, entry in entries_of(file, STEMS).items()}
+        assert found == programs | more
+
+
+def test_a_pattern_says_how_files_are_named(tmp_path: Path) -> None:
+    files: Files = {
+        "Ada_Lovelace_1001_first_steps.l": "one",
+        "Ada_Lovelace_1001_02-open-space.L": "two",
+        "deep/Ben_1002_bonus.l": "three",
+        "Cem_1003_all.zip": zipped({"first-steps.l": "four"}),
+        "notes.txt": "",
+    }
+    found = entries(tmp_path, files, "{name}_{id}_{level}.l")
+    assert found == {
+        "Ada_Lovelace_1001": BOTH,
+        "Ben_1002": {"": "three"},
+        "Cem_1003": {FIRST: "four"},
+        "notes.txt": {},
+    }
+    for wrong in ("{level}.l", "{who}_{id}", "{id}_{id}"):
+        with pytest.raises(TomlFileError, match=r"a\.toml:3: .*pattern"):
+            planned(tmp_path, files, more=f'pattern = "{wrong}"')
+
+
+@pytest.mark.parametrize("named", ["ada", "ADA.l", "ada.zip", "Ada.tar.gz"])
+def test_a_roster_names_a_submission_with_or_without_its_ending(tmp_path: Path, named: str) -> None:
+    manifest = planned(tmp_path, {"ada.l": "one"}, f"id,submission\n7,{named}\n")
+    assert [(each.id, each.submission) for each in manifest.students] == [("7", "ada")]
+
+
+def test_tables_of_moodle_and_canvas_are_rosters(tmp_path: Path) -> None:
+    moodle = "Identifier,Full name\nParticipant 398021,A. L.\n"
+    files = {"Ada Lovelace_398021_assignsubmission_file_/x.l": "one"}
+    assert planned(tmp_path, files, moodle).students[0].submission == "Ada Lovelace_398021"
+    canvas = "Student,ID,SIS User ID\n    Points Possible,,\nNobody,398021,x\n"
+    (student,) = planned(tmp_path, files, canvas).students
+    assert (student.name, student.submission) == ("Nobody", "Ada Lovelace_398021")
+
+
+def test_two_of_one_name_are_not_guessed(tmp_path: Path) -> None:
+    files = {"x_11_assignsubmission_file_/a.l": "", "ada_22_assignsubmission_file_/a.l": ""}
+    manifest = planned(tmp_path, files, "id,name\n1,Ada\n2,Ada\n")
+    assert [each.submission for each in manifest.students] == ["", "", "ada_22", "x_11"]
+
+
+def test_before_it_runs_it_says_who_was_matched(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = Command(capsys)
+    right = "Robot(robot_name:, desire: {left_engine: 0, right_engine: 0}) :- Sensor(robot_name:);"
+    files: Files = {
+        "1001.zip": zipped({"first-steps.l": right}),
+        "1002/first-steps.txt": right,
+        "stranger.l": right,
+        "notes.docx": "",
+    }
+    manifest = planned(tmp_path, files)
+    account, *remarks = account_of(manifest)
+    assert account == (
+        "3 in the roster, 2 matched; not matched: Cem Aydin (1003); "
+        "files that nobody handed in: stranger, notes.docx"
+    )
+    assert remarks == [
+        "Zoë Müller (1002): there is no program in it; their names end with .l, but first-steps.txt"
+    ]
+    paths = tmp_path / "a.toml", tmp_path / "submissions"
+    told = command("grade", *paths, "-o", tmp_path / "out", "--workers", 1)
+    assert told.out.startswith(account)
+    report = command("lab", "report", tmp_path / "out")
+    assert report.status == 0
+    assert account in (tmp_path / "out/report.html").read_text("utf-8")
+    feedback = (tmp_path / "out/feedback/1002.md").read_text("utf-8")
+    assert "nothing was submitted" not in feedback
+    assert "no program for this level was found" in feedback
+
+
+def test_nothing_was_submitted_only_if_nothing_is_left_over(tmp_path: Path) -> None:
+    files: Files = {"1001.l": "", "1002.l": ""}
+    assert planned(tmp_path, files).students[2].remarks == ("nothing was submitted",)
+    more = planned(tmp_path, {**files, "essay.docx": ""}).students[2].remarks
+    assert more == ("nothing that was submitted was found to be theirs",)
+
+
+def test_what_can_not_be_read_is_said(tmp_path: Path) -> None:
+    assert only(tmp_path / "a", {"ada.zip": b"PK no zip"}).remarks == ["ada.zip: it is damaged"]
+    assert only(tmp_path / "b", {"ada.zip": zipped({})}).remarks == [
+        "ada.zip: there is nothing in it"
+    ]
+    two = only(tmp_path / "c", {"ada/first-steps.l": "1", "ada/old/first-steps.l": "2"})
+    assert two.programs == {FIRST: "1"}
+    assert two.remarks == ["old/first-steps.l: first-steps.l is there for this level, too"]
+    utf_16 = only(tmp_path / "d", {"ada/first-steps.l": "x".encode("utf-16")})
+    assert utf_16.remarks == ["first-steps.l: it is not UTF-8 text"]
+    with pytest.raises(InputError, match=r"more than one of this name: ada, ada\.zip"):
+        entries(tmp_path, {"ada/x.l": "", "ada.zip": zipped({"x.l": ""})})

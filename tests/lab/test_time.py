@@ -1,0 +1,164 @@
+"""Time: counted in steps and processor seconds; what takes too much of it holds nobody up."""
+
+from __future__ import annotations
+
+import csv
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from logical_robots_tui.lab import engines
+from logical_robots_tui.lab.coordinating import Coordinator
+from logical_robots_tui.lab.folder import ATTEMPTS, Cell, Folder, Manifest, Student, digest
+from logical_robots_tui.lab.running import Answer, execute
+from tests.cli.running import Command
+from tests.lab.laboratory import FIRST_STEPS, deadly, endless
+from tests.lab.test_running import SENSOR, STILL, only, task
+from tests.waiting import PATIENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    from logical_robots_tui.lab.running import Task
+
+HEAVY = "N(x) :- x in Range(100);\n" + STILL.format(
+    "Sum{x * y :- N(x), N(y)} + sensor.clock", '""', SENSOR
+)
+ASSIGNMENT = """
+[assignment]
+starts = 0
+roster = "roster.csv"
+[[level]]
+name = "01-first-steps"
+[[level]]
+name = "02-open-space"
+"""
+
+
+def test_a_program_that_thinks_too_much_is_too_slow_at_a_tick_that_is_always_the_same() -> None:
+    first = only(execute(task(HEAVY, run_steps=5_000_000)))
+    assert first.outcome == "too slow"
+    assert 10 < first.ticks < 300
+    execute(task(FIRST_STEPS))
+    assert only(execute(task(HEAVY, run_steps=5_000_000, seconds=30.0))) == first
+    more = only(execute(task(HEAVY, run_steps=6_000_000)))
+    assert more.ticks > first.ticks
+    assert only(execute(task(HEAVY, ticks=first.ticks))).outcome == "out of ticks"
+
+
+class Recorder:
+    """An engine that runs one task at a time and takes long for some programs."""
+
+    slots = 1
+
+    def __init__(self) -> None:
+        self.order: list[str] = []
+        self.during: Callable[[], None] = lambda: None  # called while a task is at work
+        self._tasks: list[tuple[object, Task]] = []
+
+    @property
+    def free(self) -> int:
+        return 1 - len(self._tasks)
+
+    def submit(self, key: object, task: Task) -> None:
+        self._tasks.append((key, task))
+        self.order.append(task.programs[""])
+
+    def wait(self, seconds: float) -> Iterator[tuple[object, Answer]]:
+        self.during()
+        key, task = self._tasks.pop()
+        if "stuck" in task.programs[""]:
+            yield key, Answer((), "w", "it took more than 1 seconds", is_final=True)
+            return
+        took = 9.0 if "slow" in task.programs[""] else 0.1
+        won = '{"outcome":"won","ticks":7}'
+        yield key, Answer(tuple((start, won, took) for start in task.starts[:1]), "w")
+
+    def close(self, *, at_once: bool = False) -> None:
+        """Nothing to end."""
+
+
+def test_students_whose_programs_take_long_come_last(tmp_path: Path) -> None:
+    texts = ["ada slow 1", "ada 2", "ben stuck 1", "ben 2", "cem 1", "cem 2"]
+    level = digest("level")
+    cells = tuple(Cell(level, digest(t), "level", t, 10, student=t.split()[0]) for t in texts)
+    students = tuple(Student(name) for name in ("ada", "ben", "cem"))
+    plan = Manifest("grade", "t", "", 1, True, (), (), 1, 1.0, cells, students)
+    folder, engine = Folder(tmp_path), Recorder()
+    with folder.locked(), folder.ledger() as ledger:
+        manifest = folder.write(plan, {digest(text): text for text in [*texts, "level"]})
+        coordinator = Coordinator(folder, manifest, ledger)
+        named: set[str] = set()
+
+        def note() -> None:
+            seconds, cell = coordinator.longest() or (-1.0, cells[0])
+            assert 0 <= seconds < PATIENCE
+            named.add(manifest.called(cell))
+
+        engine.during = note
+        coordinator.work(engine, lambda: False, lambda: None)
+        assert coordinator.longest() is None
+        assert named == {f"{text.split()[0]}: {text} in level" for text in texts}
+        tally = coordinator.tally()
+        assert [len(reasons) for reasons in ledger.failures().values()] == [ATTEMPTS]
+    assert engine.order.count("ben stuck 1") == 1  # another attempt would take as long
+    assert (tally.done, tally.failed) == (10, 1)
+    last = max(place for place, text in enumerate(engine.order) if text.startswith("cem"))
+    assert set(engine.order[last + 1 :]) == {"ada slow 1", "ada 2", "ben 2"}
+
+
+@pytest.fixture
+def graded(tmp_path: Path) -> Path:
+    """An assignment with a student whose program for one level has no end."""
+    (tmp_path / "a.toml").write_text(ASSIGNMENT + "[limits]\nseconds = 3\n")
+    (tmp_path / "roster.csv").write_text("id,name,submission\n1,Ada,ada\n2,Ben,ben\n")
+    for student, mark in (("ada", ""), ("ben", "# endless\n# deadly from 0;\n")):
+        for level, more in (("first-steps", mark), ("open-space", "")):
+            file = tmp_path / f"all/{student}/{level}.l"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(FIRST_STEPS.replace("= 40", f"= 4{len(more)}") + more)
+    return tmp_path
+
+
+def test_grading_ends_with_a_gradebook_of_what_there_is(
+    graded: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engines, "execute", deadly)
+    out = graded / "out"
+    told = Command(capsys)("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
+    assert told.status == 1
+    assert "Ben (2): 01-first-steps.l in 01-first-steps, start 0: its worker" in told.out
+    with (out / "gradebook.csv").open(newline="") as lines:
+        ada, ben = csv.DictReader(lines)
+    assert (ada["points"], ada["ungraded"]) == ("10.0", "0")
+    assert (ben["points"], ben["ungraded"], ben["01-first-steps"]) == ("", "1", "")
+    assert ben["02-open-space"] == "0.0"
+    scope = json.loads((out / "gradescope/2.json").read_text())
+    assert "score" not in scope
+    assert ["score" in test for test in scope["tests"]] == [False, True]
+    said = "0 of 20 points so far, 1 level not graded yet"
+    assert scope["output"] == said
+    assert said in (out / "feedback/2.md").read_text()
+    report = Command(capsys)("lab", "report", out)
+    assert f"Ben (2): {said}" in report.out
+    page = (out / "report.html").read_text("utf-8")
+    assert page.count(said) == 1
+    assert "<td>Ben (2)</td>" in page
+
+
+@pytest.mark.slow
+def test_a_worker_that_computes_for_ever_is_killed_and_only_its_program_blamed(
+    graded: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engines, "execute", endless)
+    monkeypatch.setattr(engines, "_GRACE", 0.0)
+    out = graded / "out"
+    told = Command(capsys)("grade", graded / "a.toml", graded / "all", "-o", out, "--workers", 1)
+    assert told.status == 1
+    assert "Ben (2): 01-first-steps.l in 01-first-steps, start 0: it took more than" in told.out
+    assert "1 runs could not be done" in told.out
+    with Folder(out).ledger() as ledger:
+        assert [len(reasons) for reasons in ledger.failures().values()] == [ATTEMPTS]
+        assert len(ledger.results()) == 2  # of three programs two are the same

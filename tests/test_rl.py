@@ -1,0 +1,133 @@
+"""Environments in which robots learn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+from docs.learner import learn
+from logical_robots_tui import Simulation, list_levels, load_level
+from logical_robots_tui.rl import OBJECTS, PER_UNIT, RobotEnv, RobotsEnv
+
+HOME = "04-everybody-home"
+
+
+@pytest.fixture
+def mixed() -> Iterator[RobotsEnv]:
+    """One robot learns, and a program drives the others."""
+    env = RobotsEnv(HOME, [load_level(HOME).robots[0].name], "everybody-home", ticks=60)
+    yield env
+    env.close()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("reward", ["sparse", "shaped"])
+def test_the_checker_of_gymnasium_is_content(reward: str) -> None:
+    env = gymnasium.make("LogicalRobots/01-first-steps", reward=reward, ticks=50)
+    check_env(env.unwrapped, skip_render_check=True)
+
+
+@pytest.mark.filterwarnings("error")
+def test_the_tests_of_pettingzoo_pass(mixed: RobotsEnv) -> None:
+    parallel_api_test(RobotsEnv(HOME, ticks=60, reward="shaped"), num_cycles=150)
+    parallel_api_test(mixed, num_cycles=150)
+    parallel_seed_test(lambda: RobotsEnv(HOME, ticks=60, starts=range(5)))
+
+
+def test_each_level_has_an_environment() -> None:
+    names = {key.partition("/")[2] for key in gymnasium.registry if "LogicalRobots/" in key}
+    assert names == set(list_levels())
+
+
+def test_an_observation_is_what_a_program_senses() -> None:
+    env = RobotsEnv("12-power-line")
+    observed, _ = env.reset()
+    for row in Simulation("12-power-line").look():
+        seen, sensor = observed[row["robot_name"]], row["sensor"]
+        rays = [*sensor["radar"], {key: sensor[f"forward_{key}"] for key in ("distance", "label")}]
+        assert np.allclose(seen["distance"] * 200, [ray["distance"] for ray in rays])
+        assert [env.labels[n] for n in seen["label"]] == [ray["label"] for ray in rays]
+        kinds = [*(ray["object"] for ray in sensor["radar"]), sensor["forward_object"]]
+        assert [OBJECTS[n] for n in seen["object"]] == kinds
+        own = sensor["self"]
+        full = own["battery_level"] / own["battery_capacity"] if own["has_battery"] else 1
+        assert seen["battery"] == pytest.approx([full])
+
+
+def test_learners_act_among_robots_that_a_program_drives(mixed: RobotsEnv) -> None:
+    (learner,) = mixed.possible_agents
+    mixed.reset()
+    simulation = Simulation(HOME, "everybody-home")
+    for tick in range(60):
+        powers = (1, 0.5 * (tick % 3))
+        _, _, _, late, _ = mixed.step({learner: np.array(powers, np.float32)})
+        simulation.step({learner: powers})
+    assert late == {learner: True}
+    assert mixed.agents == []
+    assert mixed._state == simulation.frame.after
+
+
+def won(env: RobotEnv) -> tuple[list[float], dict[str, Any]]:
+    """The rewards of driving as the solution of the first level does, and the last info."""
+    simulation, rewards = Simulation("01-first-steps", "first-steps"), []
+    info: dict[str, Any] = {}
+    env.reset()
+    is_over = False
+    while not is_over:
+        (decision,) = simulation.step().decisions
+        assert decision.desire is not None
+        action = np.array([decision.desire.left_engine, decision.desire.right_engine])
+        _, each, is_over, is_late, info = env.step(action)
+        assert not is_late
+        rewards.append(each)
+    assert simulation.won
+    return rewards, info
+
+
+def test_a_victory_is_worth_1_and_the_way_to_it_what_it_shortens() -> None:
+    rewards, info = won(RobotEnv("01-first-steps"))
+    assert info == {"won": True}
+    assert (rewards[-1], sum(rewards)) == (1, 1)
+    rewards, _ = won(RobotEnv("01-first-steps", reward="shaped"))
+    way = sum(rewards) - 1
+    level = load_level("01-first-steps")
+    (robot,), (goal,) = level.robots, [area for area in level.areas if area.victory_robots]
+    straight = np.hypot(robot.x - goal.x, robot.y - goal.y) - goal.radius
+    assert PER_UNIT * straight <= way <= 5 * PER_UNIT * straight
+
+
+def test_the_points_of_a_team_are_rewards() -> None:
+    level = "16-high-ground"
+    name = load_level(level).robots[0].name
+    env = RobotsEnv(level, [name], ticks=400)
+    env.reset()
+    total = 0.0
+    while env.agents:
+        _, rewards, *_ = env.step({name: np.zeros(2, np.float32)})
+        total += rewards[name]
+    env.close()
+    run = Simulation(level)
+    for _ in range(400):
+        run.step({name: (0, 0)})
+    assert total == pytest.approx(run.points[load_level(level).robots[0].team])
+    run.close()
+
+
+def test_a_wrong_robot_is_told() -> None:
+    with pytest.raises(ValueError, match=r"There is no robot 'Adda'\. Did you mean \"Ada\"\?"):
+        RobotsEnv("01-first-steps", ["Adda"])
+
+
+@pytest.mark.slow
+def test_fifty_lines_learn_to_win_the_first_level() -> None:
+    found = learn(most=100)
+    assert found is not None
+    weights, episodes = found
+    assert weights.shape == (2, 4)
+    assert episodes > 5
