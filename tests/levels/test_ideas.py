@@ -48,7 +48,8 @@ HAVE_THE_IDEA = {
         *("breadcrumbs", "distributed-mapping", "distributed-mapping-starter", "everybody-home"),
         *("everybody-home-starter", "formation", "formation-starter", "herd", "obstacle-avoider"),
         *("open-space", "power-line", "power-line-starter", "station-management-starter", "swarm"),
-        *("swarm-starter", "the-gate", "the-gate-starter", "the-long-hall", "wall-crawler"),
+        *("steering", "swarm-starter", "the-gate", "the-gate-starter", "the-long-hall"),
+        "wall-crawler",
     ),
     # One angle or distance out of many rays.
     "02-open-space": (
@@ -57,7 +58,7 @@ HAVE_THE_IDEA = {
         *("swarm", "swarm-starter"),
     ),
     # A hand on the wall.
-    "03-the-long-hall": ("station-management-starter", "wall-crawler"),
+    "03-the-long-hall": ("station-management-starter", "steering", "wall-crawler"),
     # They stop at a beacon that is called "Home", too.
     "04-everybody-home": ("power-line", "power-line-starter"),
 }
