@@ -198,21 +198,20 @@ LEFT_HAND = (
     ("(WallAngle(radar) + 1.05) + (45", "(WallAngle(radar) - 1.05) - (45"),
 )
 FASTER = (("0.8 - angle", "1 - angle"), ("0.8 + angle", "1 + angle"))
+FULL_SPEED = (("Steer(0.8", "Steer(1"),)
 VARIATIONS: dict[str, list[tuple[tuple[str, str], ...]]] = {
     "01-first-steps": [(("distance < 40", "distance < 80"),)],
     "02-open-space": [(("ray.distance ->", "ray.distance * ray.distance ->"),)],
     "03-the-long-hall": [LEFT_HAND, FASTER],
     "04-everybody-home": [(("0.9 - angle", "1 - angle"), ("0.9 + angle", "1 + angle"))],
-    "05-lighthouse": [(("0.9 - angle", "1 - angle"), ("0.9 + angle", "1 + angle"))],
-    "06-breadcrumbs": [FASTER],
-    "07-station-management": [FASTER],
+    "05-lighthouse": [(("Steer(0.9", "Steer(1"),)],
+    "06-breadcrumbs": [FULL_SPEED],
+    "07-station-management": [FULL_SPEED],
     "08-formation": [(("else 0.6)", "else 0.8)"),)],
-    "11-the-gate": [FASTER, (("80 else", "40 else"),)],
-    "10-distributed-mapping": [
-        (("{left_engine: 1, right_engine: -1}", "{left_engine: -1, right_engine: 1}"),)
-    ],
+    "11-the-gate": [FULL_SPEED, (("80 else", "40 else"),)],
+    "10-distributed-mapping": [(("then Turn(-1)", "then Turn(1)"),)],
     "13-swarm": [(("near < 4", "near < 8"),)],
-    "09-doors": [(("0.9 - 2 *", "1 - 2 *"), ("0.9 + 2 *", "1 + 2 *"))],
+    "09-doors": [(("Steer(0.9", "Steer(1"),)],
     "14-right-of-way": [(("radar) < 25", "radar) < 20"),)],
     "15-auction": [(("Steer(0.5", "Steer(0.8"),)],
 }
