@@ -15,7 +15,6 @@ import numpy as np
 
 from logical_robots_tui.game.frame import standing
 from logical_robots_tui.game.measuring import start_of
-from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.schema import (
     BEACON,
     NO_LABEL,
@@ -25,7 +24,7 @@ from logical_robots_tui.schema import (
     SENSOR_RANGE,
     WALL,
 )
-from logical_robots_tui.simulation import OneProgram, Simulation
+from logical_robots_tui.simulation import OneProgram, Simulation, check_robots
 from logical_robots_tui.world import Level, World, list_levels, load_level
 
 try:
@@ -96,11 +95,10 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         reward: Reward = "sparse",
     ) -> None:
         self.level = level if isinstance(level, Level) else load_level(level)
-        names = [robot.name for robot in self.level.robots]
+        self._teams = {robot.name: robot.team for robot in self.level.robots}
+        names = list(self._teams)
         self.possible_agents = names if learners is None else list(learners)
-        for name in self.possible_agents:
-            if name not in names:
-                raise ValueError(f"There is no robot {name!r}. {did_you_mean(name, names)}")
+        check_robots(self.possible_agents, names)
         self.agents: list[str] = []
         self.render_mode = None
         self._program, self._starts, self._ticks = program, tuple(starts), ticks
@@ -146,7 +144,8 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         if self._needs_mind:
             self._run = Simulation(self.level, self._program, start=start)
         else:
-            self._run = World(start_of(self.level, start))
+            like = self._run if isinstance(self._run, World) else None
+            self._run = World(start_of(self.level, start), like=like)
         self.agents = list(self.possible_agents)
         self._before = self._values(self._state)
         return self._observe(), {name: {} for name in self.agents}
@@ -220,9 +219,8 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
 
     def _values(self, state: WorldState) -> dict[str, float]:
         """Return what rewards are differences of: points, and if shaped the way left."""
-        team = {robot.name: robot.team for robot in self.level.robots}
         scored = standing(self.level, state)
-        found = {name: scored.get(team[name], 0.0) for name in self.possible_agents}
+        found = {name: scored.get(self._teams[name], 0.0) for name in self.possible_agents}
         if self._is_shaped:
             for robot in state.robots:
                 if robot.name in found and (ways := self._ways.get(robot.name)) is not None:
@@ -238,7 +236,9 @@ class RobotsEnv(ParallelEnv):  # type: ignore[misc] # it has no types
         for area in self.level.areas:
             for name in area.victory_robots:
                 goals.setdefault(name, []).append((area.x, area.y, area.radius))
-        return {name: _ways_to(self.level.walls, tuple(places)) for name, places in goals.items()}
+        shared = {tuple(places) for places in goals.values()}
+        found = {places: _ways_to(self.level.walls, places) for places in shared}
+        return {name: found[tuple(places)] for name, places in goals.items()}
 
 
 def _ways_to(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -136,9 +136,7 @@ class Simulation:
             ValueError: There is no such robot, or it is no desire.
         """
         given = {name: desire_of(name, each) for name, each in (desires or {}).items()}
-        if strangers := given.keys() - self.robots.keys():
-            name = min(strangers)
-            raise ValueError(f"There is no robot {name!r}. {did_you_mean(name, self.robots)}")
+        check_robots(sorted(given), self.robots)
 
         def decide(_tick: int, decisions: tuple[Decision, ...]) -> tuple[Decision, ...]:
             return tuple(
@@ -215,8 +213,7 @@ class Simulation:
         """
         from logical_robots_tui.explain.why.explainer import read_ask
 
-        if robot not in self.robots:
-            raise ValueError(f"There is no robot {robot!r}. {did_you_mean(robot, self.robots)}")
+        check_robots([robot], self.robots)
         mind = self._mind(self.level.team_of(robot))
         asked = read_ask(mind.program, row) if "(" in row else Ask(row)
         explainer = Explainer(mind, robot, self.frame.sensors, self.frame.memories_before)
@@ -333,6 +330,13 @@ class Simulation:
         if team not in self._minds:
             self._minds[team] = mind_for(self.program.for_team(team), self.level, self._limits)
         return self._minds[team]
+
+
+def check_robots(names: Iterable[str], known: Collection[str]) -> None:
+    """Raise ValueError for the first name that is no robot."""
+    for name in names:
+        if name not in known:
+            raise ValueError(f"There is no robot {name!r}. {did_you_mean(name, known)}")
 
 
 def _level(level: Level | str | Path) -> Level:
