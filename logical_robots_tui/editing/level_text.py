@@ -14,6 +14,7 @@ import tomlkit
 
 from logical_robots_tui.world.level import (
     AREA_COLOR,
+    FLAGS,
     ROBOT_COLOR,
     Area,
     Beacon,
@@ -66,7 +67,7 @@ def words_of(level: Level) -> Record:
         "hints": list(level.hints),
         **{name: getattr(level, name) for name in ("lesson", "further", "story")},
         "questions": [_question(question) for question in level.questions],
-        **{name: getattr(level, name) for name in _FLAGS},
+        **{name: getattr(level, name) for name in FLAGS},
         "shuffled_names": list(level.shuffled_names),
         "match": {"ticks": level.match_ticks} if level.match_ticks else {},
         "teams": [_record_of(team) for team in level.teams],
@@ -176,10 +177,9 @@ def toml_text(key: str, value: object) -> str:
     return tomlkit.item(value).as_string()
 
 
-_FLAGS = ("divided_charge", "solid_robots", "all_goals")
 _WORDS = (
     *("idea", "briefing", "hints", "lesson", "further", "story", "questions", "starter"),
-    *("solution", "shared_names", "second_goals", "teams", "match_ticks", "scores", *_FLAGS),
+    *("solution", "shared_names", "second_goals", "teams", "match_ticks", "scores", *FLAGS),
     "shuffled_names",
 )
 _SEEN = Visibility(memory="all", sensor="all")

@@ -43,7 +43,7 @@ class Examiner:
     async def predicates(self, question: LevelQuestion) -> list[Predicate]:
         """Return the predicates and functions that a query may use, or raise InputError."""
         program = (await self._run(question)).program
-        return [each for each in program.predicates if each.has_rows or each.kind != "prelude"]
+        return [each for each in program.predicates if each.is_listed]
 
     async def check(
         self,

@@ -29,6 +29,7 @@ from logical_robots_tui.game.history.packing import TickState
 from logical_robots_tui.game.history.recording import DamagedError, Recording
 from logical_robots_tui.mind import Limits
 from logical_robots_tui.world import Level
+from logical_robots_tui.world.level import FLAGS
 
 if TYPE_CHECKING:
     from logical_robots_tui.mind import Mind, Program
@@ -275,7 +276,7 @@ def run_key(level: Level, program: Program, limits: Limits) -> str:
         "walls": hashlib.sha256(level.walls.tobytes()).hexdigest(),
         "visibility": asdict(level.visibility),
         "match_ticks": level.match_ticks,
-        **{key: getattr(level, key) for key in ("divided_charge", "solid_robots", "all_goals")},
+        **{key: getattr(level, key) for key in FLAGS},
         "programs": program.texts,
         "limits": asdict(limits),
     }

@@ -218,11 +218,6 @@ def _names(
     subjects = {each.subject for each in program if isinstance(each, tree.Annotation)}
     values = {node.name for node in tree.walk(program) if isinstance(node, tree.PredicateName)}
     values -= {*(each.name for each in calls(program)), *subjects}
-    aggregating = {
-        each.name
-        for each in calls(program)
-        if any(isinstance(given.value, tree.Aggregate) for given in each.arguments)
-    }
     for name in names_used(program):
         if name in seen or name in known or name in left_open:
             continue
@@ -244,9 +239,14 @@ def _names(
             hint = _instead(name, known, runs) or "Define it, or correct its name."
             if name in values:
                 hint = _meant_as_value(name)
-            elif name in aggregating:
+            elif _is_given_an_aggregate(program, name):
                 hint = f"To define it, give it a body: {name}(...) :- ..."
             yield diagnostic_for(text, name, f"{name} is not defined", hint)
+
+
+def _is_given_an_aggregate(program: Sequence[tree.Statement], name: str) -> bool:
+    own = (each for each in calls(program) if each.name == name)
+    return any(isinstance(given.value, tree.Aggregate) for each in own for given in each.arguments)
 
 
 def _meant_as_value(name: str) -> str:

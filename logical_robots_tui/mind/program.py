@@ -41,6 +41,11 @@ class Predicate:
     reason: str = ""
     is_function: bool = False
 
+    @property
+    def is_listed(self) -> bool:
+        """Whether lists name it: functions of the prelude never have rows to show."""
+        return self.has_rows or self.kind != "prelude"
+
 
 @dataclass(frozen=True, slots=True)
 class Question:

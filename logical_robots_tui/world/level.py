@@ -291,6 +291,9 @@ def rename_in_areas(
     )
 
 
+FLAGS = ("divided_charge", "solid_robots", "all_goals")
+"""The attributes that a level file turns on with ``true``."""
+
 COMPARED = tuple(f.name for f in fields(Level) if f.name not in ("name", "source", "walls"))
 """The attributes by which levels are alike, besides their walls."""
 

@@ -418,8 +418,7 @@ class PredicateList(Listing):
     def list(self, predicates: tuple[Predicate, ...], inspected: str) -> None:
         self.predicates, self._survey = predicates, None
         self._counted.clear()
-        # Functions of the prelude never have rows to show; those of the program have calls.
-        listed = [each for each in predicates if each.has_rows or each.kind != "prelude"]
+        listed = [each for each in predicates if each.is_listed]
         pages = [page for page in PAGES if page.is_listed]
         self.names = [page.id for page in pages] + [predicate.name for predicate in listed]
         self.clear_options()

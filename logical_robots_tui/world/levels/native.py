@@ -24,6 +24,7 @@ from logical_robots_tui.paths import did_you_mean
 from logical_robots_tui.toml_files import parse_toml
 from logical_robots_tui.world.level import (
     AREA_COLOR,
+    FLAGS,
     ROBOT_COLOR,
     Area,
     Beacon,
@@ -44,12 +45,11 @@ if TYPE_CHECKING:
 
     _Bits = NDArray[np.bool_]
 
-_FLAGS = ("divided_charge", "solid_robots", "all_goals")
 _TOP_KEYS = (
     *("title", "lenient", "cell", "walls", "idea", "briefing", "hints", "lesson", "further"),
     *("story", "questions"),
     *("starter", "solution", "visibility", "shared_names", "second_goals", "teams", "match"),
-    *("scores", *_FLAGS, "shuffled_names", "robots", "beacons", "areas"),
+    *("scores", *FLAGS, "shuffled_names", "robots", "beacons", "areas"),
 )
 _ROBOT_KEYS = ("name", "x", "y", "heading", "angle", "color", "battery", "team")
 _BATTERY_KEYS = ("capacity", "consumption", "charges_others", "used")
@@ -102,7 +102,7 @@ def read_words(top: Fields) -> dict[str, Any]:
         "teams": top.each("teams", _read_team),
         "match_ticks": match.whole("ticks", least=1) if top.has("match") else 0,
         "scores": top.each("scores", _score),
-        **{key: top.flag(key) for key in _FLAGS},
+        **{key: top.flag(key) for key in FLAGS},
         "shuffled_names": top.names("shuffled_names"),
     }
 
