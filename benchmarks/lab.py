@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
@@ -16,7 +19,6 @@ from logical_robots_tui.lab.coordinating import Coordinator
 from logical_robots_tui.lab.engines import LocalEngine
 from logical_robots_tui.lab.folder import Folder
 from logical_robots_tui.lab.running import Task, execute, fingerprint
-from logical_robots_tui.lab.submissions import plan_grading
 from logical_robots_tui.lab.sweeping import plan_sweep
 from logical_robots_tui.mind import Program
 from logical_robots_tui.paths import shipped_folder
@@ -40,8 +42,19 @@ CLASS = (
     "05-lighthouse",
 )
 STUDENTS = 30
-SHARES = (("right", 15), ("starter", 9), ("wrong", 6))
-"""A realistic class: half win, a fifth does not compile, the others submit the starter."""
+WINNERS = 15
+_THINKS = "Robot(robot_name:, desire: {left_engine: 1, right_engine: 1}, memory: {m: %s}) :- %s;\n"
+_SENSES = "Sensor(robot_name:, sensor:)"
+_MEMORY = 'Coalesce(memory.m, "ab")'
+TROUBLES = (
+    _THINKS % (1, "Snesor(robot_name:)"),
+    _THINKS % ("1 +", _SENSES),
+    "\x00\x01PK\x03\x04" * 99,
+    "N(x) :- x in Range(300);\n" + _THINKS % ("Sum{x * y :- N(x), N(y)} + sensor.clock", _SENSES),
+    "N(x) :- x in Range(9000);\n" + _THINKS % ("Sum{a * b * c :- N(a), N(b), N(c)}", _SENSES),
+    _THINKS % (f"{_MEMORY} ++ {_MEMORY}", f"{_SENSES}, Memory(robot_name:, memory:)"),
+)
+"""Programs of a fifth of a class: three don't compile, and the others are slow or hostile."""
 
 _REMARK = "# {}\nBy_{}() = {};\n"  # so that no two are the same
 
@@ -134,40 +147,70 @@ def _peak_after(runs: int) -> float:
 
 
 def _class() -> Iterator[Measurement]:
-    """Grade a class of thirty in five levels from 21 starts with one worker."""
+    """Grade a class of thirty in five levels from 21 starts, and the class without its troubles.
+
+    Raises AssertionError if what one and two workers export is not the same.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         _write_class(folder)
-        plan = plan_grading(folder / "assignment.toml", folder / "submissions")
-        out = folder / "out"
-        seconds = _seconds(plan, out, 1)
-        with Folder(out).ledger() as ledger:
+        calm = _graded(folder, "calm", 1)
+        for number, text in enumerate(TROUBLES):
+            _hand_in(folder, f"trouble-{number}", text)
+        all_of_them = _graded(folder, "one", 1)
+        _graded(folder, "two", 2)
+        one, two = (_exported(folder / out) for out in ("one", "two"))
+        assert one == two
+        with Folder(folder / "one").ledger() as ledger:
             results = list(ledger.results().values())
     ticks = sum(result.ticks for result in results)
     subject = f"{STUDENTS} students, {len(CLASS)} levels, 21 starts"
-    yield summed_up("laboratory", f"{subject}, one worker", "s", [seconds])
+    ratio = all_of_them / calm
+    yield summed_up("laboratory", f"{subject}, one worker", "s", [all_of_them])
+    yield summed_up(
+        "laboratory", f"{subject}, against without a fifth", "times", [ratio], target=at_most(1.1)
+    )
     yield summed_up("laboratory", f"{subject}, runs", "", [len(results)])
-    yield summed_up("laboratory", f"{subject}, runs per core", "/s", [len(results) / seconds])
-    yield summed_up("laboratory", f"{subject}, ticks per core", "/s", [ticks / seconds])
+    yield summed_up("laboratory", f"{subject}, runs per core", "/s", [len(results) / all_of_them])
+    yield summed_up("laboratory", f"{subject}, ticks per core", "/s", [ticks / all_of_them])
     won = [result.ticks for result in results if result.outcome == "won"]
     lost = [result.ticks for result in results if result.outcome != "won"]
     yield summed_up("laboratory", f"{subject}, ticks of a run won", "", [median(won)])
     yield summed_up("laboratory", f"{subject}, ticks of a run lost", "", [median(lost)])
 
 
+def _graded(folder: Path, out: str, workers: int) -> float:
+    """Grade as the command does, and return the processor seconds that it took."""
+    command = (
+        f"-m logical_robots_tui grade assignment.toml submissions -o {out} --workers {workers}"
+    )
+    before = getrusage(RUSAGE_CHILDREN)
+    status = subprocess.run([sys.executable, *command.split()], cwd=folder, check=False).returncode
+    after = getrusage(RUSAGE_CHILDREN)
+    assert status == 0, status
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def _exported(out: Path) -> dict[str, bytes]:
+    """Return all that a person or another program reads, by path."""
+    kept = ("ledger.db", "manifest.json")
+    files = (path for path in out.rglob("*") if path.is_file() and not path.name.startswith(kept))
+    return {str(path.relative_to(out)): path.read_bytes() for path in files}
+
+
 def _write_class(folder: Path) -> None:
-    """Write an assignment and submissions: solutions, starters, and mistakes."""
+    """Write an assignment and the submissions of those who cause no trouble."""
     levels = "".join(f'[[level]]\nname = "{name}"\n' for name in CLASS)
     (folder / "assignment.toml").write_text(f"[assignment]\nstarts = 20\n{levels}")
-    kinds = [kind for kind, count in SHARES for _ in range(count)]
-    for number, kind in enumerate(kinds):
-        student = folder / "submissions" / f"student-{number}"
-        student.mkdir(parents=True)
+    for number in range(STUDENTS - len(TROUBLES)):
         for name in CLASS:
             level = load_level(name)
-            program = level.starter if kind == "starter" else level.solution
+            program = level.solution if number < WINNERS else level.starter
             text = (shipped_folder("programs") / f"{program}.l").read_text("utf-8")
-            text += _REMARK.format(number, number, number)
-            if kind == "wrong":
-                text = text.replace("Sensor(", "Snesor(")
-            (student / f"{name}.l").write_text(text)
+            _hand_in(folder, f"student-{number}/{name}", text + _REMARK.format(*[number] * 3))
+
+
+def _hand_in(folder: Path, name: str, text: str) -> None:
+    file = folder / "submissions" / f"{name}.l"
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text)
